@@ -1,0 +1,107 @@
+#include "base/file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nettle/sha2.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+namespace ecs {
+namespace {
+
+constexpr std::uintmax_t kLargest = 256ull << 20;
+
+Problem file_problem(ProblemKind kind, const std::filesystem::path& path, const std::string& what) {
+  return Problem{kind, what, path.string(), 0, 0, {}};
+}
+
+Problem write_problem(const std::filesystem::path& path, int error) {
+  return file_problem(ProblemKind::output, path, fmt::format("cannot write: {}", std::strerror(error)));
+}
+
+bool write_all(int handle, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(handle, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "no such file"));
+  if (std::filesystem::is_directory(status))
+    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "expected a file, found a directory"));
+  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > kLargest)
+    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream content;
+  if (in && in.peek() != std::ifstream::traits_type::eof()) content << in.rdbuf();
+  if (in.bad() || !in.is_open())
+    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "cannot read: permission denied or I/O error"));
+  return std::move(content).str();
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
+  std::string beside = path.string() + ".XXXXXX";
+  const int handle = ::mkstemp(beside.data());
+  if (handle < 0) return tl::unexpected(write_problem(path, errno));
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  const bool written = write_all(handle, content) && ::fchmod(handle, 0666 & ~mask) == 0 && ::fsync(handle) == 0;
+  const int write_error = errno;
+  ::close(handle);
+  if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
+    const int error = written ? errno : write_error;
+    ::unlink(beside.c_str());
+    return tl::unexpected(write_problem(path, error));
+  }
+  return {};
+}
+
+std::string sha256_hex(std::string_view content) {
+  sha256_ctx context;
+  sha256_init(&context);
+  sha256_update(&context, content.size(), reinterpret_cast<const std::uint8_t*>(content.data()));
+  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+  sha256_digest(&context, digest.size(), digest.data());
+  std::string hex;
+  for (const std::uint8_t byte : digest) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+std::uint32_t crc32_of(std::span<const std::uint8_t> bytes) {
+  return static_cast<std::uint32_t>(::crc32_z(0, bytes.data(), bytes.size()));
+}
+
+Result<std::filesystem::path> state_folder() {
+  const auto from = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+  };
+  std::filesystem::path folder = from("ECS_STATE_DIR");
+  if (folder.empty() && !from("XDG_STATE_HOME").empty()) folder = from("XDG_STATE_HOME") / "ecs";
+  if (folder.empty() && !from("HOME").empty()) folder = from("HOME") / ".local/state/ecs";
+  if (folder.empty()) return problem(ProblemKind::output, "no state folder: set ECS_STATE_DIR or HOME");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return tl::unexpected(file_problem(ProblemKind::output, folder, "cannot create: " + error.message()));
+  return folder;
+}
+
+}  // namespace ecs

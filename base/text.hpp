@@ -1,0 +1,35 @@
+// Text as files hold it: trimming, splitting, numbers. Always in the "C" locale, whatever the terminal says.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ecs {
+
+/// Without blanks, tabs, CR and LF at either end.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+
+/// ASCII lower case.
+[[nodiscard]] std::string lower(std::string_view text);
+
+/// Cut at every `separator`; "a,,b" has three fields, "" has one.
+[[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
+
+/// Lines without their ends; LF, CRLF and CR all end a line. The last line needs no end.
+[[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
+
+/// The whole of `text` (blanks around it allowed, leading '+' allowed) as a finite decimal number; else nothing.
+[[nodiscard]] std::optional<double> number_in(std::string_view text);
+
+/// The whole of `text` as a decimal integer; else nothing.
+[[nodiscard]] std::optional<long long> integer_in(std::string_view text);
+
+/// Shortest decimal that reads back as the same double ("0.1", "-38.8", "1e-07").
+[[nodiscard]] std::string shortest(double value);
+
+/// The candidate most like `word` (edit distance at most a third of its length), for "did you mean"; empty if none.
+[[nodiscard]] std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace ecs
