@@ -14,8 +14,8 @@ namespace ecs {
 /// Letters after `T` carry the tool, letters before it the workpiece, both read from the base outward:
 /// "TXYZ" moving column mill, "XYTZ" machining centre with compound table, "TX" one axis, "XTYZ" with X unused a lathe.
 struct Chain {
-  PerAxis<std::int8_t> order{-1, -1, -1};      ///< place on its side, counted from the base; -1: the axis does not exist
-  PerAxis<bool> carries_workpiece{};           ///< true: a letter before the T
+  PerAxis<std::int8_t> order{-1, -1, -1};  ///< place on its side, counted from the base; -1: the axis does not exist
+  PerAxis<bool> carries_workpiece{};       ///< true: a letter before the T
 
   [[nodiscard]] constexpr bool has(Axis a) const { return order[index_of(a)] >= 0; }
   [[nodiscard]] constexpr std::size_t axis_count() const {
@@ -57,8 +57,8 @@ struct Chain {
 }
 
 /// True where the position of `lever` is part of the lever arm L_b of axis `b` (rigid-body model, docs/physics.md):
-/// tool-side b: tool-side axes after b; workpiece-side b: all tool-side axes, workpiece-side axes from the base up to b,
-/// and b itself.
+/// tool-side b: tool-side axes after b; workpiece-side b: all tool-side axes, workpiece-side axes from the base up to
+/// b, and b itself.
 [[nodiscard]] constexpr bool is_lever(const Chain& chain, Axis b, Axis lever) {
   if (!chain.has(b) || !chain.has(lever)) return false;
   const auto place_b = chain.order[index_of(b)];

@@ -14,10 +14,27 @@ namespace ecs {
 
 /// The order is that of the memory image (core/memory_image.hpp): do not reorder.
 enum class Component : std::uint8_t {
-  EXX, EYX, EZX, EAX, EBX, ECX,  //
-  EXY, EYY, EZY, EAY, EBY, ECY,  //
-  EXZ, EYZ, EZZ, EAZ, EBZ, ECZ,  //
-  C0Y, B0Z, A0Z                  ///< squareness: one constant for the whole axis
+  EXX,
+  EYX,
+  EZX,
+  EAX,
+  EBX,
+  ECX,  //
+  EXY,
+  EYY,
+  EZY,
+  EAY,
+  EBY,
+  ECY,  //
+  EXZ,
+  EYZ,
+  EZZ,
+  EAZ,
+  EBZ,
+  ECZ,  //
+  C0Y,
+  B0Z,
+  A0Z  ///< squareness: one constant for the whole axis
 };
 
 inline constexpr std::size_t kCurves = 18;      ///< components that vary with position

@@ -15,8 +15,8 @@
 
 namespace ecs {
 
-inline constexpr std::size_t kMostModules = 5;            ///< axis memory modules a rack holds (thesis 5.2)
-inline constexpr std::size_t kValuesPerModule = 32'000;   ///< error values one module holds, one map
+inline constexpr std::size_t kMostModules = 5;           ///< axis memory modules a rack holds (thesis 5.2)
+inline constexpr std::size_t kValuesPerModule = 32'000;  ///< error values one module holds, one map
 inline constexpr std::size_t kMostValues = kMostModules * kValuesPerModule;
 
 enum class Transducer : std::uint8_t { encoder, resolver };
@@ -35,24 +35,24 @@ enum class DatumKind : std::uint8_t {
 
 struct DatumParameters {
   DatumKind kind = DatumKind::fanuc;
-  std::int8_t switch_polarity = 1;         ///< +1: closed reads as active; −1: open reads as active
-  bool switch_initially_active = false;    ///< state of the switch when the routine may begin
-  bool switch_finally_active = false;      ///< state of the switch when the marker is taken
-  double approach_speed_mm_min = 1000.0;   ///< above zero; the axis must not be faster than 1.5 × this on the switch
+  std::int8_t switch_polarity = 1;        ///< +1: closed reads as active; −1: open reads as active
+  bool switch_initially_active = false;   ///< state of the switch when the routine may begin
+  bool switch_finally_active = false;     ///< state of the switch when the marker is taken
+  double approach_speed_mm_min = 1000.0;  ///< above zero; the axis must not be faster than 1.5 × this on the switch
   Approach approach_direction = Approach::forward;  ///< direction of travel onto the switch
-  double null_offset_mm = 0.0;             ///< from the marker to the reference position
-  double reference_position_mm = 0.0;      ///< machine coordinate of the reference position
+  double null_offset_mm = 0.0;                      ///< from the marker to the reference position
+  double reference_position_mm = 0.0;               ///< machine coordinate of the reference position
   friend bool operator==(const DatumParameters&, const DatumParameters&) = default;
 };
 
 struct AxisParameters {
   Transducer transducer = Transducer::encoder;
-  double position_scale_um_per_count = 1.0;    ///< position feedback scaling factor; sign = wiring polarity; not 0
-  double deadband_um = 2.0;                    ///< minimum distance to qualify as a move
-  double output_scale_counts_per_um = 10.0;    ///< compensation output value scaling factor; above 0
-  std::int8_t compensation_polarity = 1;       ///< +1: the map's values (compensation = −error) are added
-  double output_limit_um = 500.0;              ///< size limit of the compensation; beyond it the value is held and flagged
-  double output_slew_um_per_s = 10'000.0;      ///< slew limit of the compensation
+  double position_scale_um_per_count = 1.0;  ///< position feedback scaling factor; sign = wiring polarity; not 0
+  double deadband_um = 2.0;                  ///< minimum distance to qualify as a move
+  double output_scale_counts_per_um = 10.0;  ///< compensation output value scaling factor; above 0
+  std::int8_t compensation_polarity = 1;     ///< +1: the map's values (compensation = −error) are added
+  double output_limit_um = 500.0;          ///< size limit of the compensation; beyond it the value is held and flagged
+  double output_slew_um_per_s = 10'000.0;  ///< slew limit of the compensation
   DatumParameters datum{};
   friend bool operator==(const AxisParameters&, const AxisParameters&) = default;
 };
@@ -63,14 +63,14 @@ struct UnitParameters {
   PerAxis<bool> axis_present{true, true, true};
   MeasurementSystem measurement_system = MeasurementSystem::metric;
   // compensation
-  std::uint8_t memory_modules = 1;             ///< 1 … 5
+  std::uint8_t memory_modules = 1;  ///< 1 … 5
   Scope scope = Scope::volumetric;
-  Plane plane{};                               ///< for Scope::planar
+  Plane plane{};  ///< for Scope::planar
   Interpolation interpolation = Interpolation::linear;
   Convention convention = Convention::iso;
-  double loop_period_us = 1000.0;              ///< 100 … 20 000
-  double angular_scale = 1.0;                  ///< multiplies every angular term
-  double C0Y_um_per_m = 0.0;                   ///< squareness *errors* (parameters hold errors, maps compensation)
+  double loop_period_us = 1000.0;  ///< 100 … 20 000
+  double angular_scale = 1.0;      ///< multiplies every angular term
+  double C0Y_um_per_m = 0.0;       ///< squareness *errors* (parameters hold errors, maps compensation)
   double B0Z_um_per_m = 0.0;
   double A0Z_um_per_m = 0.0;
   Vector3 tool_offset_mm{};

@@ -1,0 +1,37 @@
+// The address space of the unit's 68000 (24 bits, big-endian), as host and unit see it. Sizes in bytes.
+// Axis memory holds two banks of one map each; a commit record says which bank is the active one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/parameters.hpp"
+
+namespace ecs {
+
+using Address = std::uint32_t;
+
+/// Room for one map of 32,000 two-byte values, and 9,728 bytes for prefix, parameters, directory and header.
+inline constexpr std::uint32_t kModuleBankBytes = 0x12000;
+inline constexpr std::uint32_t kBankBytes = static_cast<std::uint32_t>(kMostModules) * kModuleBankBytes;
+
+struct Region {
+  Address first = 0;
+  std::uint32_t size = 0;
+  bool writable = false;  ///< by MEMORY WRITE in integration mode
+  std::string_view name;
+  [[nodiscard]] constexpr bool contains(Address address) const { return address >= first && address - first < size; }
+};
+
+inline constexpr Region kEprom{0x000000, 0x10000, false, "EPROM"};
+inline constexpr Region kSystemRam{0x040000, 0x10000, true, "system RAM"};
+inline constexpr Region kCommitRecords{0x0F0000, 0x80, false, "commit records"};
+inline constexpr Region kBankA{0x100000, kBankBytes, true, "axis memory bank A"};
+inline constexpr Region kBankB{0x200000, kBankBytes, true, "axis memory bank B"};
+inline constexpr std::array<Region, 5> kRegions{kEprom, kSystemRam, kCommitRecords, kBankA, kBankB};
+
+/// Bytes of one bank that a unit with `modules` axis memory modules has.
+[[nodiscard]] constexpr std::uint32_t bank_bytes(std::uint8_t modules) { return modules * kModuleBankBytes; }
+
+}  // namespace ecs

@@ -1,0 +1,66 @@
+#include "core/fault.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace ecs {
+namespace {
+
+constexpr std::array<FaultText, kFaultCount> kFaults{{
+    {"none", "no fault", "nothing to do"},
+    {"ram_test", "a location of the axis memory does not hold what is written to it",
+     "note the address, replace that axis memory module, then send parameters and map again"},
+    {"block_check", "the axis memory is corrupt: its block check does not agree with its contents",
+     "send parameters and map again; if it comes back, replace the battery or the module"},
+    {"no_map", "the axis memory holds no complete error map", "send parameters and map"},
+    {"map_not_for_parameters", "the error map does not fit the parameters: a component is missing or the chain differs",
+     "build the map for the scope and configuration that the parameters name, and send both"},
+    {"bad_parameters", "a parameter in the axis memory is out of its range",
+     "run `ecs params check` and send them again"},
+    {"compensation_output", "the compensation output stayed at its limit",
+     "check the output scaling factor, the size limit and the map's largest value"},
+    {"axis_module", "an axis module or its transducer signal is lost",
+     "check the transducer cable and the axis module"},
+    {"datum_sequence", "the datum routine saw something that its parameters do not allow",
+     "record the datum sequence and compare it with the datuming parameters"},
+    {"loop_overrun", "the compensation loop did not finish within its period", "lengthen the loop iteration time"},
+    {"watchdog", "the processor stopped serving the watchdog",
+     "switch the unit off and on; if it comes back, replace the "
+     "microprocessor module"},
+    {"position_jump", "an axis position changed further in one period than any axis can move",
+     "check the transducer wiring and the position feedback scaling factor"},
+    {"user_software", "the user software left its memory or its time", "check the program and its start address"},
+}};
+
+constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
+constexpr std::array<std::string_view, 7> kStages{"waiting",        "seeking switch", "on switch", "off switch",
+                                                  "seeking marker", "done",           "failed"};
+constexpr std::array<std::string_view, 7> kFailures{
+    "none", "wrong initial state", "wrong direction", "too fast", "wrong final state", "no reversal", "no marker"};
+constexpr std::array<std::string_view, 7> kAdvice{
+    "nothing to do",
+    "move the axis off the reference switch before datuming, or change switch polarity or initial state",
+    "change the approach direction, or reference the axis from the other side",
+    "lower the reference feed of the controller, or raise the approach speed",
+    "change the final state of the switch, or the datum type: the marker came at another place of the sequence",
+    "the controller does not turn back off the switch: choose another datum type",
+    "check the marker signal of the transducer"};
+
+template <class Texts, class Value>
+std::string_view at(const Texts& texts, Value value) noexcept {
+  const auto i = static_cast<std::size_t>(value);
+  return i < texts.size() ? texts[i] : std::string_view("unknown");
+}
+
+}  // namespace
+
+FaultText text_of(Fault fault) noexcept {
+  const auto i = static_cast<std::size_t>(fault);
+  return i < kFaults.size() ? kFaults[i] : FaultText{"unknown", "a fault this program does not know", "update ecs"};
+}
+std::string_view name_of(UnitMode mode) noexcept { return at(kModes, mode); }
+std::string_view name_of(DatumStage stage) noexcept { return at(kStages, stage); }
+std::string_view name_of(DatumFailure failure) noexcept { return at(kFailures, failure); }
+std::string_view advice_for(DatumFailure failure) noexcept { return at(kAdvice, failure); }
+
+}  // namespace ecs
