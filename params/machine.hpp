@@ -1,0 +1,60 @@
+// The machine tool that a unit stands on: axes, travels, transducers and facts, from its TOML file
+// (docs/design.md 3.2). The unit's own parameters live in core/parameters.hpp; the emulator's hidden truths are read by
+// the emulator.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/parameters.hpp"
+
+namespace ecs::params {
+
+/// One axis, machine coordinates.
+struct MachineAxis {
+  std::array<double, 2> travel_mm{};  ///< lower end, upper end; lower < upper
+  double datum_mm = 0.0;              ///< coordinate of the reference position; scale-like errors count from here
+  Transducer transducer = Transducer::encoder;
+  double resolution_um = 1.0;  ///< of one position count; above 0
+  // facts that an effect may use; absent: unknown
+  std::optional<double> screw_pitch_mm;                  ///< above 0
+  std::optional<double> scale_pitch_mm;                  ///< above 0
+  std::optional<double> expansion_um_per_m_degC;         ///< of screw or scale
+  PerAxis<std::optional<double>> measurement_line_mm{};  ///< coordinates of the other axes while this one was measured
+  friend bool operator==(const MachineAxis&, const MachineAxis&) = default;
+};
+
+struct Machine {
+  std::string name;
+  std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/chain.hpp)
+  PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
+  friend bool operator==(const Machine&, const Machine&) = default;
+};
+
+struct MachineFile {
+  Machine machine{};
+  std::vector<Problem> warnings;  ///< unknown keys outside `[emulator]`, a datum outside the travel
+};
+
+/// A machine out of TOML text; every wrong value in one pass with line and column. Needed: `configuration` and, for at
+/// least one axis, `travel_mm`. @param name  the file as problems name it
+[[nodiscard]] Result<MachineFile> parse_machine(std::string_view text, const std::string& name);
+[[nodiscard]] Result<MachineFile> read_machine(const std::filesystem::path& path);
+
+/// The chain of the axes that exist. @pre `machine` came from parse_machine() or has a valid configuration
+[[nodiscard]] std::optional<Chain> chain_of(const Machine& machine);
+
+/// Where axis b was measured, 0 where the file says nothing.
+[[nodiscard]] MeasurementLines measurement_lines_of(const Machine& machine);
+
+/// Parameters that fit the machine to start from: its chain, axes and transducers, position scale = resolution,
+/// deadband = two counts, measurement lines, reference position at the datum, and the widest scope its axes allow.
+/// What only the control knows (datum kind, output scale, polarity) keeps the default.
+[[nodiscard]] UnitParameters default_parameters_for(const Machine& machine);
+
+}  // namespace ecs::params
