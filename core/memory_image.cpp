@@ -1,0 +1,199 @@
+#include "core/memory_image.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include <zlib.h>
+
+namespace ecs {
+namespace {
+
+std::uint32_t crc32_from(std::uint32_t crc, ByteView bytes) noexcept {
+  return static_cast<std::uint32_t>(::crc32_z(crc, bytes.data(), bytes.size()));
+}
+
+/// CRC-32 of an image with the check's own bytes taken as zero.
+std::uint32_t block_check(ByteView image) noexcept {
+  static constexpr std::array<std::uint8_t, 4> kZero{};
+  std::uint32_t crc = crc32_from(0, image.first(prefix_at::check));
+  crc = crc32_from(crc, kZero);
+  return crc32_from(crc, image.subspan(prefix_at::check + 4));
+}
+
+std::uint32_t prefix_word(ByteView image, std::uint32_t at) noexcept { return load_big<std::uint32_t>(image, at); }
+
+bool sound_entry(const TableEntry& e, std::uint32_t value_count) noexcept {
+  if (is_squareness(e.component)) return false;
+  if (e.declared_zero) return e.count == 0;
+  if (e.count == 0 || e.first_value > value_count || e.count > value_count - e.first_value) return false;
+  const bool finite = std::isfinite(e.start_mm) && std::isfinite(e.increment_mm) && std::isfinite(e.resolution);
+  return finite && e.increment_mm > 0.0 && e.resolution > 0.0 && std::abs(e.start_mm) < 1e6 && e.increment_mm < 1e6;
+}
+
+/// Raw codes of an entry that cannot be turned into the enums.
+bool known_codes(ByteView image, std::uint32_t at) noexcept {
+  const auto approach = static_cast<std::int8_t>(image[at + 1]);
+  return image[at] < kCurves && approach >= -1 && approach <= 1 && image[at + 2] <= 1;
+}
+
+bool clash(const TableEntry& a, const TableEntry& b) noexcept {
+  if (a.component != b.component) return false;
+  return a.approach == b.approach || a.approach == Approach::unknown || b.approach == Approach::unknown;
+}
+
+ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
+  const ImageView view(image);
+  for (std::uint32_t i = 0; i < view.table_count(); ++i) {
+    verdict.table = i;
+    const std::uint32_t at = directory_offset() + i * kEntryBytes;
+    if (!known_codes(image, at) || !sound_entry(view.entry(i), view.value_count())) {
+      verdict.fault = ImageFault::bad_entry;
+      return verdict;
+    }
+    for (std::uint32_t j = 0; j < i; ++j)
+      if (clash(view.entry(i), view.entry(j))) {
+        verdict.fault = ImageFault::duplicate_table;
+        return verdict;
+      }
+  }
+  verdict.table = 0;
+  return verdict;
+}
+
+}  // namespace
+
+void begin_image(Bytes image, const ImagePlan& plan) noexcept {
+  std::fill(image.begin(), image.end(), std::uint8_t{0});
+  store_big(image, prefix_at::magic, kImageMagic);
+  store_big(image, prefix_at::format, kImageFormat);
+  store_big(image, prefix_at::total_bytes, image_bytes(plan));
+  store_big(image, prefix_at::parameters, kPrefixBytes);
+  store_big(image, prefix_at::directory, directory_offset());
+  store_big(image, prefix_at::table_count, plan.table_count);
+  store_big(image, prefix_at::values, values_offset(plan));
+  store_big(image, prefix_at::value_count, plan.value_count);
+  store_big(image, prefix_at::header, header_offset(plan));
+  store_big(image, prefix_at::header_bytes, plan.header_bytes);
+}
+
+void write_parameters(Bytes image, const UnitParameters& parameters) noexcept {
+  encode_parameters(parameters, image.subspan(kPrefixBytes, kParameterBytes));
+}
+
+void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept {
+  const std::uint32_t at = directory_offset() + index * kEntryBytes;
+  image[at] = static_cast<std::uint8_t>(entry.component);
+  image[at + 1] = static_cast<std::uint8_t>(entry.approach);
+  image[at + 2] = entry.declared_zero ? 1 : 0;
+  store_big(image, at + 4, entry.first_value);
+  store_big(image, at + 8, entry.count);
+  store_double(image, at + 16, entry.start_mm);
+  store_double(image, at + 24, entry.increment_mm);
+  store_double(image, at + 32, entry.resolution);
+}
+
+void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept {
+  store_big(image, prefix_word(image, prefix_at::values) + 2 * index, static_cast<std::uint16_t>(counts));
+}
+
+void write_header(Bytes image, std::string_view text) noexcept {
+  std::memcpy(image.data() + prefix_word(image, prefix_at::header), text.data(), text.size());
+}
+
+void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block_check(image)); }
+
+std::string_view text_of(ImageFault fault) noexcept {
+  switch (fault) {
+    case ImageFault::none:
+      return "sound";
+    case ImageFault::no_image:
+      return "holds no image";
+    case ImageFault::wrong_format:
+      return "has a format that this program does not know";
+    case ImageFault::wrong_length:
+      return "is cut short, or its lengths contradict each other";
+    case ImageFault::block_check:
+      return "is corrupt: the block check does not agree";
+    case ImageFault::bad_parameters:
+      return "holds impossible parameters";
+    case ImageFault::bad_directory:
+      return "has a table directory that cannot be";
+    case ImageFault::bad_entry:
+      return "has a table that cannot be";
+    case ImageFault::duplicate_table:
+      return "holds a table twice";
+    case ImageFault::over_capacity:
+      return "holds more values than the axis memory modules";
+  }
+  return "unknown";
+}
+
+ImageVerdict check_image(ByteView bank) noexcept {
+  ImageVerdict verdict;
+  const auto with = [&](ImageFault fault) {
+    verdict.fault = fault;
+    return verdict;
+  };
+  if (bank.size() < kPrefixBytes || prefix_word(bank, prefix_at::magic) != kImageMagic)
+    return with(ImageFault::no_image);
+  if (load_big<std::uint16_t>(bank, prefix_at::format) != kImageFormat) return with(ImageFault::wrong_format);
+  verdict.total_bytes = prefix_word(bank, prefix_at::total_bytes);
+  verdict.check_expected = prefix_word(bank, prefix_at::check);
+  if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset())
+    return with(ImageFault::wrong_length);
+  const ByteView image = bank.first(verdict.total_bytes);
+  verdict.check_found = block_check(image);
+  if (verdict.check_found != verdict.check_expected) return with(ImageFault::block_check);
+
+  const ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
+                       prefix_word(image, prefix_at::header_bytes)};
+  if (plan.table_count > kMostTables) return with(ImageFault::bad_directory);
+  if (plan.value_count > kMostValues) return with(ImageFault::over_capacity);
+  if (plan.header_bytes > verdict.total_bytes || image_bytes(plan) != verdict.total_bytes)
+    return with(ImageFault::wrong_length);
+  if (prefix_word(image, prefix_at::parameters) != kPrefixBytes ||
+      prefix_word(image, prefix_at::directory) != directory_offset() ||
+      prefix_word(image, prefix_at::values) != values_offset(plan) ||
+      prefix_word(image, prefix_at::header) != header_offset(plan))
+    return with(ImageFault::wrong_length);
+  const auto parameters = ImageView(image).parameters();
+  if (!parameters) return with(ImageFault::bad_parameters);
+  if (plan.value_count > parameters->memory_modules * kValuesPerModule) return with(ImageFault::over_capacity);
+  return check_directory(image, verdict);
+}
+
+std::uint32_t ImageView::total_bytes() const noexcept { return prefix_word(image_, prefix_at::total_bytes); }
+std::uint32_t ImageView::check() const noexcept { return prefix_word(image_, prefix_at::check); }
+std::uint32_t ImageView::table_count() const noexcept { return prefix_word(image_, prefix_at::table_count); }
+std::uint32_t ImageView::value_count() const noexcept { return prefix_word(image_, prefix_at::value_count); }
+
+TableEntry ImageView::entry(std::uint32_t index) const noexcept {
+  const std::uint32_t at = directory_offset() + index * kEntryBytes;
+  return {static_cast<Component>(image_[at]),
+          static_cast<Approach>(static_cast<std::int8_t>(image_[at + 1])),
+          image_[at + 2] != 0,
+          load_big<std::uint32_t>(image_, at + 4),
+          load_big<std::uint32_t>(image_, at + 8),
+          load_double(image_, at + 16),
+          load_double(image_, at + 24),
+          load_double(image_, at + 32)};
+}
+
+std::uint32_t ImageView::value_offset(std::uint32_t index) const noexcept {
+  return prefix_word(image_, prefix_at::values) + 2 * index;
+}
+std::int16_t ImageView::value_counts(std::uint32_t index) const noexcept {
+  return static_cast<std::int16_t>(load_big<std::uint16_t>(image_, value_offset(index)));
+}
+std::optional<UnitParameters> ImageView::parameters() const noexcept {
+  return decode_parameters(image_.subspan(kPrefixBytes, kParameterBytes));
+}
+std::string_view ImageView::header() const noexcept {
+  const ByteView text =
+      image_.subspan(prefix_word(image_, prefix_at::header), prefix_word(image_, prefix_at::header_bytes));
+  return {reinterpret_cast<const char*>(text.data()), text.size()};
+}
+
+}  // namespace ecs

@@ -1,0 +1,133 @@
+// The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
+// them. prefix (64) | parameters (512) | table directory (40 each) | values (int16 each) | header text (UTF-8) The
+// block check is the CRC-32 of the whole image with its own four bytes taken as zero.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/bytes.hpp"
+#include "core/parameters.hpp"
+
+namespace ecs {
+
+inline constexpr std::uint32_t kImageMagic = 0x45435349;  // "ECSI"
+inline constexpr std::uint16_t kImageFormat = 1;
+inline constexpr std::uint32_t kPrefixBytes = 64;
+inline constexpr std::uint32_t kParameterBytes = 512;
+inline constexpr std::uint32_t kEntryBytes = 40;
+inline constexpr std::uint32_t kMostTables = 36;  ///< 18 curves, forward and reverse
+
+/// Offsets inside the prefix.
+namespace prefix_at {
+inline constexpr std::uint32_t magic = 0, format = 4, total_bytes = 8, check = 12, parameters = 16, directory = 20,
+                               table_count = 24, values = 28, value_count = 32, header = 36, header_bytes = 40;
+}
+
+/// One error table in the directory. Values are compensation = value × resolution, um or um/m.
+struct TableEntry {
+  Component component = Component::EXX;   ///< one of the 18 curves
+  Approach approach = Approach::unknown;  ///< unknown: for both approaches
+  bool declared_zero = false;     ///< no values: the engineer declared the component zero (reason in the header)
+  std::uint32_t first_value = 0;  ///< index of the first value in the value area
+  std::uint32_t count = 0;        ///< 0 only if declared zero
+  double start_mm = 0.0;          ///< machine coordinate of the first value
+  double increment_mm = 1.0;      ///< above 0
+  double resolution = 0.01;       ///< um or um/m per count, above 0
+  friend bool operator==(const TableEntry&, const TableEntry&) = default;
+};
+
+/// What an image holds, before its bytes exist.
+struct ImagePlan {
+  std::uint32_t table_count = 0;
+  std::uint32_t value_count = 0;
+  std::uint32_t header_bytes = 0;
+};
+[[nodiscard]] constexpr std::uint32_t directory_offset() noexcept { return kPrefixBytes + kParameterBytes; }
+[[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
+  return directory_offset() + plan.table_count * kEntryBytes;
+}
+[[nodiscard]] constexpr std::uint32_t header_offset(const ImagePlan& plan) noexcept {
+  return values_offset(plan) + plan.value_count * 2;
+}
+[[nodiscard]] constexpr std::uint32_t image_bytes(const ImagePlan& plan) noexcept {
+  return header_offset(plan) + plan.header_bytes;
+}
+
+// --- writing; every function: @pre image.size() == image_bytes(plan), indices within the plan
+void begin_image(Bytes image, const ImagePlan& plan) noexcept;
+void write_parameters(Bytes image, const UnitParameters& parameters) noexcept;
+void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept;
+void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
+void write_header(Bytes image, std::string_view text) noexcept;
+/// Computes and stores the block check; the last step.
+void seal_image(Bytes image) noexcept;
+
+/// The parameters as the fixed block of the image, and back; nothing if a word or number in it is impossible.
+void encode_parameters(const UnitParameters& parameters, Bytes block) noexcept;
+[[nodiscard]] std::optional<UnitParameters> decode_parameters(ByteView block) noexcept;
+
+// --- reading
+enum class ImageFault : std::uint8_t {
+  none,
+  no_image,
+  wrong_format,
+  wrong_length,
+  block_check,
+  bad_parameters,
+  bad_directory,
+  bad_entry,
+  duplicate_table,
+  over_capacity
+};
+[[nodiscard]] std::string_view text_of(ImageFault fault) noexcept;
+
+struct ImageVerdict {
+  ImageFault fault = ImageFault::none;
+  std::uint32_t total_bytes = 0;
+  std::uint32_t check_expected = 0;  ///< stored in the image
+  std::uint32_t check_found = 0;     ///< computed over the bytes
+  std::uint32_t table = 0;           ///< the table at fault, for bad_entry and duplicate_table
+};
+
+/// Every offset, count and number of the image, then its block check. Total: any bytes are accepted as input.
+/// @param bank  the bank from its first byte; may be longer than the image
+[[nodiscard]] ImageVerdict check_image(ByteView bank) noexcept;
+
+/// Reads an image that check_image() found sound.
+class ImageView {
+ public:
+  explicit ImageView(ByteView image) noexcept : image_(image) {}
+  [[nodiscard]] std::uint32_t total_bytes() const noexcept;
+  [[nodiscard]] std::uint32_t check() const noexcept;
+  [[nodiscard]] std::uint32_t table_count() const noexcept;
+  [[nodiscard]] std::uint32_t value_count() const noexcept;
+  [[nodiscard]] TableEntry entry(std::uint32_t index) const noexcept;
+  /// Offset of a value from the start of the image.
+  [[nodiscard]] std::uint32_t value_offset(std::uint32_t index) const noexcept;
+  [[nodiscard]] std::int16_t value_counts(std::uint32_t index) const noexcept;
+  [[nodiscard]] std::optional<UnitParameters> parameters() const noexcept;
+  [[nodiscard]] std::string_view header() const noexcept;
+
+ private:
+  ByteView image_;
+};
+
+// --- which bank is active
+/// The record that switches a new image active: two slots, the valid one with the higher sequence counts.
+struct Commit {
+  std::uint32_t sequence = 0;  ///< 1, 2, …
+  std::uint32_t bank = 0;      ///< 0 = A, 1 = B
+  std::uint32_t image_bytes = 0;
+  std::uint32_t image_check = 0;  ///< block check of the image committed
+  friend bool operator==(const Commit&, const Commit&) = default;
+};
+inline constexpr std::uint32_t kCommitSlotBytes = 64;
+/// @param records  the region of commit records (two slots)
+[[nodiscard]] std::optional<Commit> active_commit(ByteView records) noexcept;
+/// The bytes of one slot, and the slot that must be overwritten next (never the active one).
+void encode_commit(const Commit& commit, Bytes slot) noexcept;
+[[nodiscard]] std::uint32_t next_commit_slot(ByteView records) noexcept;
+
+}  // namespace ecs
