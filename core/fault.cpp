@@ -33,7 +33,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
 }};
 
 constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
-constexpr std::array<std::string_view, 7> kStages{"waiting",        "seeking switch", "on switch", "off switch",
+constexpr std::array<std::string_view, 6> kStages{"waiting",        "seeking switch", "on switch",
                                                   "seeking marker", "done",           "failed"};
 constexpr std::array<std::string_view, 7> kFailures{
     "none", "wrong initial state", "wrong direction", "too fast", "wrong final state", "no reversal", "no marker"};

@@ -46,10 +46,9 @@ enum class DatumStage : std::uint16_t {
   waiting = 0,         ///< the axis has not moved
   seeking_switch = 1,  ///< moving towards the reference switch
   on_switch = 2,       ///< switch active
-  off_switch = 3,      ///< switch left again
-  seeking_marker = 4,  ///< switch sequence complete, next marker is the datum
-  done = 5,            ///< referenced
-  failed = 6,          ///< see DatumFailure
+  seeking_marker = 3,  ///< switch sequence complete, next marker is the datum
+  done = 4,            ///< referenced
+  failed = 5,          ///< see DatumFailure
 };
 enum class DatumFailure : std::uint16_t {
   none = 0,

@@ -1,0 +1,53 @@
+// The fixed-period loop of the unit: positions in, D/A counts out (thesis 5.3, compensation mode).
+// No heap, no exception, no lock, no clock, bounded time; tests/core runs it with allocation forbidden.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/compiled_map.hpp"
+
+namespace ecs {
+
+/// What the loop remembers from tick to tick, and what can be read of it in between.
+struct TickState {
+  PerAxis<std::int64_t> datum_counts{};  ///< transducer counts at the datum
+  Vector3 datum_mm{};                    ///< machine coordinate there
+  Vector3 position_mm{};
+  Vector3 extreme_mm{};                                   ///< furthest point in the present direction of motion
+  PerAxis<Approach> approach{};                           ///< forward or reverse, never unknown after start()
+  Vector3 compensation_um{};                              ///< what the model asks for, before scaling and limits
+  PerAxis<double> output_counts{};                        ///< D/A value, polarity and limits applied
+  PerAxis<std::int32_t> dac_counts{};                     ///< the same rounded: what leaves the unit
+  PerAxis<bool> at_limit{};                               ///< the size limit holds the value back
+  std::array<std::array<std::int32_t, 6>, kAxes> cell{};  ///< address pointers: value selected per [axis][sense]
+  std::uint64_t ticks = 0;
+};
+
+/// Sets reference positions, approaches and outputs before the first tick. The outputs begin at zero and slew up.
+/// @param approach  direction in which each axis reached its datum
+void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3& position_mm,
+           const PerAxis<Approach>& approach) noexcept;
+
+/// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
+void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
+
+/// Direction after a move to `position_mm`: it turns only after travel back beyond the deadband (thesis 5.3,
+/// "minimum distance to qualify as move"). `extreme_mm` follows.
+[[nodiscard]] inline Approach sensed_approach(Approach before, double position_mm, double deadband_mm,
+                                              double& extreme_mm) noexcept {
+  const double onward_mm = (position_mm - extreme_mm) * static_cast<double>(static_cast<std::int8_t>(before));
+  if (onward_mm >= 0.0) {
+    extreme_mm = position_mm;
+  } else if (-onward_mm > deadband_mm) {
+    extreme_mm = position_mm;
+    return before == Approach::forward ? Approach::reverse : Approach::forward;
+  }
+  return before;
+}
+
+/// Model value at a pose without state: what tick() would ask for. For tests, displays and predictions.
+[[nodiscard]] Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
+                                         const PerAxis<Approach>& approach) noexcept;
+
+}  // namespace ecs
