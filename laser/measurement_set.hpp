@@ -1,0 +1,87 @@
+// Measurements as values: readings of one or more axes with what was known about each, and the reader of their CSV
+// form. Does not live here: the writer (measurement_writer.hpp), instruments' own files (import.hpp), statistics
+// (iso230.hpp).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/axis.hpp"
+#include "core/component.hpp"
+
+namespace ecs::laser {
+
+/// One stop of the machine in front of the instrument. What was not measured is absent, never NaN.
+struct Reading {
+  int row = 0;            ///< number of the data row in its file, from 1; 0: not from a file
+  int line = 0;           ///< line of the file, from 1; 0: not from a file
+  Axis axis = Axis::X;    ///< the axis being moved
+  Vector3 position_mm{};  ///< target, machine coordinates
+  Sense sense = Sense::EX;
+  double error = 0.0;  ///< actual − target; um for EX EY EZ, um/m for EA EB EC
+  Approach approach = Approach::unknown;
+  int run = 1;
+  std::optional<double> time_s;
+  std::optional<double> feed_mm_min;
+  std::optional<double> load_kg;
+  std::optional<double> travel_since_reversal_mm;
+  std::optional<double> pressure_hPa;
+  std::optional<double> humidity_pct;
+  std::optional<bool> compensated;                              ///< the error map was active
+  std::map<std::string, double, std::less<>> sensors_degC;      ///< by column name, `t_<sensor>_degC`
+  std::map<std::string, double, std::less<>> extras;            ///< other columns of numbers, by name
+  std::map<std::string, std::string, std::less<>> text_extras;  ///< other columns, by name
+
+  friend bool operator==(const Reading&, const Reading&) = default;
+};
+
+/// `# key: value` before the header row; an empty key is a comment without a colon.
+struct MetadataEntry {
+  std::string key;
+  std::string value;
+  friend bool operator==(const MetadataEntry&, const MetadataEntry&) = default;
+};
+
+struct MeasurementSet {
+  std::string source;                   ///< the file it came from; empty: none
+  std::vector<MetadataEntry> metadata;  ///< in file order
+  std::vector<std::string> columns;     ///< header row, in file order; empty: not from a CSV file
+  std::vector<Reading> readings;        ///< in file order
+  std::vector<std::string> notes;       ///< what a reader had to assume, in words; no fault among them
+
+  friend bool operator==(const MeasurementSet&, const MeasurementSet&) = default;
+};
+
+/// Position of the moving axis [mm].
+[[nodiscard]] inline double target_mm(const Reading& reading) { return reading.position_mm[index_of(reading.axis)]; }
+
+/// "um" for a translation, "um/m" for a rotation.
+[[nodiscard]] constexpr std::string_view unit_of(Sense sense) { return is_rotation(sense) ? "um/m" : "um"; }
+
+/// The first entry of that key (exact spelling); nothing if there is none.
+[[nodiscard]] std::optional<std::string> metadata_value(const MeasurementSet& set, std::string_view key);
+
+/// Names of every `t_<sensor>_degC` that some reading has, sorted.
+[[nodiscard]] std::vector<std::string> sensor_names_of(const MeasurementSet& set);
+
+/// `t_<sensor>_degC` with a sensor name in the middle.
+[[nodiscard]] bool is_sensor_column(std::string_view name);
+
+/// Reads the CSV form: `# key: value` lines, a header row, one row per reading. Columns by name in any order:
+/// axis, sense, reading are needed; x_mm y_mm z_mm (absent = 0), approach (absent or empty = unknown), run (= 1),
+/// time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct, t_<sensor>_degC, compensated are
+/// known; others are kept. CRLF, a byte order mark, blanks round fields and quoted fields are taken as they come.
+/// Refuses, every bad row at once with line and column: unknown axis or sense, text or NaN where a number belongs,
+/// approach other than 1, -1, 0, a run that is no integer, an empty position of the moving axis, missing or
+/// duplicate columns, rows of another length, decimal commas, other separators, empty and binary files, no readings.
+[[nodiscard]] Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::string& file_name);
+
+/// The same from a file.
+[[nodiscard]] Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path);
+
+}  // namespace ecs::laser
