@@ -1,12 +1,5 @@
 #include "base/file.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <nettle/sha2.h>
-#include <sys/stat.h>
-#include <unistd.h>
-#include <zlib.h>
-
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -14,6 +7,13 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nettle/sha2.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
 
 namespace ecs {
 namespace {

@@ -1,9 +1,9 @@
 #include "base/result.hpp"
 
-#include <fmt/format.h>
-
 #include <cassert>
 #include <iterator>
+
+#include <fmt/format.h>
 
 namespace ecs {
 

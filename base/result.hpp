@@ -3,9 +3,10 @@
 #pragma once
 
 #include <string>
-#include <tl/expected.hpp>
 #include <utility>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 namespace ecs {
 
@@ -21,11 +22,11 @@ enum class ProblemKind {
 /// One thing that went wrong, in words for the person who must mend it.
 struct Problem {
   ProblemKind kind = ProblemKind::bad_input;
-  std::string message;         ///< what was expected, what was found, what to do
-  std::string file;            ///< empty: no file is to blame
-  int line = 0;                ///< 1-based; 0: unknown
-  int column = 0;              ///< 1-based; 0: unknown
-  std::vector<Problem> also;   ///< further problems found in the same pass, in file order
+  std::string message;        ///< what was expected, what was found, what to do
+  std::string file;           ///< empty: no file is to blame
+  int line = 0;               ///< 1-based; 0: unknown
+  int column = 0;             ///< 1-based; 0: unknown
+  std::vector<Problem> also;  ///< further problems found in the same pass, in file order
 
   friend bool operator==(const Problem&, const Problem&) = default;
 };
