@@ -1,0 +1,62 @@
+// The one register map of the link: where each block lies and how long it is (docs/protocol.md explains it).
+// Does not live here: what the fields of a block mean (unit_data.hpp) and their order (unit_registers.cpp).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ecs::protocol {
+
+/// Raised when a field moves or changes its meaning; the host refuses to talk to another version.
+inline constexpr std::uint16_t kProtocolVersion = 1;
+
+/// A run of 16-bit registers. Numbers go high word first: 32 bits = 2 registers, 64 bits = 4. A real number is the
+/// IEEE 754 double as 64 bits, always. Text is two characters a register, the first in the high byte, zero-padded.
+struct Block {
+  std::uint16_t first = 0;
+  std::uint16_t count = 0;
+  [[nodiscard]] constexpr std::uint32_t end() const { return static_cast<std::uint32_t>(first) + count; }
+  [[nodiscard]] constexpr bool contains(std::uint32_t from, std::uint32_t n) const {
+    return from >= first && from + n <= end();
+  }
+  friend constexpr bool operator==(const Block&, const Block&) = default;
+};
+
+// Request blocks: written by the host, read back as last written. Each but `kBlockWrite` begins with the echo cell: one
+// cell for all of them, which comes back as the first register of every answer block. A host that writes a new echo
+// and reads an answer in one transaction (function 23) can tell a late reply from the one it waits for.
+inline constexpr Block kEcho{0x0000, 1};          ///< echo alone: before a plain answer block
+inline constexpr Block kReadSelect{0x0010, 4};    ///< echo, address (2), bytes
+inline constexpr Block kWindowOpen{0x0020, 6};    ///< echo, tag, address (2), bytes (2)
+inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 8 arguments
+inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
+
+// Answer blocks: read only; the first register is the echo.
+inline constexpr Block kIdentity{0x0100, 35};
+inline constexpr Block kStatus{0x0180, 60};
+inline constexpr Block kMonitor{0x0200, 70};
+inline constexpr Block kPointers{0x0280, 77};
+inline constexpr Block kCommandResult{0x0300, 47};
+inline constexpr Block kWindowAck{0x0380, 14};
+inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
+inline constexpr std::uint16_t kRegisterSpace = 0x0500;  ///< nothing lies at or above
+
+// The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
+inline constexpr std::size_t kBlockHeaderRegisters = 3;
+inline constexpr std::size_t kBlockBytes = 2 * (kBlockWrite.count - kBlockHeaderRegisters);  ///< 240
+inline constexpr std::size_t kWindowBlocks = 64;
+inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 15,360
+inline constexpr std::size_t kMemoryHeaderRegisters = 5;
+inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRegisters);  ///< 240, most in one read
+
+inline constexpr std::size_t kCommandArguments = 8;
+inline constexpr std::size_t kResultTextBytes = 80;
+inline constexpr std::size_t kSerialNumberBytes = 16;
+inline constexpr std::size_t kUnitNameBytes = 32;
+
+// What one Modbus request can carry (MODBUS Application Protocol V1.1b3, 6.3, 6.12, 6.17).
+inline constexpr std::size_t kMostRead = 125;
+inline constexpr std::size_t kMostWrite = 123;
+inline constexpr std::size_t kMostWriteOfReadWrite = 121;
+
+}  // namespace ecs::protocol
