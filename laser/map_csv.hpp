@@ -1,0 +1,21 @@
+// The error map as text that a person can inspect and edit: `# key: value` header lines, then
+// axis,sense,approach,p_mm,value_um (EA EB EC: um/m). The values are compensation, what the unit adds.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "laser/error_map.hpp"
+
+namespace ecs::laser {
+
+[[nodiscard]] std::string to_map_csv(const ErrorMap& map);
+
+/// Reads a map. Columns by name in any order; an unknown column is refused. Every bad row at once: unknown axis or
+/// sense, approach not 1, -1 or 0, NaN or infinity, values no machine can need (beyond ±32 mm), a position given twice,
+/// approach 0 beside 1 or -1 of the same component, no rows at all. Rows may stand in any order.
+[[nodiscard]] Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_name);
+[[nodiscard]] Result<ErrorMap> read_map_csv(const std::filesystem::path& path);
+
+}  // namespace ecs::laser
