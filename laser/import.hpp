@@ -1,0 +1,72 @@
+// One door for every measurement file: what an instrument wrote, as a measurement set.
+// Does not live here: the readers themselves (readers.hpp), the CSV form (measurement_set.hpp).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "laser/measurement_set.hpp"
+#include "laser/text_decoding.hpp"
+
+namespace ecs::laser {
+
+enum class FileFormat {
+  measurement_csv,    ///< our own CSV (measurement_set.hpp)
+  renishaw_run,       ///< Renishaw .rtl .rta .rts
+  renishaw_dynamic,   ///< Renishaw .rtx
+  renishaw_table,     ///< Renishaw error compensation table (.REN)
+  api_pos,            ///< API XD laser report (.pos)
+  sios_environment,   ///< SIOS nanomeasuring machine environment log (.pos)
+  iso230_assignments  ///< ecmc ISO 230-2 input (.dat)
+};
+
+/// In words, for messages.
+[[nodiscard]] std::string_view name_of(FileFormat format);
+
+/// What a file does not say and the caller knows.
+struct ImportOptions {
+  std::optional<Axis> axis;    ///< moving axis; wins over the file's own statement
+  std::optional<Sense> sense;  ///< needed for .rta and .rts: pitch or yaw, vertical or horizontal is not in the file
+  Vector3 parked_mm{};  ///< coordinates of the axes that do not move; the moving axis's own entry is the origin of
+                        ///< a dynamic capture and unused otherwise
+  Encoding encoding = Encoding::automatic;
+  bool accept_truncated = false;    ///< take what is left of a file that ends too early
+  bool table_holds_errors = false;  ///< .REN: values are errors; false: they are compensation = −error
+  bool spread_environment = true;  ///< Renishaw runs: air and material go from the start to the end value linearly over
+                                   ///< the readings; false: only the first and the last reading carry them
+  std::size_t most_samples = 200'000;  ///< .rtx: longer captures are thinned to every n-th sample; at least 1
+};
+
+/// One line of an environment log.
+struct EnvironmentRecord {
+  Vector3 stage_mm{};
+  Vector3 air_degC{};  ///< at the X, Y and Z interferometer
+  double pressure_hPa = 0.0;
+  double humidity_pct = 0.0;
+  double sample_degC = 0.0;
+  friend bool operator==(const EnvironmentRecord&, const EnvironmentRecord&) = default;
+};
+
+struct Imported {
+  FileFormat format = FileFormat::measurement_csv;
+  MeasurementSet set;                          ///< what had to be assumed stands in `set.notes`
+  std::vector<EnvironmentRecord> environment;  ///< of an environment log, whose set has no readings
+};
+
+/// The format by content, the extension only where the content leaves a choice; nothing if no format fits.
+[[nodiscard]] std::optional<FileFormat> format_of(std::string_view bytes, const std::string& file_name);
+
+/// Reads a file's bytes as whatever they are. Refused with the list of known formats if they are none of them, with a
+/// `usage` problem if the options lack what the file does not say.
+[[nodiscard]] Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
+                                         const ImportOptions& options);
+
+/// The same from a file.
+[[nodiscard]] Result<Imported> read_any(const std::filesystem::path& path, const ImportOptions& options);
+
+}  // namespace ecs::laser
