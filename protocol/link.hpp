@@ -75,7 +75,9 @@ class Link {
   /// Opens the same address again after `disconnected`.
   [[nodiscard]] Result<void> reconnect();
 
-  /// True once the cancel flag is set.
+  /// False: the cancel flag is not looked at, so that what was begun can be taken back after a cancel.
+  void heed_cancel(bool heed);
+  /// True once the cancel flag is set, if it is heeded.
   [[nodiscard]] bool cancelled() const;
   /// Waits, cancellable. False: cancelled.
   [[nodiscard]] bool pause(std::chrono::microseconds span) const;

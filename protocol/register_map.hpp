@@ -32,12 +32,12 @@ inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 
 inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
 
 // Answer blocks: read only; the first register is the echo.
-inline constexpr Block kIdentity{0x0100, 35};
-inline constexpr Block kStatus{0x0180, 60};
-inline constexpr Block kMonitor{0x0200, 70};
+inline constexpr Block kIdentity{0x0100, 32};
+inline constexpr Block kStatus{0x0180, 58};
+inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
 inline constexpr Block kCommandResult{0x0300, 47};
-inline constexpr Block kWindowAck{0x0380, 14};
+inline constexpr Block kWindowAck{0x0380, 13};
 inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
 inline constexpr std::uint16_t kRegisterSpace = 0x0500;  ///< nothing lies at or above
 

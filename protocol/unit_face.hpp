@@ -42,7 +42,8 @@ class UnitFace : public RegisterHandler {
 
  private:
   [[nodiscard]] Registers answer(const Block& block);
-  [[nodiscard]] Registers memory_answer();
+  [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer();
+  void act_on(const Block& block);
   [[nodiscard]] const CommandResult& result_now();
   void take_command(const Command& command);
   [[nodiscard]] CommandResult check_memory(const Command& command);
@@ -52,7 +53,8 @@ class UnitFace : public RegisterHandler {
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written
   CommandResult result_;
-  bool port_busy_ = false;  ///< the unit works on a command
+  bool port_busy_ = false;           ///< the unit works on a command …
+  std::uint16_t busy_sequence_ = 0;  ///< … of this number
 };
 
 }  // namespace ecs::protocol
