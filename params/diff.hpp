@@ -17,7 +17,7 @@ struct Difference {
   friend bool operator==(const Difference&, const Difference&) = default;
 };
 
-/// Every field whose values differ, in the order of the field table; empty exactly if the sets are equal in all fields.
+/// Every field whose values, written in full, differ; in the order of the field table.
 [[nodiscard]] std::vector<Difference> diff(const UnitParameters& a, const UnitParameters& b);
 
 /// A table with one line per difference, headed by the names of the two sets; empty without differences.

@@ -10,4 +10,7 @@ namespace ecs::params {
 /// All rows, in the order of the file.
 [[nodiscard]] std::vector<Field> field_table();
 
+/// The rows of one axis, keys under "axis.X.".
+[[nodiscard]] std::vector<Field> axis_fields(Axis axis);
+
 }  // namespace ecs::params

@@ -172,6 +172,8 @@ std::string objection_to_number(const Field& field, double value) {
 }
 
 std::string objection(const Field& field, const UnitParameters& parameters) {
+  if (field.type == FieldType::choice && !objection_to_number(field, field.get(parameters)).empty())
+    return fmt::format("expected {}, found a code that is none of them", range_text(field));
   if (field.type != FieldType::text) return objection_to_number(field, field.get(parameters));
   UnitParameters copy = parameters;
   const std::string held = field.get_text(parameters);

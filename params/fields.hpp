@@ -38,6 +38,7 @@ struct Field {
   double most = 0.0;
   bool zero_allowed = true;
   std::vector<std::string> choices;                  ///< of a choice
+  std::string accepts;                               ///< of a text: what may stand there, in words
   std::string help;                                  ///< what it does and how to find the value, plain words, one line
   std::string thesis_name;                           ///< its name in thesis 5.3; empty: our addition
   std::function<double(const UnitParameters&)> get;  ///< empty for text

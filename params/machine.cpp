@@ -1,0 +1,287 @@
+#include "params/machine.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "params/fields.hpp"
+#include "params/flat_toml.hpp"
+
+namespace ecs::params {
+namespace {
+
+const std::vector<std::string>& axis_keys() {
+  static const std::vector<std::string> keys{"travel_mm",
+                                             "datum_mm",
+                                             "transducer",
+                                             "resolution_um",
+                                             "screw_pitch_mm",
+                                             "scale_pitch_mm",
+                                             "expansion_um_per_m_degC",
+                                             "measurement_line_mm"};
+  return keys;
+}
+
+std::vector<std::string> known_keys() {
+  std::vector<std::string> keys{"name", "configuration", "emulator"};
+  for (const Axis a : kAllAxes) {
+    keys.push_back(fmt::format("axis.{}", letter_of(a)));
+    for (const std::string& key : axis_keys()) keys.push_back(fmt::format("axis.{}.{}", letter_of(a), key));
+  }
+  return keys;
+}
+
+/// "x", "y", "z" → axis.
+std::optional<Axis> axis_of_small(std::string_view part) {
+  if (part.size() != 1 || part.front() < 'x' || part.front() > 'z') return std::nullopt;
+  return static_cast<Axis>(part.front() - 'x');
+}
+
+std::optional<double> number_of(const TomlEntry& entry) {
+  if (const auto* whole = std::get_if<long long>(&entry.value)) return static_cast<double>(*whole);
+  const auto* real = std::get_if<double>(&entry.value);
+  return real != nullptr && std::isfinite(*real) ? std::optional(*real) : std::nullopt;
+}
+
+/// One pass over the entries of a machine file; keeps every problem and every warning.
+class MachineReader {
+ public:
+  explicit MachineReader(std::string name) : name_(std::move(name)) {}
+
+  void take(const TomlEntry& entry) {
+    const bool table = std::holds_alternative<TomlTable>(entry.value);
+    if (entry.key == "emulator" || entry.key.starts_with("emulator.") || inside_unknown_table(entry.key)) return;
+    if (entry.key == "name") return take_text(entry, file_.machine.name);
+    if (entry.key == "configuration") return take_configuration(entry);
+    if (entry.key == "axis" && table) return;
+    const auto axis = axis_in(entry.key);
+    if (!axis) return warn_unknown(entry);
+    if (entry.key.size() == std::string_view("axis.X").size())
+      take_axis_table(*axis, entry, table);
+    else if (file_.machine.axes[index_of(*axis)])
+      take_axis_entry(*axis, entry, std::string_view(entry.key).substr(std::string_view("axis.X.").size()));
+  }
+
+  [[nodiscard]] Result<MachineFile> result() {
+    if (!configuration_given_) refuse_file("configuration: expected the chain, such as configuration = \"TXYZ\"");
+    judge_axes();
+    std::vector<Problem>& warnings = file_.warnings;
+    sort_by_place(warnings);
+    if (problems_.empty()) return std::move(file_);
+    problems_.insert(problems_.end(), warnings.begin(), warnings.end());
+    sort_by_place(problems_);
+    return tl::unexpected(folded(std::move(problems_)));
+  }
+
+ private:
+  [[nodiscard]] Problem at(const TomlEntry& entry, std::string message) const {
+    return {ProblemKind::bad_input, fmt::format("{}: {}", entry.key, message), name_, entry.line, entry.column, {}};
+  }
+  void refuse(const TomlEntry& entry, std::string_view expected) {
+    problems_.push_back(at(entry, fmt::format("expected {}, found {}", expected, shown(entry))));
+  }
+  void refuse_file(std::string message) {
+    problems_.push_back({ProblemKind::bad_input, std::move(message), name_, 0, 0, {}});
+  }
+  void warn(const TomlEntry& entry, std::string message) { file_.warnings.push_back(at(entry, std::move(message))); }
+
+  void warn_unknown(const TomlEntry& entry) {
+    if (std::holds_alternative<TomlTable>(entry.value)) unknown_tables_.push_back(entry.key + ".");
+    warn(entry, fmt::format("not a key of a machine file{}; ignored", did_you_mean(entry.key, known_keys())));
+  }
+  [[nodiscard]] bool inside_unknown_table(const std::string& key) const {
+    return std::any_of(unknown_tables_.begin(), unknown_tables_.end(),
+                       [&](const std::string& table) { return key.starts_with(table); });
+  }
+
+  /// "axis.X…" → X.
+  static std::optional<Axis> axis_in(std::string_view key) {
+    if (!key.starts_with("axis.") || key.size() < 6 || (key.size() > 6 && key[6] != '.')) return std::nullopt;
+    return axis_of(key[5]);
+  }
+
+  void take_text(const TomlEntry& entry, std::string& text) {
+    if (const auto* found = std::get_if<std::string>(&entry.value))
+      text = *found;
+    else
+      refuse(entry, "a text in quotes");
+  }
+
+  void take_configuration(const TomlEntry& entry) {
+    configuration_given_ = true;
+    const auto* text = std::get_if<std::string>(&entry.value);
+    if (text == nullptr || !ecs::chain_of(*text))
+      refuse(entry, "one T and different letters of XYZ, such as \"TXYZ\"");
+    else
+      file_.machine.configuration = *text;
+  }
+
+  void take_axis_table(Axis axis, const TomlEntry& entry, bool table) {
+    if (!table) return refuse(entry, "a table");
+    file_.machine.axes[index_of(axis)].emplace();
+    places_[index_of(axis)] = entry;
+  }
+
+  void take_axis_entry(Axis axis, const TomlEntry& entry, std::string_view key) {
+    MachineAxis& a = *file_.machine.axes[index_of(axis)];
+    if (key == "travel_mm") return take_travel(axis, entry);
+    if (key == "datum_mm") return take_number(entry, a.datum_mm);
+    if (key == "transducer") return take_transducer(entry, a);
+    if (key == "resolution_um") return take_positive(entry, a.resolution_um);
+    if (key == "screw_pitch_mm") return take_positive(entry, a.screw_pitch_mm.emplace());
+    if (key == "scale_pitch_mm") return take_positive(entry, a.scale_pitch_mm.emplace());
+    if (key == "expansion_um_per_m_degC") return take_number(entry, a.expansion_um_per_m_degC.emplace());
+    if (key == "measurement_line_mm") {
+      if (!std::holds_alternative<TomlTable>(entry.value)) refuse(entry, "a table such as { y = -1400.0, z = 0.0 }");
+      return;
+    }
+    if (key.starts_with("measurement_line_mm.")) return take_line(axis, entry, key.substr(key.find('.') + 1));
+    warn_unknown(entry);
+  }
+
+  void take_travel(Axis axis, const TomlEntry& entry) {
+    travel_given_[index_of(axis)] = true;
+    const auto* ends = std::get_if<std::vector<double>>(&entry.value);
+    const bool sound = ends != nullptr && ends->size() == 2 && std::isfinite((*ends)[0]) && std::isfinite((*ends)[1]) &&
+                       (*ends)[0] < (*ends)[1];
+    if (!sound) return refuse(entry, "two ends in mm, the lower first, such as [-4100.0, 0.0]");
+    file_.machine.axes[index_of(axis)]->travel_mm = {(*ends)[0], (*ends)[1]};
+  }
+
+  void take_transducer(const TomlEntry& entry, MachineAxis& a) {
+    const auto* word = std::get_if<std::string>(&entry.value);
+    if (word != nullptr && *word == "encoder")
+      a.transducer = Transducer::encoder;
+    else if (word != nullptr && *word == "resolver")
+      a.transducer = Transducer::resolver;
+    else
+      refuse(entry, "\"encoder\" or \"resolver\"");
+  }
+
+  void take_number(const TomlEntry& entry, double& number) {
+    if (const auto value = number_of(entry))
+      number = *value;
+    else
+      refuse(entry, "a finite number");
+  }
+
+  void take_positive(const TomlEntry& entry, double& number) {
+    const auto value = number_of(entry);
+    if (!value || *value <= 0.0) return refuse(entry, "a number above 0");
+    number = *value;
+  }
+
+  void take_line(Axis axis, const TomlEntry& entry, std::string_view part) {
+    const auto lever = axis_of_small(part);
+    if (!lever) return warn(entry, "a measurement line has the coordinates x, y, z; ignored");
+    if (*lever == axis) return warn(entry, "an axis is no coordinate of its own measurement line; ignored");
+    take_number(entry, file_.machine.axes[index_of(axis)]->measurement_line_mm[index_of(*lever)].emplace());
+  }
+
+  void judge_axes() {
+    const auto chain = ecs::chain_of(file_.machine.configuration);
+    bool any = false;
+    for (const Axis a : kAllAxes) {
+      const auto& axis = file_.machine.axes[index_of(a)];
+      if (!axis) continue;
+      any = true;
+      judge_axis(a, *axis, chain);
+    }
+    if (!any) refuse_file("axis: expected at least one table such as [axis.X] with travel_mm = [-4100.0, 0.0]");
+  }
+
+  void judge_axis(Axis a, const MachineAxis& axis, const std::optional<Chain>& chain) {
+    const TomlEntry& place = places_[index_of(a)];
+    if (chain && !chain->has(a))
+      problems_.push_back(at(place, fmt::format("configuration \"{}\" has no letter {}; add it or remove the table",
+                                                file_.machine.configuration, letter_of(a))));
+    if (!travel_given_[index_of(a)])
+      problems_.push_back(at(place, "expected travel_mm = [lower end, upper end], found none"));
+    else if (axis.travel_mm[0] < axis.travel_mm[1] &&
+             (axis.datum_mm < axis.travel_mm[0] || axis.datum_mm > axis.travel_mm[1]))
+      warn(place, fmt::format("datum_mm {} lies outside the travel of {} to {} mm; check both", shortest(axis.datum_mm),
+                              shortest(axis.travel_mm[0]), shortest(axis.travel_mm[1])));
+  }
+
+  std::string name_;
+  MachineFile file_{};
+  bool configuration_given_ = false;
+  PerAxis<TomlEntry> places_{};  ///< heads of the axis tables
+  PerAxis<bool> travel_given_{};
+  std::vector<std::string> unknown_tables_;
+  std::vector<Problem> problems_;
+};
+
+Scope widest_scope(const PerAxis<bool>& present) {
+  const auto axes = std::count(present.begin(), present.end(), true);
+  return axes == 3 ? Scope::volumetric : axes == 2 ? Scope::planar : Scope::linear;
+}
+
+Plane plane_of(const PerAxis<bool>& present) {
+  if (!present[0]) return {Axis::Y, Axis::Z};
+  return {Axis::X, present[1] ? Axis::Y : Axis::Z};
+}
+
+}  // namespace
+
+Result<MachineFile> parse_machine(std::string_view text, const std::string& name) {
+  const auto entries = flat_toml(text, name);
+  if (!entries) return tl::unexpected(entries.error());
+  MachineReader reader(name);
+  for (const TomlEntry& entry : *entries) reader.take(entry);
+  return reader.result();
+}
+
+Result<MachineFile> read_machine(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_machine(*text, path.string());
+}
+
+std::optional<Chain> chain_of(const Machine& machine) {
+  const auto whole = ecs::chain_of(machine.configuration);
+  if (!whole) return std::nullopt;
+  PerAxis<bool> present{};
+  for (const Axis a : kAllAxes) present[index_of(a)] = machine.axes[index_of(a)].has_value();
+  return restricted_to(*whole, present);
+}
+
+MeasurementLines measurement_lines_of(const Machine& machine) {
+  MeasurementLines lines{};
+  for (const Axis b : kAllAxes) {
+    const auto& axis = machine.axes[index_of(b)];
+    if (!axis) continue;
+    for (const Axis lever : kAllAxes)
+      lines[index_of(b)][index_of(lever)] = axis->measurement_line_mm[index_of(lever)].value_or(0.0);
+  }
+  return lines;
+}
+
+UnitParameters default_parameters_for(const Machine& machine) {
+  UnitParameters parameters;
+  parameters.configuration.fill('\0');
+  const std::size_t letters = std::min(machine.configuration.size(), parameters.configuration.size() - 1);
+  std::copy_n(machine.configuration.begin(), letters, parameters.configuration.begin());
+  for (const Axis a : kAllAxes) {
+    const auto& axis = machine.axes[index_of(a)];
+    parameters.axis_present[index_of(a)] = axis.has_value();
+    if (!axis) continue;
+    AxisParameters& unit = parameters.axes[index_of(a)];
+    unit.transducer = axis->transducer;
+    unit.position_scale_um_per_count = axis->resolution_um;
+    unit.deadband_um = 2.0 * axis->resolution_um;
+    unit.datum.reference_position_mm = axis->datum_mm;
+  }
+  parameters.scope = widest_scope(parameters.axis_present);
+  if (parameters.scope == Scope::planar) parameters.plane = plane_of(parameters.axis_present);
+  parameters.measurement_lines_mm = measurement_lines_of(machine);
+  for (const Axis lever : kAllAxes)
+    if (!parameters.axis_present[index_of(lever)])
+      for (Vector3& line : parameters.measurement_lines_mm) line[index_of(lever)] = 0.0;
+  return parameters;
+}
+
+}  // namespace ecs::params

@@ -1,0 +1,239 @@
+#include "params/parameters_toml.hpp"
+
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "params/fields.hpp"
+#include "params/flat_toml.hpp"
+
+namespace ecs::params {
+namespace {
+
+constexpr std::string_view kMachineKey = "identity.machine";
+constexpr std::string_view kSerialKey = "identity.serial_number";
+
+/// Every table that the file may have: "axis", "axis.X", "axis.X.datum", …
+const std::set<std::string>& known_tables() {
+  static const auto tables = [] {
+    std::set<std::string> found{"identity"};
+    for (const Field& field : fields())
+      for (auto dot = field.key.find('.'); dot != std::string::npos; dot = field.key.find('.', dot + 1))
+        found.insert(field.key.substr(0, dot));
+    return found;
+  }();
+  return tables;
+}
+
+/// One pass over the entries of a file; keeps every problem.
+class ParametersReader {
+ public:
+  explicit ParametersReader(std::string name) : name_(std::move(name)) {}
+
+  void take(const TomlEntry& entry) {
+    if (std::holds_alternative<TomlTable>(entry.value) && known_tables().contains(entry.key)) return;
+    if (inside_refused_table(entry.key)) return;
+    if (entry.key == kMachineKey) return take_text(entry, file_.identity.machine);
+    if (entry.key == kSerialKey) return take_text(entry, file_.identity.serial_number);
+    const Field* field = field_named(entry.key);
+    if (field == nullptr) return refuse_unknown(entry);
+    given_.insert(entry.key);
+    take_field(*field, entry);
+  }
+
+  [[nodiscard]] Result<ParametersFile> result() {
+    if (!problems_.empty()) {
+      sort_by_place(problems_);
+      return tl::unexpected(folded(std::move(problems_)));
+    }
+    for (const Field& field : fields()) {
+      const bool absent = field.axis && !file_.parameters.axis_present[index_of(*field.axis)];
+      if (!absent && !given_.contains(field.key)) file_.defaulted.push_back(field.key);
+    }
+    return std::move(file_);
+  }
+
+ private:
+  void refuse(const TomlEntry& entry, std::string message) {
+    problems_.push_back(
+        {ProblemKind::bad_input, fmt::format("{}: {}", entry.key, message), name_, entry.line, entry.column, {}});
+  }
+
+  void refuse_unknown(const TomlEntry& entry) {
+    const bool table = std::holds_alternative<TomlTable>(entry.value);
+    if (table) refused_tables_.push_back(entry.key + ".");
+    if (known_tables().contains(entry.key)) return refuse(entry, "expected a table, found " + shown(entry));
+    const std::vector<std::string> tables(known_tables().begin(), known_tables().end());
+    refuse(entry, fmt::format("there is no such {}{}; mend the name or remove it", table ? "table" : "parameter",
+                              table ? did_you_mean(entry.key, tables) : hint(entry.key)));
+  }
+
+  static std::string hint(const std::string& key) {
+    const std::string of_identity = did_you_mean(key, {std::string(kMachineKey), std::string(kSerialKey)});
+    return key.starts_with("identity.") ? of_identity : did_you_mean_key(key);
+  }
+
+  /// The entries of a table that is refused as a whole need no words of their own.
+  [[nodiscard]] bool inside_refused_table(const std::string& key) const {
+    for (const std::string& table : refused_tables_)
+      if (key.starts_with(table)) return true;
+    return false;
+  }
+
+  void take_text(const TomlEntry& entry, std::string& text) {
+    if (const auto* found = std::get_if<std::string>(&entry.value))
+      text = *found;
+    else
+      refuse(entry, fmt::format("expected a text in quotes, found {}", shown(entry)));
+  }
+
+  void take_field(const Field& field, const TomlEntry& entry) {
+    const auto expected = [&] { return fmt::format("expected {}, found {}", range_text(field), shown(entry)); };
+    if (field.type == FieldType::text || field.type == FieldType::choice) return take_word(field, entry, expected());
+    const std::optional<double> value = number_for(field, entry);
+    if (!value || !set_number(field, file_.parameters, *value)) refuse(entry, expected());
+  }
+
+  void take_word(const Field& field, const TomlEntry& entry, const std::string& expected) {
+    const auto* word = std::get_if<std::string>(&entry.value);
+    if (word == nullptr) return refuse(entry, expected + "; put the word in quotes");
+    if (!set_text(field, file_.parameters, *word)) refuse(entry, expected + did_you_mean(*word, field.choices));
+  }
+
+  static std::optional<double> number_for(const Field& field, const TomlEntry& entry) {
+    if (field.type == FieldType::truth) {
+      const auto* truth = std::get_if<bool>(&entry.value);
+      return truth != nullptr ? std::optional(*truth ? 1.0 : 0.0) : std::nullopt;
+    }
+    if (const auto* whole = std::get_if<long long>(&entry.value)) return static_cast<double>(*whole);
+    const auto* real = std::get_if<double>(&entry.value);
+    return real != nullptr && field.type == FieldType::number ? std::optional(*real) : std::nullopt;
+  }
+
+  std::string name_;
+  ParametersFile file_{};
+  std::set<std::string> given_;
+  std::vector<std::string> refused_tables_;
+  std::vector<Problem> problems_;
+};
+
+// --- writing
+
+/// "axis.X.measurement_line_mm.y" → table "axis.X", name "measurement_line_mm", part "y" (a lower-case axis letter).
+struct Place {
+  std::string table;
+  std::string name;
+  std::string part;  ///< empty: a plain entry
+};
+
+Place place_of(const Field& field) {
+  std::string path = field.key;
+  Place place;
+  if (path.size() > 2 && path[path.size() - 2] == '.') {
+    place.part = path.substr(path.size() - 1);
+    path.resize(path.size() - 2);
+  }
+  const auto dot = path.rfind('.');
+  place.table = path.substr(0, dot);
+  place.name = path.substr(dot + 1);
+  return place;
+}
+
+std::string toml_value(const Field& field, const UnitParameters& parameters) {
+  if (field.type == FieldType::text || field.type == FieldType::choice) return toml_string(text_of(field, parameters));
+  if (field.type == FieldType::number) return toml_float(field.get(parameters));
+  return text_of(field, parameters);
+}
+
+bool axis_worth_writing(Axis axis, const UnitParameters& parameters) {
+  if (parameters.axis_present[index_of(axis)]) return true;
+  const UnitParameters fresh;
+  for (const Field& field : fields())
+    if (field.axis == axis && text_of(field, parameters) != text_of(field, fresh)) return true;
+  return false;
+}
+
+/// Writes fields one after the other, opening tables and joining the parts of a vector into one entry.
+class ParametersWriter {
+ public:
+  void put(const Field& field, const UnitParameters& parameters) {
+    const Place place = place_of(field);
+    const bool continued = !vector_.empty() && vector_ == place.table + "." + place.name;
+    if (!continued) {
+      close_vector();
+      open(place.table);
+      text_ += fmt::format("# {}\n", field.help);
+      text_ += fmt::format("# {}; default {}\n", range_text(field), default_text(field));
+    }
+    const std::string value = toml_value(field, parameters);
+    if (place.part.empty()) {
+      text_ += fmt::format("{} = {}\n", place.name, value);
+      return;
+    }
+    text_ += continued ? ", " : place.name + " = { ";
+    text_ += fmt::format("{} = {}", place.part, value);
+    vector_ = place.table + "." + place.name;
+  }
+
+  void open(const std::string& table) {
+    if (table == table_) return;
+    text_ += fmt::format("\n[{}]\n", table);
+    table_ = table;
+  }
+
+  void put_identity(const Identity& identity) {
+    if (identity == Identity{}) return;
+    open("identity");
+    if (!identity.machine.empty()) text_ += fmt::format("machine = {}\n", toml_string(identity.machine));
+    if (!identity.serial_number.empty())
+      text_ += fmt::format("serial_number = {}\n", toml_string(identity.serial_number));
+  }
+
+  [[nodiscard]] std::string finished() {
+    close_vector();
+    return "# Parameters of a compensation unit; docs/parameters.md explains each.\n" + text_;
+  }
+
+ private:
+  void close_vector() {
+    if (!vector_.empty()) text_ += " }\n";
+    vector_.clear();
+  }
+
+  std::string text_;
+  std::string table_;   ///< the table that is open
+  std::string vector_;  ///< the vector that is open
+};
+
+}  // namespace
+
+Result<ParametersFile> parse_parameters(std::string_view text, const std::string& name) {
+  const auto entries = flat_toml(text, name);
+  if (!entries) return tl::unexpected(entries.error());
+  ParametersReader reader(name);
+  for (const TomlEntry& entry : *entries) reader.take(entry);
+  return reader.result();
+}
+
+Result<ParametersFile> read_parameters(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_parameters(*text, path.string());
+}
+
+std::string parameters_toml(const UnitParameters& parameters, const Identity& identity) {
+  ParametersWriter writer;
+  writer.put_identity(identity);
+  for (const Field& field : fields())
+    if (!field.axis || axis_worth_writing(*field.axis, parameters)) writer.put(field, parameters);
+  return writer.finished();
+}
+
+Result<void> write_parameters(const std::filesystem::path& path, const UnitParameters& parameters,
+                              const Identity& identity) {
+  return write_file(path, parameters_toml(parameters, identity));
+}
+
+}  // namespace ecs::params

@@ -1,0 +1,237 @@
+#include "params/check.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <doctest/doctest.h>
+
+#include "params/fields.hpp"
+#include "params/parameters_toml.hpp"
+
+using namespace ecs;
+using namespace ecs::params;
+
+namespace {
+
+using Settings = std::vector<std::pair<const char*, const char*>>;
+
+UnitParameters with(const Settings& settings) {
+  UnitParameters parameters;
+  for (const auto& [key, text] : settings) REQUIRE(set(parameters, key, text));
+  return parameters;
+}
+
+/// The finding that names `key`, if there is exactly one.
+std::optional<Finding> finding_on(const UnitParameters& parameters, std::string_view key,
+                                  const Machine* machine = nullptr) {
+  std::vector<Finding> found;
+  for (const Finding& f : check(parameters, machine))
+    if (f.keys.front() == key) found.push_back(f);
+  if (found.size() != 1) return std::nullopt;
+  return found.front();
+}
+
+void expect(Severity severity, const Settings& settings, std::string_view key, std::string_view words,
+            const Machine* machine = nullptr) {
+  CAPTURE(key);
+  const auto finding = finding_on(with(settings), key, machine);
+  REQUIRE(finding.has_value());
+  CHECK(finding->severity == severity);
+  CAPTURE(finding->message);
+  CHECK(finding->message.find(words) != std::string::npos);
+  CHECK(to_text({*finding}).find(key) != std::string::npos);
+}
+
+constexpr Severity kError = Severity::error;
+constexpr Severity kWarning = Severity::warning;
+
+Machine mill() {
+  const auto file = read_machine("samples/params/mill_machine.toml");
+  REQUIRE(file.has_value());
+  return file->machine;
+}
+
+}  // namespace
+
+TEST_CASE("the defaults and the sample of the mill have no findings") {
+  CHECK(to_text(check(UnitParameters{})) == "");
+  const auto file = read_parameters("samples/params/mill_unit.toml");
+  REQUIRE(file.has_value());
+  const Machine machine = mill();
+  CHECK(to_text(check(file->parameters, &machine)) == "");
+}
+
+TEST_CASE("values that no file could hold, as from a corrupt unit, are found with their range") {
+  UnitParameters p;
+  p.configuration = {'X', 'Y', 'Z', 'Q', 0};
+  p.loop_period_us = std::numeric_limits<double>::quiet_NaN();
+  p.plane = {Axis::X, Axis::X};
+  p.axes[0].datum.approach_speed_mm_min = 0.0;
+  p.axes[1].compensation_polarity = 3;
+  p.axes[2].datum.kind = static_cast<DatumKind>(7);
+  for (const std::string key :
+       {"configuration.chain", "compensation.loop_period_us", "compensation.plane",
+        "axis.X.datum.approach_speed_mm_min", "axis.Y.compensation_polarity", "axis.Z.datum.kind"}) {
+    CAPTURE(key);
+    const auto finding = finding_on(p, key);
+    CAPTURE(to_text(check(p)));
+    REQUIRE(finding.has_value());
+    CHECK(finding->severity == kError);
+    CHECK(finding->message.starts_with("expected "));
+  }
+}
+
+TEST_CASE("an axis without a letter in the chain is an error, a letter without its axis a warning") {
+  expect(kError, {{"configuration.chain", "TXY"}}, "configuration.chain", "has no letter Z");
+  expect(kWarning, {{"configuration.axes", "YZ"}, {"compensation.scope", "linear"}}, "configuration.axes",
+         "axis X is not present");
+}
+
+TEST_CASE("a scope that the axes cannot have is an error") {
+  expect(kError, {{"configuration.chain", "TXY"}, {"configuration.axes", "XY"}}, "compensation.scope", "choose planar");
+  expect(kError, {{"configuration.chain", "TX"}, {"configuration.axes", "X"}}, "compensation.scope", "choose linear");
+  expect(kError, {{"configuration.chain", "TX"}, {"configuration.axes", "X"}, {"compensation.scope", "planar"}},
+         "compensation.scope", "planar scope needs two axes");
+  expect(kError,
+         {{"configuration.chain", "TXZ"},
+          {"configuration.axes", "XZ"},
+          {"compensation.scope", "planar"},
+          {"compensation.plane", "XY"}},
+         "compensation.plane", "axis Y, which is not present");
+}
+
+TEST_CASE("the printed equations are refused for chains they do not know") {
+  expect(kError, {{"configuration.chain", "XYZT"}, {"compensation.convention", "as_printed"}},
+         "compensation.convention", "choose iso");
+  for (const char* chain : {"TXYZ", "XTYZ", "XYTZ"})
+    CHECK_FALSE(finding_on(with({{"configuration.chain", chain}, {"compensation.convention", "as_printed"}}),
+                           "compensation.convention"));
+}
+
+TEST_CASE("a deadband below one position count is an error, above 1 mm a warning") {
+  expect(kError, {{"axis.Y.position_scale_um_per_count", "-5"}}, "axis.Y.deadband_um", "less than one position count");
+  expect(kWarning, {{"axis.Y.deadband_um", "1000.5"}}, "axis.Y.deadband_um", "more than 1 mm");
+}
+
+TEST_CASE("an output limit beyond a 16-bit D/A converter is an error") {
+  expect(kError, {{"axis.X.output_limit_um", "3276.71"}}, "axis.X.output_limit_um", "3276 um or less");
+  CHECK_FALSE(finding_on(with({{"axis.X.output_limit_um", "3276.7"}}), "axis.X.output_limit_um"));
+}
+
+TEST_CASE("a limit that lets nothing out is found") {
+  expect(kWarning, {{"axis.X.output_limit_um", "0"}}, "axis.X.output_limit_um", "no compensation");
+  expect(kError, {{"axis.X.output_limit_um", "0.09"}}, "axis.X.output_limit_um", "less than one D/A count");
+}
+
+TEST_CASE("a slew that cannot follow the axis, or limits nothing, is a warning") {
+  // 10,000 mm/min = 166.67 mm/s; at 1 um per mm the output must change by 166.67 um/s.
+  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "166"}}, "axis.Z.output_slew_um_per_s", "at least 167 um/s");
+  CHECK_FALSE(finding_on(with({{"axis.Z.output_slew_um_per_s", "167"}}), "axis.Z.output_slew_um_per_s"));
+  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "2000000"}}, "axis.Z.output_slew_um_per_s", "protects nothing");
+}
+
+TEST_CASE("a loop period shorter than the unit's processor can work is a warning") {
+  expect(kWarning, {{"compensation.loop_period_us", "100"}}, "compensation.loop_period_us", "too short");
+}
+
+TEST_CASE("squareness beyond 1 mm in 1 m, or in a scope that does not use it, is found") {
+  const char* key = "compensation.squareness.B0Z_um_per_m";
+  expect(kError, {{key, "-1000.5"}}, key, "wrong unit");
+  expect(kWarning, {{key, "10"}, {"compensation.scope", "linear"}}, key, "does not use B0Z");
+  expect(kWarning, {{key, "10"}, {"compensation.scope", "planar"}}, key, "does not use B0Z");
+  CHECK_FALSE(finding_on(with({{key, "10"}, {"compensation.scope", "planar"}, {"compensation.plane", "XZ"}}), key));
+}
+
+TEST_CASE("an angular scale that switches off or turns signs is a warning") {
+  expect(kWarning, {{"compensation.angular_scale", "0"}}, "compensation.angular_scale", "switches every angular");
+  expect(kWarning, {{"compensation.angular_scale", "-1"}}, "compensation.angular_scale", "turns the sign");
+}
+
+TEST_CASE("a measurement line for an absent axis is a warning") {
+  const Settings two_axes{
+      {"configuration.chain", "TXY"}, {"configuration.axes", "XY"}, {"compensation.scope", "planar"}};
+  for (const char* key : {"axis.Z.measurement_line_mm.x", "axis.X.measurement_line_mm.z"}) {
+    Settings settings = two_axes;
+    settings.emplace_back(key, "5");
+    expect(kWarning, settings, key, "not present");
+  }
+}
+
+TEST_CASE("each datum kind wants its own final state of the switch") {
+  const char* final_key = "axis.X.datum.switch_finally_active";
+  expect(kError, {{final_key, "true"}}, final_key, "leaving the switch");
+  expect(kError, {{"axis.X.datum.kind", "allen_bradley"}, {final_key, "true"}}, final_key, "backing off");
+  expect(kError, {{"axis.X.datum.kind", "siemens"}}, final_key, "still on the switch");
+  CHECK_FALSE(finding_on(with({{"axis.X.datum.kind", "siemens"}, {final_key, "true"}}), final_key));
+}
+
+TEST_CASE("a switch that is active before it is reached hints at its polarity") {
+  expect(kWarning, {{"axis.X.datum.switch_initially_active", "true"}, {"axis.X.datum.switch_finally_active", "true"}},
+         "axis.X.datum.switch_initially_active", "switch_polarity = -1");
+}
+
+TEST_CASE("a rapid onto the switch is a warning") {
+  expect(kWarning, {{"axis.X.datum.approach_speed_mm_min", "8000"}}, "axis.X.datum.approach_speed_mm_min", "rapid");
+}
+
+TEST_CASE("parameters that contradict the machine they are meant for are found") {
+  const Machine machine = mill();
+  expect(kError, {{"configuration.chain", "XTYZ"}}, "configuration.chain", "machine file says \"TXYZ\"", &machine);
+  expect(kError, {{"configuration.axes", "XY"}, {"compensation.scope", "planar"}}, "configuration.axes",
+         "axis Z is absent here", &machine);
+  expect(kError, {{"axis.X.transducer", "resolver"}}, "axis.X.transducer", "differs from the machine file", &machine);
+  expect(kWarning, {{"axis.X.position_scale_um_per_count", "0.5"}}, "axis.X.position_scale_um_per_count",
+         "machine file says 1 um", &machine);
+  expect(kError, {{"axis.X.datum.reference_position_mm", "1"}}, "axis.X.datum.reference_position_mm",
+         "outside the machine's travel of -4100 to 0 mm", &machine);
+  expect(kWarning, {{"axis.X.datum.reference_position_mm", "-1"}}, "axis.X.datum.reference_position_mm",
+         "the map is shifted", &machine);
+}
+
+TEST_CASE("a null offset larger than the travel is an error") {
+  Machine machine = mill();
+  machine.axes[0]->travel_mm = {-50.0, 0.0};
+  expect(kError, {{"axis.X.datum.null_offset_mm", "-50.5"}}, "axis.X.datum.null_offset_mm", "whole travel of 50 mm",
+         &machine);
+}
+
+TEST_CASE("a rack holds 8 encoder or 5 resolver modules, and 5 memory modules beside three resolvers") {
+  CHECK(rack_holds(1, 8, 0));
+  CHECK_FALSE(rack_holds(1, 9, 0));
+  CHECK(rack_holds(1, 0, 5));
+  CHECK_FALSE(rack_holds(1, 0, 6));
+  CHECK_FALSE(rack_holds(2, 0, 5));
+  CHECK(rack_holds(5, 0, 3));
+  CHECK_FALSE(rack_holds(6, 1, 0));
+}
+
+TEST_CASE("more memory modules than a rack holds are found twice: by their range and by the slots") {
+  UnitParameters p;
+  p.memory_modules = 6;
+  const auto findings = check(p);
+  REQUIRE(findings.size() == 2);
+  for (const Finding& f : findings) CHECK(f.keys.front() == "compensation.memory_modules");
+  CHECK(findings[1].message.find("one rack does not hold 6 memory") != std::string::npos);
+}
+
+TEST_CASE("all findings come at once, errors first") {
+  const auto findings = check(with({{"axis.X.deadband_um", "2000"},
+                                    {"axis.Y.output_limit_um", "9000"},
+                                    {"axis.Z.datum.kind", "siemens"},
+                                    {"compensation.angular_scale", "0"}}));
+  REQUIRE(findings.size() == 4);
+  CHECK(has_errors(findings));
+  CHECK(findings[0].severity == kError);
+  CHECK(findings[1].severity == kError);
+  CHECK(findings[2].severity == kWarning);
+  CHECK(findings[3].severity == kWarning);
+}
+
+TEST_CASE("axes that do not exist are not judged") {
+  const auto findings = check(with({{"configuration.chain", "TX"},
+                                    {"configuration.axes", "X"},
+                                    {"compensation.scope", "linear"},
+                                    {"axis.Z.datum.kind", "siemens"},
+                                    {"axis.Z.deadband_um", "0"}}));
+  CHECK(to_text(findings) == "");
+}

@@ -1,0 +1,142 @@
+#include "params/fields.hpp"
+
+#include <cstdlib>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+#include "random_parameters.hpp"
+
+using namespace ecs;
+using namespace ecs::params;
+
+namespace {
+
+std::string refusal(std::string_view key, std::string_view text) {
+  UnitParameters parameters;
+  const auto done = set(parameters, key, text);
+  CHECK(parameters == UnitParameters{});
+  REQUIRE_FALSE(done.has_value());
+  CHECK(done.error().kind == ProblemKind::usage);
+  return done.error().message;
+}
+
+bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("every parameter that thesis 5.3 lists stands in the table under its thesis name") {
+  std::string names;
+  for (const Field& field : fields()) names += field.thesis_name + "\n";
+  for (const char* name : {"number of machine axes",
+                           "axes names (X,Y,Z)",
+                           "axis configuration",
+                           "machine measurement system (imperial or metric)",
+                           "type of position transducer (encoder or resolver)",
+                           "position feedback scaling factor",
+                           "number of axis memory modules required",
+                           "compensation required (linear, planar or volumetric)",
+                           "compensation loop iteration time",
+                           "minimum distance to qualify as move (encoder deadband)",
+                           "compensation output value scaling factor",
+                           "compensation polarity",
+                           "angular scaling factor",
+                           "squareness offsets",
+                           "datum type (e.g. Fanuc, Allen Bradley, Siemens)",
+                           "reference switch polarity",
+                           "reference switch initial state",
+                           "reference switch final state",
+                           "reference switch approach speed",
+                           "reference switch approach direction",
+                           "null offset value"})
+    CHECK_MESSAGE(has(names, name), name);
+}
+
+TEST_CASE("keys are unique, every field has help, and every default lies in its own range") {
+  std::set<std::string> keys;
+  for (const Field& field : fields()) {
+    CAPTURE(field.key);
+    CHECK(keys.insert(field.key).second);
+    CHECK(field.help.size() > 20);
+    CHECK(objection(field, UnitParameters{}) == "");
+  }
+}
+
+TEST_CASE("the defaults of the unit are read as words and numbers") {
+  CHECK(default_text(*field_named("configuration.chain")) == "TXYZ");
+  CHECK(default_text(*field_named("configuration.axes")) == "XYZ");
+  CHECK(default_text(*field_named("compensation.scope")) == "volumetric");
+  CHECK(default_text(*field_named("compensation.plane")) == "XY");
+  CHECK(default_text(*field_named("axis.Z.datum.kind")) == "fanuc");
+  CHECK(default_text(*field_named("axis.Y.datum.approach_direction")) == "forward");
+  CHECK(default_text(*field_named("axis.Y.datum.switch_finally_active")) == "false");
+  CHECK(number_of(*field_named("axis.X.output_scale_counts_per_um"), UnitParameters{}) == 10.0);
+}
+
+TEST_CASE("setting a field changes that field alone") {
+  UnitParameters parameters;
+  REQUIRE(set(parameters, "axis.Y.deadband_um", "2.5 um"));
+  REQUIRE(set(parameters, "axis.Z.datum.approach_direction", "reverse"));
+  REQUIRE(set(parameters, "compensation.plane", "XZ"));
+  REQUIRE(set(parameters, "axis.X.measurement_line_mm.y", "-1400"));
+  REQUIRE(set(parameters, "compensation.tool_offset_mm.z", "-0.125"));
+  REQUIRE(set(parameters, "configuration.axes", "XZ"));
+  UnitParameters expected;
+  expected.axes[1].deadband_um = 2.5;
+  expected.axes[2].datum.approach_direction = Approach::reverse;
+  expected.plane = {Axis::X, Axis::Z};
+  expected.measurement_lines_mm[0][1] = -1400.0;
+  expected.tool_offset_mm[2] = -0.125;
+  expected.axis_present = {true, false, true};
+  CHECK(parameters == expected);
+}
+
+TEST_CASE("a value out of range is refused with the range and its unit") {
+  const std::string low = refusal("compensation.loop_period_us", "50");
+  CHECK(has(low, "compensation.loop_period_us"));
+  CHECK(has(low, "100 to 20000 us"));
+  CHECK(has(low, "50"));
+  CHECK(has(refusal("axis.X.position_scale_um_per_count", "0"), "not 0"));
+  CHECK(has(refusal("axis.X.compensation_polarity", "0"), "-1 or 1"));
+  CHECK(has(refusal("compensation.memory_modules", "1.5"), "1 to 5"));
+  CHECK(has(refusal("axis.X.datum.approach_speed_mm_min", "0"), "above 0"));
+}
+
+TEST_CASE("nan, inf, words and foreign units are no numbers") {
+  for (const char* text : {"nan", "inf", "-inf", "much", "", "1e999", "2 mm", "2,5"})
+    CHECK(has(refusal("axis.X.deadband_um", text), "0 to 10000 um"));
+}
+
+TEST_CASE("a misspelt word is answered with the nearest choice, a misspelt key with the nearest key") {
+  CHECK(has(refusal("axis.X.transducer", "encodr"), "did you mean \"encoder\"?"));
+  CHECK(has(refusal("axis.X.transducer", "inductosyn"), "encoder or resolver"));
+  CHECK(has(refusal("compensation.scop", "linear"), "did you mean \"compensation.scope\"?"));
+  CHECK(has(refusal("axis.X.dedband_um", "2"), "did you mean \"axis.X.deadband_um\"?"));
+}
+
+TEST_CASE("a key without its table is answered with every full key that ends so") {
+  CHECK(has(refusal("deadband_um", "2"), "\"axis.X.deadband_um\" or \"axis.Y.deadband_um\" or \"axis.Z.deadband_um\""));
+}
+
+TEST_CASE("a chain must have one T and different letters of XYZ") {
+  for (const char* chain : {"", "XYZ", "TT", "TXX", "TXYZT", "TXW", "txyz", "T"})
+    CHECK(has(refusal("configuration.chain", chain), "one T and different letters"));
+  for (const char* axes : {"", "XX", "XW", "T"}) CHECK(has(refusal("configuration.axes", axes), "letters of XYZ"));
+}
+
+TEST_CASE("text written from any field sets the same bits again") {
+  CHECK(rc::check([] {
+    const UnitParameters original = random_parameters();
+    UnitParameters copy;
+    for (const Field& field : fields()) RC_ASSERT(set_text(field, copy, text_of(field, original)).has_value());
+    RC_ASSERT(same_bits(copy, original));
+  }));
+}
+
+TEST_CASE("docs/parameters.md is the page written from the table (ECS_WRITE_DOCS=1 renews it)") {
+  if (std::getenv("ECS_WRITE_DOCS") != nullptr) REQUIRE(write_file("docs/parameters.md", parameters_markdown()));
+  const auto page = read_file("docs/parameters.md");
+  REQUIRE(page.has_value());
+  CHECK(*page == parameters_markdown());
+}

@@ -1,0 +1,136 @@
+#include "params/machine.hpp"
+
+#include <algorithm>
+
+#include <doctest/doctest.h>
+
+#include "params/check.hpp"
+
+using namespace ecs;
+using namespace ecs::params;
+
+namespace {
+
+Machine sample(const char* path) {
+  const auto file = read_machine(path);
+  REQUIRE_MESSAGE(file.has_value(), (file ? "" : to_text(file.error())));
+  return file->machine;
+}
+
+std::string failure(std::string_view text) {
+  const auto file = parse_machine(text, "machine.toml");
+  REQUIRE_FALSE(file.has_value());
+  return to_text(file.error());
+}
+
+bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("the mill's file is read whole, and its [emulator] table is not its reader's business") {
+  const auto file = read_machine("samples/params/mill_machine.toml");
+  REQUIRE(file.has_value());
+  CHECK(file->warnings.empty());
+  const Machine& mill = file->machine;
+  CHECK(mill.name == "moving column mill");
+  CHECK(mill.configuration == "TXYZ");
+  REQUIRE(mill.axes[0].has_value());
+  const MachineAxis& x = *mill.axes[0];
+  CHECK(x.travel_mm == std::array{-4100.0, 0.0});
+  CHECK(x.resolution_um == 1.0);
+  CHECK(x.screw_pitch_mm == 10.0);
+  CHECK(x.scale_pitch_mm == 0.02);
+  CHECK(x.expansion_um_per_m_degC == 11.7);
+  CHECK(x.measurement_line_mm == PerAxis<std::optional<double>>{std::nullopt, -1400.0, 0.0});
+  CHECK(mill.axes[1]->travel_mm == std::array{-1400.0, 0.0});
+  CHECK_FALSE(mill.axes[1]->screw_pitch_mm.has_value());
+  CHECK(chain_of(mill) == ecs::chain_of("TXYZ"));
+  CHECK(measurement_lines_of(mill)[0] == Vector3{0.0, -1400.0, 0.0});
+}
+
+TEST_CASE("the lathe has two axes of a three-axis chain") {
+  const Machine lathe = sample("samples/params/lathe_machine.toml");
+  CHECK_FALSE(lathe.axes[0].has_value());
+  CHECK(lathe.axes[1]->transducer == Transducer::resolver);
+  CHECK(lathe.axes[2]->datum_mm == -10.0);
+  CHECK(chain_of(lathe)->axis_count() == 2);
+}
+
+TEST_CASE("default parameters fit their machine: no check has anything to say") {
+  for (const char* path : {"samples/params/mill_machine.toml", "samples/params/lathe_machine.toml"}) {
+    const Machine machine = sample(path);
+    CHECK(to_text(check(default_parameters_for(machine), &machine)) == "");
+  }
+}
+
+TEST_CASE("default parameters of the mill are volumetric, those of the lathe planar in Y and Z") {
+  const UnitParameters mill = default_parameters_for(sample("samples/params/mill_machine.toml"));
+  CHECK(configuration_of(mill) == "TXYZ");
+  CHECK(mill.scope == Scope::volumetric);
+  CHECK(mill.measurement_lines_mm[0] == Vector3{0.0, -1400.0, 0.0});
+  const UnitParameters lathe = default_parameters_for(sample("samples/params/lathe_machine.toml"));
+  CHECK(configuration_of(lathe) == "XTYZ");
+  CHECK(lathe.axis_present == PerAxis<bool>{false, true, true});
+  CHECK(lathe.scope == Scope::planar);
+  CHECK(lathe.plane == Plane{Axis::Y, Axis::Z});
+  CHECK(lathe.axes[1].transducer == Transducer::resolver);
+  CHECK(lathe.axes[1].position_scale_um_per_count == 0.5);
+  CHECK(lathe.axes[1].deadband_um == 1.0);
+  CHECK(lathe.axes[2].datum.reference_position_mm == -10.0);
+  CHECK(lathe.measurement_lines_mm[2] == Vector3{0.0, 120.0, 0.0});
+}
+
+TEST_CASE("a machine of one axis gets the linear scope") {
+  const auto file = parse_machine("configuration = \"TZ\"\n[axis.Z]\ntravel_mm = [0, 500]\n", "one.toml");
+  REQUIRE(file.has_value());
+  CHECK(default_parameters_for(file->machine).scope == Scope::linear);
+}
+
+TEST_CASE("every wrong value of a machine file is reported in one pass with line and column") {
+  const auto file = read_machine("samples/params/broken_machine.toml");
+  REQUIRE_FALSE(file.has_value());
+  const std::string text = to_text(file.error());
+  const std::string at = "samples/params/broken_machine.toml:";
+  CHECK(has(text, at + "1:8: name: expected a text in quotes, found 7"));
+  CHECK(has(text, at + "2:17: configuration: expected one T and different letters of XYZ"));
+  CHECK(has(text, at + "3:10: colour: not a key of a machine file; ignored"));
+  CHECK(has(text, at + "6:13: axis.X.travel_mm: expected two ends in mm, the lower first"));
+  CHECK(has(text, at + "7:14: axis.X.transducer: expected \"encoder\" or \"resolver\", found \"encodr\""));
+  CHECK(has(text, at + "8:17: axis.X.resolution_um: expected a number above 0, found 0"));
+  CHECK(has(text, "did you mean \"axis.X.screw_pitch_mm\"?"));
+  CHECK(has(text, at + "10:12: axis.X.datum_mm: expected a finite number, found nan"));
+  CHECK(has(text, at + "12:1: axis.Y: expected travel_mm"));
+  CHECK(has(text, at + "14:23: axis.Y.measurement_line_mm: expected a table"));
+  CHECK(has(text, at + "16:1: axis.W: not a key of a machine file (did you mean \"axis.X\"?)"));
+  CHECK_FALSE(has(text, "axis.W.travel_mm"));
+}
+
+TEST_CASE("unknown keys and a datum outside the travel are warnings, not errors") {
+  const auto file = parse_machine(
+      "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0, 10]\ndatum_mm = 11\nscrew_pich_mm = 5\n"
+      "measurement_line_mm = { x = 1 }\n",
+      "m.toml");
+  REQUIRE(file.has_value());
+  REQUIRE(file->warnings.size() == 3);
+  CHECK(has(file->warnings[0].message, "outside the travel"));
+  CHECK(has(file->warnings[1].message, "did you mean \"axis.X.screw_pitch_mm\"?"));
+  CHECK(has(file->warnings[2].message, "own measurement line"));
+}
+
+TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
+  CHECK(has(failure(""), "configuration: expected the chain"));
+  CHECK(has(failure("configuration = \"TX\""), "at least one table such as [axis.X]"));
+  CHECK(has(failure("configuration = \"TX\"\n[axis.X]\n"), "expected travel_mm"));
+  CHECK(has(failure("configuration = \"TX\"\n[axis.Y]\ntravel_mm = [0, 1]\n"), "has no letter Y"));
+  for (const char* travel : {"[1, 1]", "[2, 1]", "[0]", "[0, 1, 2]", "[nan, 1]", "[0, inf]", "\"0 1\"", "[\"0\", 1]"})
+    CHECK(has(failure(std::string("configuration = \"TX\"\n[axis.X]\ntravel_mm = ") + travel), "the lower first"));
+}
+
+TEST_CASE("axis keys may be dotted and stand before their table's other parts") {
+  const auto file = parse_machine("configuration = \"TX\"\naxis.X.travel_mm = [0, 1]\n", "m.toml");
+  REQUIRE(file.has_value());
+  const auto other = parse_machine(
+      "configuration = \"TX\"\n[axis.X.measurement_line_mm]\ny = 4\n[axis.X]\ntravel_mm = [0, 1]\n", "m.toml");
+  REQUIRE(other.has_value());
+  CHECK(other->machine.axes[0]->measurement_line_mm[1] == 4.0);
+}

@@ -1,0 +1,183 @@
+#include "params/parameters_toml.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <doctest/doctest.h>
+
+#include "core/memory_image.hpp"
+#include "random_parameters.hpp"
+
+using namespace ecs;
+using namespace ecs::params;
+
+namespace {
+
+Result<ParametersFile> parsed(std::string_view text) { return parse_parameters(text, "unit.toml"); }
+
+bool lists(const std::vector<std::string>& keys, std::string_view key) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+/// "line:column: start of the message" of every problem.
+std::vector<std::string> places(const Problem& problem) {
+  std::vector<std::string> found;
+  const auto note = [&](const Problem& p) {
+    found.push_back(std::to_string(p.line) + ":" + std::to_string(p.column) + ": " + p.message);
+  };
+  note(problem);
+  for (const Problem& other : problem.also) note(other);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("parameters written to TOML and read back are the same to the last bit, with their identity") {
+  CHECK(rc::check([] {
+    const UnitParameters original = random_parameters();
+    const Identity identity{*rc::gen::element<std::string>("", "mill \"A\"\\B", "Fräse\n2\t"), "0017"};
+    const auto back = parsed(parameters_toml(original, identity));
+    RC_ASSERT(back.has_value());
+    RC_ASSERT(same_bits(back->parameters, original));
+    RC_ASSERT(back->identity == identity);
+  }));
+}
+
+TEST_CASE("a file of all present axes leaves nothing to defaults") {
+  const auto back = parsed(parameters_toml(UnitParameters{}));
+  REQUIRE(back.has_value());
+  CHECK(back->defaulted.empty());
+}
+
+TEST_CASE("TOML to the unit's bytes and back is the same TOML") {
+  CHECK(rc::check([] {
+    UnitParameters original = random_parameters();
+    std::copy_n("TXYZ", 4, original.configuration.begin());
+    std::array<std::uint8_t, kParameterBytes> block{};
+    encode_parameters(original, block);
+    const auto decoded = decode_parameters(block);
+    RC_ASSERT(decoded.has_value());
+    RC_ASSERT(parameters_toml(*decoded) == parameters_toml(original));
+  }));
+}
+
+TEST_CASE("a short file takes the defaults for the rest and says which") {
+  const auto file = read_parameters("samples/params/mill_unit.toml");
+  REQUIRE(file.has_value());
+  CHECK(file->identity.machine == "moving column mill");
+  CHECK(file->identity.serial_number == "ECS-0017");
+  const UnitParameters& p = file->parameters;
+  CHECK(p.interpolation == Interpolation::nearest);
+  CHECK(p.C0Y_um_per_m == 16.0);
+  CHECK(p.B0Z_um_per_m == -38.8);
+  CHECK(p.A0Z_um_per_m == -66.93);
+  CHECK(p.measurement_lines_mm[0] == Vector3{0.0, -1400.0, 0.0});
+  CHECK(p.axes[0].deadband_um == 4.0);
+  CHECK(p.axes[0].datum.kind == DatumKind::siemens);
+  CHECK(p.axes[0].datum.switch_finally_active);
+  CHECK(p.axes[0].datum.approach_direction == Approach::reverse);
+  CHECK(p.axes[1] == AxisParameters{});
+  CHECK(lists(file->defaulted, "axis.Y.deadband_um"));
+  CHECK(lists(file->defaulted, "compensation.loop_period_us"));
+  CHECK_FALSE(lists(file->defaulted, "axis.X.deadband_um"));
+}
+
+TEST_CASE("fields of absent axes are not missed, and their tables are left out of the file") {
+  const auto file = parsed("[configuration]\nchain = \"TX\"\naxes = \"X\"\n");
+  REQUIRE(file.has_value());
+  CHECK(lists(file->defaulted, "axis.X.deadband_um"));
+  CHECK_FALSE(lists(file->defaulted, "axis.Y.deadband_um"));
+  const std::string text = parameters_toml(file->parameters);
+  CHECK(text.find("[axis.X.datum]") != std::string::npos);
+  CHECK(text.find("[axis.Y") == std::string::npos);
+}
+
+TEST_CASE("an empty file is a set of defaults") {
+  const auto file = parsed("");
+  REQUIRE(file.has_value());
+  CHECK(file->parameters == UnitParameters{});
+  CHECK(file->defaulted.size() == fields().size());
+}
+
+TEST_CASE("the written file explains each field with unit, range and default, and a vector is one entry") {
+  const std::string text = parameters_toml(UnitParameters{});
+  CHECK(text.find("# 100 to 20000 us; default 1000\nloop_period_us = 1000.0\n") != std::string::npos);
+  CHECK(text.find("\nmeasurement_line_mm = { y = 0.0, z = 0.0 }\n") != std::string::npos);
+  CHECK(text.find("\ntool_offset_mm = { x = 0.0, y = 0.0, z = 0.0 }\n") != std::string::npos);
+  CHECK(text.find("\n[compensation.squareness]\n") != std::string::npos);
+  CHECK(text.find("\n[axis.Z.datum]\n") != std::string::npos);
+}
+
+TEST_CASE("tables may stand in any order and keys may be dotted") {
+  const auto file = parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n[axis.X]\ndeadband_um = 3\n");
+  REQUIRE(file.has_value());
+  CHECK(file->parameters.axes[2].deadband_um == 7.0);
+  CHECK(file->parameters.axes[0].deadband_um == 3.0);
+  CHECK(file->parameters.axes[0].datum.null_offset_mm == 1.0);
+}
+
+TEST_CASE("every wrong value of a file is reported in one pass, in file order, with line and column") {
+  const auto file = read_parameters("samples/params/broken_values.toml");
+  REQUIRE_FALSE(file.has_value());
+  CHECK(file.error().kind == ProblemKind::bad_input);
+  CHECK(file.error().file == "samples/params/broken_values.toml");
+  const auto found = places(file.error());
+  const std::vector<std::string> expected{
+      "2:11: identity.machine: expected a text in quotes, found 12",
+      "5:9: configuration.chain: expected one T and different letters of XYZ, such as \"TXYZ\", found \"TXYX\"",
+      "6:22: configuration.measurement_system: expected metric or imperial, found \"metrical\" (did you mean "
+      "\"metric\"?)",
+      "9:18: compensation.memory_modules: expected 1 to 5, found 6",
+      "10:18: compensation.loop_period_us: expected 100 to 20000 us, found 50",
+      "11:8: compensation.scpe: there is no such parameter (did you mean \"compensation.scope\"?); mend the name or "
+      "remove it",
+      "12:17: compensation.angular_scale: expected -10 to 10, found nan",
+      "15:31: axis.X.position_scale_um_per_count: expected -1000 to 1000 um/count, not 0, found 0",
+      "16:15: axis.X.deadband_um: expected 0 to 10000 um, found \"two\"",
+      "17:25: axis.X.compensation_polarity: expected -1 or 1, found 0",
+      "18:29: axis.X.measurement_line_mm.x: there is no such parameter (did you mean "
+      "\"axis.X.measurement_line_mm.y\"?); mend the name or remove it",
+      "18:38: axis.X.measurement_line_mm.y: expected -100000 to 100000 mm, found inf",
+      "21:25: axis.X.datum.switch_finally_active: expected true or false, found 1",
+      "22:25: axis.X.datum.approach_speed_mm_min: expected above 0, up to 60000 mm/min, found 0",
+      "24:1: axis.W: there is no such table (did you mean \"axis.X\"?); mend the name or remove it",
+      "27:1: compensatoin: there is no such table (did you mean \"compensation\"?); mend the name or remove it"};
+  CHECK(found == expected);
+  if (found != expected)
+    for (const auto& line : found) MESSAGE(line);
+}
+
+TEST_CASE("a file that is no TOML is refused at the place where it stops being TOML") {
+  const auto file = read_parameters("samples/params/broken_syntax.toml");
+  REQUIRE_FALSE(file.has_value());
+  CHECK(file.error().line == 3);
+  CHECK(file.error().column > 0);
+  for (const char* text : {"[", "a = ", "a = 1\na = 2\n", "\xff\xfe", "[axis.X]\n[axis.X]\n", "a = \"\\q\""})
+    CHECK_MESSAGE(!parsed(text).has_value(), text);
+}
+
+TEST_CASE("tables where values belong, and values where tables belong, are refused") {
+  for (const char* text : {"configuration = 3", "[compensation.scope]", "[[axis]]\nx = 1", "[axis.X]\ndatum = true",
+                           "[compensation]\nscope = [1, 2]", "[compensation]\nscope = 1979-05-27",
+                           "[compensation]\nscope = 2", "[axis.X]\nmeasurement_line_mm = 3.0", "\"axis.X\" = 3",
+                           "[compensation]\nmemory_modules = 1.0", "[compensation]\nloop_period_us = true"})
+    CHECK_MESSAGE(!parsed(text).has_value(), text);
+}
+
+TEST_CASE("no text, however spoilt, makes the reader throw") {
+  const std::string sound = parameters_toml(UnitParameters{});
+  CHECK(rc::check([&] {
+    std::string spoilt = sound;
+    const auto cuts = *rc::gen::inRange(1, 6);
+    for (int i = 0; i < cuts; ++i)
+      spoilt[*rc::gen::inRange<std::size_t>(0, spoilt.size())] = *rc::gen::arbitrary<char>();
+    const auto file = parsed(spoilt);
+    if (!file) RC_ASSERT(!file.error().message.empty());
+  }));
+}
+
+TEST_CASE("a missing file is a problem that names it") {
+  const auto file = read_parameters("samples/params/none.toml");
+  REQUIRE_FALSE(file.has_value());
+  CHECK(to_text(file.error()).find("none.toml") != std::string::npos);
+}
