@@ -103,8 +103,7 @@ class RecipeReader {
   std::optional<SlopeMethod> slope_of(const toml::table& table) {
     const auto word = reader_.word(table, "slope");
     if (!word) return std::nullopt;
-    const auto known = std::find(kSlopeNames.begin(), kSlopeNames.end(), *word);
-    if (known != kSlopeNames.end()) return static_cast<SlopeMethod>(known - kSlopeNames.begin());
+    if (const auto method = slope_method_named(*word)) return method;
     reader_.complain(*table.get("slope"),
                      fmt::format("slope: expected none, end_points or least_squares, found {}", in_quotes(*word)));
     return std::nullopt;
@@ -141,6 +140,16 @@ class RecipeReader {
 }  // namespace
 
 std::string_view name_of(SlopeMethod method) { return kSlopeNames[static_cast<std::size_t>(method)]; }
+
+std::optional<SlopeMethod> slope_method_named(std::string_view word) {
+  const auto known = std::find(kSlopeNames.begin(), kSlopeNames.end(), word);
+  if (known == kSlopeNames.end()) return std::nullopt;
+  return static_cast<SlopeMethod>(known - kSlopeNames.begin());
+}
+
+SlopeMethod default_slope(Component component) {
+  return is_squareness(component) || is_straightness(component) ? SlopeMethod::least_squares : SlopeMethod::none;
+}
 
 Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& file_name,
                                    const std::filesystem::path& folder) {

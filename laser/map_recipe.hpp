@@ -12,19 +12,23 @@
 #include "core/component.hpp"
 #include "core/parameters.hpp"
 #include "laser/error_map.hpp"
+#include "laser/process.hpp"
 
 namespace ecs::laser {
 
-/// How the slope of a straightness measurement is found before it is taken away (thesis 5.3).
-enum class SlopeMethod { none, end_points, least_squares };
+/// The word of a method in recipes and on command lines.
 [[nodiscard]] std::string_view name_of(SlopeMethod method);
+[[nodiscard]] std::optional<SlopeMethod> slope_method_named(std::string_view word);
+
+/// Least squares for straightness and squareness, none for the rest.
+[[nodiscard]] SlopeMethod default_slope(Component component);
 
 /// One component of the map.
 struct ComponentRecipe {
   Component component = Component::EXX;
   /// One file; for a rotation found from two linear runs at two offsets (thesis 6.3.2.3), two.
   std::vector<std::filesystem::path> files;
-  std::optional<SlopeMethod> slope;  ///< absent: least squares for straightness and squareness, none for the rest
+  std::optional<SlopeMethod> slope;  ///< absent: default_slope()
   double smoothing_mm = 0.0;         ///< window of the local quadratic; 0: none
   std::vector<int> exclude_runs;
   std::optional<double> increment_mm;  ///< of the tables; absent: the spacing of the targets

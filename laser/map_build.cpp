@@ -1,0 +1,396 @@
+#include "laser/map_build.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "laser/groups.hpp"
+#include "laser/import.hpp"
+#include "laser/process.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kSameLine_mm = 0.5;  ///< parked positions closer than this are the same measurement line
+
+struct LoadedFile {
+  MeasurementSet set;
+  std::string sha256;
+};
+
+Problem refusal(const std::filesystem::path& file, Component component, const std::string& why) {
+  return Problem{ProblemKind::refused, fmt::format("{}: {}", name_of(component), why), file.string(), 0, 0, {}};
+}
+
+std::string parked_text(const Group& group) {
+  std::string text;
+  for (const Axis a : kAllAxes)
+    if (a != group.axis)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", letter_of(a), group.parked_mm[index_of(a)]);
+  return text;
+}
+
+std::string contents_of(const MeasurementSet& set) {
+  std::string text;
+  for (const Group& group : groups_of(set))
+    text += fmt::format("{}{} along {} at {}", text.empty() ? "" : "; ", name_of(group.sense), letter_of(group.axis),
+                        parked_text(group));
+  return text.empty() ? "no readings" : text;
+}
+
+/// Which readings a component needs: axis moved and sense read.
+struct Wanted {
+  Axis axis;
+  Sense sense;
+};
+
+/// Squareness as the contract measures it: C0Y = E_X along Y, B0Z = E_X along Z, A0Z = E_Y along Z; also the other way
+/// round, with the axes exchanged.
+std::array<Wanted, 2> squares_for(Component c) {
+  if (c == Component::C0Y) return {{{Axis::Y, Sense::EX}, {Axis::X, Sense::EY}}};
+  if (c == Component::B0Z) return {{{Axis::Z, Sense::EX}, {Axis::X, Sense::EZ}}};
+  return {{{Axis::Z, Sense::EY}, {Axis::Y, Sense::EZ}}};
+}
+
+/// The translation whose change along a parallel line shows a rotation (thesis 6.3.2.3): any but along the turning
+/// axis.
+std::vector<Wanted> translations_for(Component rotation) {
+  std::vector<Wanted> wanted;
+  for (const Axis direction : kAllAxes)
+    if (direction != direction_of(sense_of(rotation)))
+      wanted.push_back({moving_axis(rotation), static_cast<Sense>(direction)});
+  return wanted;
+}
+
+/// Range of the means of a curve.
+double band_of(const Curve& curve) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const CurvePoint& p : curve.points)
+    for (const std::optional<double>& value : {p.forward, p.reverse}) {
+      if (!value) continue;
+      lowest = std::min(lowest, *value);
+      highest = std::max(highest, *value);
+    }
+  return highest - lowest;
+}
+
+class Builder {
+ public:
+  Builder(const MapRecipe& recipe, const UnitParameters& parameters)
+      : recipe_(recipe), needed_(components_needed(parameters)) {
+    built_.parameters = parameters;
+  }
+
+  Result<BuiltMap> build() {
+    const auto chain = chain_of(built_.parameters);
+    if (!chain) return problem(ProblemKind::refused, "the parameters describe no machine: run `ecs params check`");
+    std::vector<Problem> problems;
+    for (const ComponentRecipe& one : recipe_.components)
+      if (auto done = add(one); !done) problems.push_back(std::move(done.error()));
+    if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+    if (auto filled = fill_header(); !filled) return tl::unexpected(std::move(filled.error()));
+    std::stable_sort(built_.map.tables.begin(), built_.map.tables.end(), [](const MapTable& a, const MapTable& b) {
+      if (a.component != b.component) return a.component < b.component;
+      return static_cast<int>(a.approach) > static_cast<int>(b.approach);
+    });
+    return std::move(built_);
+  }
+
+ private:
+  Result<void> add(const ComponentRecipe& one) {
+    if (!needed_.contains(one.component))
+      return tl::unexpected(
+          refusal({}, one.component,
+                  fmt::format("a {} machine does not use it in this scope: leave it out of the recipe",
+                              configuration_of(built_.parameters))));
+    outcome_ = ComponentOutcome{};
+    outcome_.component = one.component;
+    const auto done = is_squareness(one.component) ? add_squareness(one) : add_curve(one);
+    if (done) built_.outcomes.push_back(outcome_);
+    return done;
+  }
+
+  // --- files ---------------------------------------------------------------------------------------------------------
+
+  Result<const LoadedFile*> load(const std::filesystem::path& path) {
+    if (const auto known = files_.find(path); known != files_.end()) return &known->second;
+    const auto bytes = read_file(path);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto imported = parse_any(*bytes, path.string(), ImportOptions{});
+    if (!imported) return tl::unexpected(imported.error());
+    LoadedFile loaded{std::move(imported->set), sha256_hex(*bytes)};
+    return &files_.emplace(path, std::move(loaded)).first->second;
+  }
+
+  /// The averaged curve of the one group in a file that fits; runs of the recipe left out.
+  Result<Curve> curve_from(const std::filesystem::path& path, const ComponentRecipe& one,
+                           const std::vector<Wanted>& wanted) {
+    const auto loaded = load(path);
+    if (!loaded) return tl::unexpected(loaded.error());
+    const MeasurementSet& all = (*loaded)->set;
+    std::vector<Exclusion> exclusions;
+    for (const int run : one.exclude_runs) {
+      Exclusion exclusion;
+      exclusion.run = run;
+      exclusions.push_back(exclusion);
+    }
+    const Selection selection = selected(all, exclusions);
+    outcome_.notes.insert(outcome_.notes.end(), selection.notes.begin(), selection.notes.end());
+    const auto group = group_in(selection.chosen, path, one.component, wanted);
+    if (!group) return tl::unexpected(group.error());
+    note_readings(selection.chosen, *group);
+    auto curve = averaged(selection.chosen, *group);
+    if (!curve) return tl::unexpected(refusal(path, one.component, curve.error().message));
+    if (curve->points.size() < 2)
+      return tl::unexpected(refusal(path, one.component, "expected at least two targets, found one"));
+    remember_source(path, (*loaded)->sha256, one.component, all);
+    return curve;
+  }
+
+  Result<Group> group_in(const MeasurementSet& set, const std::filesystem::path& path, Component component,
+                         const std::vector<Wanted>& wanted) {
+    std::vector<Group> fitting;
+    for (const Group& group : groups_of(set))
+      for (const Wanted& want : wanted)
+        if (group.axis == want.axis && group.sense == want.sense) fitting.push_back(group);
+    std::string expected;
+    for (const Wanted& want : wanted)
+      expected +=
+          fmt::format("{}{} along {}", expected.empty() ? "" : " or ", name_of(want.sense), letter_of(want.axis));
+    if (fitting.empty())
+      return tl::unexpected(
+          refusal(path, component, fmt::format("expected readings of {}, found {}", expected, contents_of(set))));
+    if (fitting.size() > 1)
+      return tl::unexpected(refusal(
+          path, component,
+          fmt::format("expected one measurement line of {}, found {}: split the file", expected, contents_of(set))));
+    if (fitting.front().compensated.value_or(false))
+      return tl::unexpected(
+          refusal(path, component,
+                  "the readings were taken with compensation active (compensated = 1): a map needs the "
+                  "machine's own error; switch the unit to integration mode and measure again"));
+    return fitting.front();
+  }
+
+  void note_readings(const MeasurementSet& set, const Group& group) {
+    double lowest = set.readings[group.readings.front()].error;
+    double highest = lowest;
+    for (const std::size_t i : group.readings) {
+      lowest = std::min(lowest, set.readings[i].error);
+      highest = std::max(highest, set.readings[i].error);
+    }
+    outcome_.band = std::max(outcome_.band, highest - lowest);
+    outcome_.readings += group.readings.size();
+  }
+
+  void remember_source(const std::filesystem::path& path, const std::string& sha256, Component component,
+                       const MeasurementSet& set) {
+    built_.map.header.sources.push_back({std::string(name_of(component)), path.filename().string(), sha256});
+    remember(machines_, metadata_value(set, "machine"), path);
+    remember(serial_numbers_, metadata_value(set, "serial_number"), path);
+  }
+
+  static void remember(std::map<std::string, std::string>& seen, const std::optional<std::string>& value,
+                       const std::filesystem::path& path) {
+    if (value && !value->empty()) seen.emplace(*value, path.filename().string());
+  }
+
+  // --- curves --------------------------------------------------------------------------------------------------------
+
+  Result<void> add_curve(const ComponentRecipe& one) {
+    auto measured = one.files.size() == 2
+                        ? rotation_curve(one)
+                        : curve_from(one.files.front(), one, {{moving_axis(one.component), sense_of(one.component)}});
+    if (!measured) return tl::unexpected(measured.error());
+    if (!is_angular(one.component))
+      if (auto off = off_line(*measured)) return tl::unexpected(refusal(one.files.front(), one.component, *off));
+    auto processed = process(*measured, one);
+    if (!processed) return tl::unexpected(refusal(one.files.front(), one.component, processed.error().message));
+    put_tables(*processed, one.component);
+    return {};
+  }
+
+  Result<Curve> rotation_curve(const ComponentRecipe& one) {
+    const auto first = curve_from(one.files[0], one, translations_for(one.component));
+    if (!first) return first;
+    const auto second = curve_from(one.files[1], one, {{first->axis, first->sense}});
+    if (!second) return second;
+    auto rotation = rotation_from(*first, *second);
+    if (!rotation) return tl::unexpected(refusal(one.files[1], one.component, rotation.error().message));
+    if (rotation->sense != sense_of(one.component))
+      return tl::unexpected(
+          refusal(one.files[1], one.component,
+                  fmt::format("the two lines differ so that they show {}, not {}",
+                              name_of(curve_of(rotation->sense, rotation->axis)), name_of(one.component))));
+    outcome_.band = band_of(*rotation);
+    note_step(one.component, fmt::format("from two runs of {} along {} on parallel lines", name_of(first->sense),
+                                         letter_of(first->axis)));
+    return rotation;
+  }
+
+  /// Why a translation curve was not measured where the parameters' lever arms begin.
+  std::optional<std::string> off_line(const Curve& curve) const {
+    const Vector3& line = built_.parameters.measurement_lines_mm[index_of(curve.axis)];
+    for (const Axis a : kAllAxes) {
+      if (a == curve.axis || !built_.parameters.axis_present[index_of(a)]) continue;
+      const double parked_mm = curve.parked_mm[index_of(a)];
+      if (std::abs(parked_mm - line[index_of(a)]) > kSameLine_mm)
+        return fmt::format(
+            "measured at {} {}, but the parameters' measurement line of {} is at {} {}: the angular terms would "
+            "be counted from the wrong line; measure there or set axis.{}.measurement_line_mm",
+            letter_of(a), parked_mm, letter_of(curve.axis), letter_of(a), line[index_of(a)], letter_of(curve.axis));
+    }
+    return std::nullopt;
+  }
+
+  /// Slope, smoothing, datum, grid: in this order, each step named in the header.
+  Result<Curve> process(Curve curve, const ComponentRecipe& one) {
+    const SlopeMethod method = one.slope.value_or(default_slope(one.component));
+    if (method != SlopeMethod::none) {
+      auto level = levelled(curve, method);
+      if (!level) return tl::unexpected(level.error());
+      outcome_.slope_um_per_m = level->removed.slope_per_m;
+      note_step(one.component, fmt::format("slope {:.2f} {}/m removed by {}", level->removed.slope_per_m,
+                                           unit_of(one.component), name_of(method)));
+      curve = std::move(level->curve);
+    }
+    if (one.smoothing_mm > 0.0) {
+      Smoothing how;
+      how.window_mm = one.smoothing_mm;
+      auto smooth = smoothed(curve, how);
+      if (!smooth) return tl::unexpected(smooth.error());
+      note_smoothing(*smooth, one);
+      curve = std::move(smooth->curve);
+    }
+    auto zero = zeroed_at(curve, built_.parameters.axes[index_of(curve.axis)].datum.reference_position_mm);
+    if (!zero) return tl::unexpected(zero.error());
+    return on_grid(std::move(zero->curve), one);
+  }
+
+  void note_smoothing(const Smoothed& smooth, const ComponentRecipe& one) {
+    outcome_.smoothed_rms = smooth.removed_rms;
+    note_step(one.component, fmt::format("smoothed by a local quadratic over {} mm, {:.2f} {} rms taken away",
+                                         one.smoothing_mm, smooth.removed_rms, unit_of(one.component)));
+    if (smooth.taken == Taken::signal)
+      outcome_.notes.push_back(
+          fmt::format("smoothing over {} mm takes form of the curve away as well (F {:.1f}): use a "
+                      "narrower window",
+                      one.smoothing_mm, smooth.F.value_or(0.0)));
+  }
+
+  static Result<Curve> on_grid(Curve curve, const ComponentRecipe& one) {
+    if (!one.increment_mm) return curve;
+    const double first_mm = curve.points.front().position_mm;
+    const double length_mm = curve.points.back().position_mm - first_mm;
+    const Grid grid{first_mm, *one.increment_mm,
+                    static_cast<int>(std::floor(length_mm / *one.increment_mm + 1e-9)) + 1};
+    return resampled(curve, grid, Beyond::refuse);
+  }
+
+  void put_tables(const Curve& curve, Component component) {
+    MapTable forward{component, Approach::forward, {}, {}};
+    MapTable reverse{component, Approach::reverse, {}, {}};
+    const bool both = curve.approach_known && std::any_of(curve.points.begin(), curve.points.end(),
+                                                          [](const CurvePoint& p) { return p.forward && p.reverse; });
+    for (const CurvePoint& p : curve.points) {
+      if (both) {
+        add_point(forward, p.position_mm, p.forward);
+        add_point(reverse, p.position_mm, p.reverse);
+      } else {
+        add_point(forward, p.position_mm, mean_of(p));
+      }
+    }
+    if (!both) {
+      forward.approach = Approach::unknown;
+      outcome_.notes.push_back("measured from one side: the same table serves both approaches");
+    }
+    outcome_.points = forward.position_mm.size();
+    built_.map.tables.push_back(std::move(forward));
+    if (both) built_.map.tables.push_back(std::move(reverse));
+  }
+
+  void add_point(MapTable& table, double position_mm, std::optional<double> error) {
+    if (!error) return;
+    table.position_mm.push_back(position_mm);
+    table.compensation.push_back(0.0 - *error);
+    outcome_.largest = std::max(outcome_.largest, std::abs(*error));
+  }
+
+  // --- squareness ----------------------------------------------------------------------------------------------------
+
+  Result<void> add_squareness(const ComponentRecipe& one) {
+    const auto squares = squares_for(one.component);
+    const auto curve = curve_from(one.files.front(), one, {squares.begin(), squares.end()});
+    if (!curve) return tl::unexpected(curve.error());
+    const auto square = squareness_of(*curve);
+    if (!square) return tl::unexpected(refusal(one.files.front(), one.component, square.error().message));
+    UnitParameters& p = built_.parameters;
+    (one.component == Component::C0Y   ? p.C0Y_um_per_m
+     : one.component == Component::B0Z ? p.B0Z_um_per_m
+                                       : p.A0Z_um_per_m) = square->um_per_m;
+    outcome_.largest = std::abs(square->um_per_m);
+    outcome_.slope_um_per_m = square->indicator_slope_um_per_m;
+    outcome_.points = curve->points.size();
+    note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", square->um_per_m));
+    return {};
+  }
+
+  // --- header --------------------------------------------------------------------------------------------------------
+
+  void note_step(Component component, const std::string& what) {
+    built_.map.header.processing.push_back(fmt::format("{} {}", name_of(component), what));
+  }
+
+  Result<void> fill_header() {
+    MapHeader& header = built_.map.header;
+    header.customer = recipe_.customer;
+    header.engineer = recipe_.engineer;
+    header.date = recipe_.date;
+    header.configuration = configuration_of(built_.parameters);
+    header.declared_zero = recipe_.declared_zero;
+    auto machine = only_one(recipe_.machine, machines_, "machine");
+    if (!machine) return tl::unexpected(machine.error());
+    auto serial_number = only_one(recipe_.serial_number, serial_numbers_, "serial_number");
+    if (!serial_number) return tl::unexpected(serial_number.error());
+    header.machine = std::move(*machine);
+    header.serial_number = std::move(*serial_number);
+    return {};
+  }
+
+  /// What the recipe states, else the one name that all files agree on.
+  static Result<std::string> only_one(const std::string& stated, const std::map<std::string, std::string>& seen,
+                                      std::string_view key) {
+    if (!stated.empty()) return stated;
+    if (seen.size() > 1)
+      return problem(
+          ProblemKind::refused,
+          fmt::format("the files come from more than one machine: {} is {} in {} and {} in {}; leave the wrong "
+                      "file out, or state {} in the recipe",
+                      key, seen.begin()->first, seen.begin()->second, seen.rbegin()->first, seen.rbegin()->second,
+                      key));
+    return seen.empty() ? std::string() : seen.begin()->first;
+  }
+
+  const MapRecipe& recipe_;
+  ComponentSet needed_;
+  BuiltMap built_;
+  ComponentOutcome outcome_;
+  std::map<std::filesystem::path, LoadedFile> files_;
+  std::map<std::string, std::string> machines_;
+  std::map<std::string, std::string> serial_numbers_;
+};
+
+}  // namespace
+
+Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters) {
+  return Builder(recipe, parameters).build();
+}
+
+}  // namespace ecs::laser
