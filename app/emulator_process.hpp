@@ -1,0 +1,48 @@
+// The bundled emulator as a child process: started, asked where its line is, stopped.
+// Does not live here: what it emulates (the program ecs-emulator).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <sys/types.h>
+
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+struct EmulatorOptions {
+  std::filesystem::path program;
+  std::filesystem::path machine;
+  std::filesystem::path memory;  ///< file of its battery-backed memory; locked while it runs
+};
+
+class EmulatorProcess {
+ public:
+  /// Starts it and waits until it names its line. `link` problem if it does not, with what it said.
+  [[nodiscard]] static Result<std::unique_ptr<EmulatorProcess>> start(const EmulatorOptions& options);
+  EmulatorProcess(const EmulatorProcess&) = delete;
+  EmulatorProcess& operator=(const EmulatorProcess&) = delete;
+  ~EmulatorProcess();  ///< SIGTERM, then SIGKILL after two seconds
+
+  [[nodiscard]] const std::string& pty() const { return pty_; }
+  [[nodiscard]] const std::string& workshop() const { return workshop_; }  ///< socket of the workshop; may be empty
+
+ private:
+  EmulatorProcess() = default;
+  [[nodiscard]] Result<void> launch(const EmulatorOptions& options);
+  [[nodiscard]] Result<void> read_greeting();
+
+  pid_t child_ = -1;
+  int output_ = -1;  ///< its stdout
+  int errors_ = -1;  ///< its stderr, an unlinked file
+  int lock_ = -1;
+  std::string pty_;
+  std::string workshop_;
+};
+
+/// The file of the battery-backed memory of the emulator with this machine, in state_folder().
+[[nodiscard]] Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine);
+
+}  // namespace ecs::app

@@ -1,0 +1,29 @@
+#include "app/interrupt.hpp"
+
+#include <csignal>
+
+namespace ecs::app {
+namespace {
+
+std::atomic<bool> flag{false};
+std::atomic<int> number{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+extern "C" void remember(int signal) {
+  int none = 0;
+  number.compare_exchange_strong(none, signal);
+  flag.store(true);
+}
+
+}  // namespace
+
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = remember;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+}
+
+const std::atomic<bool>& interrupted() { return flag; }
+int interrupting_signal() { return number.load(); }
+
+}  // namespace ecs::app

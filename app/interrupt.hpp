@@ -1,0 +1,17 @@
+// SIGINT, SIGTERM and SIGHUP as a flag that long work looks at, so that nothing is left half done.
+#pragma once
+
+#include <atomic>
+
+namespace ecs::app {
+
+/// From now on these signals set the flag in place of ending the program.
+void catch_signals();
+
+/// Set once a signal came; hand it to links as LinkOptions::cancelled.
+[[nodiscard]] const std::atomic<bool>& interrupted();
+
+/// The number of the first signal; 0: none.
+[[nodiscard]] int interrupting_signal();
+
+}  // namespace ecs::app

@@ -1,0 +1,29 @@
+// Making the JSON that the verbs answer with: unknown is null, never NaN. Only for .cpp files (heavy header).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+/// Keys stay in the order in which they are written.
+using Json = nlohmann::ordered_json;
+
+/// A finite number, else null.
+[[nodiscard]] Json number_or_null(double value);
+[[nodiscard]] Json number_or_null(const std::optional<double>& value);
+/// A text, or null if it is empty.
+[[nodiscard]] Json text_or_null(std::string_view text);
+/// On one line; bytes that are no UTF-8 become U+FFFD.
+[[nodiscard]] std::string one_line(const Json& value);
+/// {"message", "file", "line", "column"}, and "also" with the other problems if there are any.
+[[nodiscard]] Json json_of(const Problem& problem);
+/// "0x100000"
+[[nodiscard]] std::string hex_address(std::uint32_t address);
+
+}  // namespace ecs::app

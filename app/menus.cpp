@@ -1,0 +1,7 @@
+#include "app/menus.hpp"
+
+namespace ecs::app {
+
+void add_all_menus(Menu& root) { add_params_menu(root); }
+
+}  // namespace ecs::app

@@ -1,0 +1,64 @@
+#include "app/unit_link.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/interrupt.hpp"
+
+namespace ecs::app {
+namespace {
+
+Result<std::unique_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
+  const auto program = emulator_program();
+  if (!program)
+    return problem(ProblemKind::link,
+                   "the bundled emulator `ecs-emulator` is not found beside `ecs` nor on PATH: install it, or give "
+                   "--link rtu:/dev/ttyUSB0:115200 or --link tcp:HOST:PORT");
+  auto memory = memory_file_of(link.machine);
+  if (!memory) return tl::unexpected(memory.error());
+  return EmulatorProcess::start({*program, link.machine, *memory});
+}
+
+}  // namespace
+
+Result<UnitLink> open_link(const LinkChoice& choice) {
+  std::unique_ptr<EmulatorProcess> emulator;
+  protocol::LinkAddress address;
+  if (const auto* link = std::get_if<EmulatorLink>(&choice.link)) {
+    auto process = started(*link);
+    if (!process) return tl::unexpected(process.error());
+    emulator = std::move(*process);
+    address.line = protocol::SerialLine{emulator->pty()};
+  } else {
+    address = std::get<protocol::LinkAddress>(choice.link);
+  }
+  auto client = protocol::UnitClient::connect(address, {&interrupted(), std::nullopt});
+  if (!client) return tl::unexpected(client.error());
+  return UnitLink(std::move(emulator), std::move(*client), to_text(choice));
+}
+
+Result<UnitLink> open_unit(Session& session, Access access) {
+  auto choice = chosen_link(session.link_option);
+  if (!choice) return tl::unexpected(choice.error());
+  session.link_name = to_text(*choice);
+  if (choice->is_emulator() && access == Access::writes) session.face.message_prefix = "EMULATOR: ";
+  if (choice->origin == "default")
+    session.face.note(fmt::format("no link given: using the bundled emulator with {}",
+                                  std::get<EmulatorLink>(choice->link).machine.string()));
+  return open_link(*choice);
+}
+
+protocol::ProgressCallback progress_bar(Session& session, std::string label) {
+  return [&face = session.face, label = std::move(label)](const protocol::Progress& progress) {
+    const double total = static_cast<double>(progress.bytes_total);
+    face.progress(label, total > 0.0 ? static_cast<double>(progress.bytes_done) / total : 0.0, progress.seconds_left);
+  };
+}
+
+Result<void> confirmed(bool yes, std::string_view what_happens) {
+  if (yes) return {};
+  return problem(ProblemKind::usage, fmt::format("{}: give --yes if that is meant", what_happens));
+}
+
+}  // namespace ecs::app

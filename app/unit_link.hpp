@@ -1,0 +1,50 @@
+// A verb's way to its unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
+// Does not live here: which link (link_choice.hpp), what is said over it (protocol/client.hpp).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "app/emulator_process.hpp"
+#include "app/link_choice.hpp"
+#include "app/session.hpp"
+#include "protocol/client.hpp"
+
+namespace ecs::app {
+
+enum class Access {
+  reads,
+  writes,  ///< or moves, or runs: messages say EMULATOR where that is the unit
+};
+
+/// An open link. Destroying it closes the port and stops the emulator it started.
+class UnitLink {
+ public:
+  [[nodiscard]] protocol::UnitClient& client() { return client_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
+  [[nodiscard]] bool is_emulator() const { return emulator_ != nullptr; }
+
+ private:
+  friend Result<UnitLink> open_link(const LinkChoice& choice);
+  UnitLink(std::unique_ptr<EmulatorProcess> emulator, protocol::UnitClient client, std::string name)
+      : emulator_(std::move(emulator)), client_(std::move(client)), name_(std::move(name)) {}
+
+  std::unique_ptr<EmulatorProcess> emulator_;  // before the client: it must outlive the open port
+  protocol::UnitClient client_;
+  std::string name_;
+};
+
+/// Opens a link; a signal cancels what is under way on it.
+[[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice);
+
+/// Opens the link that the session names, tells the session its name and sets its message prefix.
+[[nodiscard]] Result<UnitLink> open_unit(Session& session, Access access);
+
+/// Feeds the progress bar.
+[[nodiscard]] protocol::ProgressCallback progress_bar(Session& session, std::string label);
+
+/// A usage problem unless `yes`: what moves, runs or overwrites needs --yes.
+[[nodiscard]] Result<void> confirmed(bool yes, std::string_view what_happens);
+
+}  // namespace ecs::app
