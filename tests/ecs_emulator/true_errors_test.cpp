@@ -59,8 +59,9 @@ C0Y = 16.0
 spindle = "20 + t/100"
 [[contribution]]
 component = "EZZ"
-formula = "2*(T_spindle-20)") ");
-      MachineState state;
+formula = "2*T_spindle - 40"
+)");
+  MachineState state;
   state.time_s = 500.0;
   CHECK(value(errors, Component::C0Y, state) == 16.0);
   CHECK(value(errors, Component::EZZ, state) == doctest::Approx(10.0));

@@ -1,0 +1,63 @@
+// The machine tool: axes under a CNC that moves them along straight lines, as it stands at one instant.
+// Does not live here: its errors (true_errors.hpp), the unit (unit.hpp), who tells it to move (workshop.hpp).
+#pragma once
+
+#include "ecs_emulator/axis_of_machine.hpp"
+#include "ecs_emulator/true_errors.hpp"
+
+namespace ecs::emulator {
+
+class MachineTool {
+ public:
+  explicit MachineTool(const WorkshopMachine& description);
+
+  /// Starts a straight move of all axes to `target_mm`, from the commanded position.
+  /// @param feed_mm_min  along the path; 0: rapid
+  void move_to(const Vector3& target_mm, double feed_mm_min);
+  /// The path is at its end (the axes may still be catching up).
+  [[nodiscard]] bool arrived() const { return done_mm_ >= length_mm_; }
+  /// Arrived, and nothing moves any more.
+  [[nodiscard]] bool settled() const;
+  /// Brakes no matter where: the command stays where it is.
+  void stop();
+
+  void step(const Drives& drives, double period_s);
+
+  [[nodiscard]] Signals signals() const;
+  /// As its errors see it: carriages at their true places.
+  [[nodiscard]] MachineState state() const;
+  [[nodiscard]] const Vector3& command_mm() const { return command_mm_; }
+  [[nodiscard]] bool has(Axis axis) const { return chain_.has(axis); }
+  [[nodiscard]] const Chain& chain() const { return chain_; }
+  /// @pre has(axis)
+  [[nodiscard]] AxisOfMachine& axis(Axis axis) { return *axes_[index_of(axis)]; }
+  [[nodiscard]] const AxisOfMachine& axis(Axis axis) const { return *axes_[index_of(axis)]; }
+  [[nodiscard]] PerAxis<std::array<double, 2>> travel_mm() const;
+  [[nodiscard]] Vector3 datum_mm() const;
+  [[nodiscard]] double time_s() const { return time_s_; }
+  /// Time passes while everything stands still.
+  void wait(double seconds) { time_s_ += seconds; }
+  void load(double load_kg) { load_kg_ = load_kg; }
+
+ private:
+  void advance_path(double period_s);
+
+  Chain chain_;
+  PerAxis<std::optional<AxisOfMachine>> axes_{};
+  Vector3 start_mm_{};
+  Vector3 target_mm_{};
+  Vector3 command_mm_{};
+  double length_mm_ = 0.0;
+  double done_mm_ = 0.0;
+  double speed_mm_s_ = 0.0;
+  double most_mm_s_ = 0.0;
+  double acceleration_mm_s2_ = 0.0;
+  double feed_mm_min_ = 0.0;
+  double load_kg_ = 0.0;
+  double time_s_ = 0.0;
+};
+
+/// Where an axis stands when the machine is switched on: on the approach side of its reference switch, clear of it.
+[[nodiscard]] double start_position_mm(const params::MachineAxis& axis, const AxisSettings& settings);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,115 @@
+#include "ecs_emulator/simulation.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace ecs::emulator {
+namespace {
+
+constexpr int kSteady = 20;              ///< periods without a change of the output that count as settled
+constexpr double kSettle_s = 2.0;        ///< the longest time that an axis gets to settle
+constexpr double kPauseEvery_s = 0.004;  ///< real time
+constexpr std::uint64_t kTicksBetweenLooks = 64;
+
+double real_time_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool same(const Drives& a, const Drives& b) {
+  for (std::size_t i = 0; i < kAxes; ++i)
+    if (a[i].dac_counts != b[i].dac_counts || a[i].relay_closed != b[i].relay_closed) return false;
+  return true;
+}
+
+}  // namespace
+
+Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed)
+    : description_(description),
+      machine_(description),
+      errors_(std::move(errors)),
+      geometry_{machine_.chain(), params::measurement_lines_of(description.machine), {}},
+      seed_(seed),
+      random_(seed_of(seed, 1000, 0)) {}
+
+void Simulation::tick() {
+  const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
+  steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
+  drives_ = drives;
+  machine_.step(drives_, period_s());
+  ++ticks_;
+}
+
+bool Simulation::pause() {
+  if (!pause_ || ticks_ % kTicksBetweenLooks != 0) return true;
+  const double now_s = real_time_s();
+  if (now_s < next_pause_s_) return true;
+  const bool go_on = pause_();
+  next_pause_s_ = real_time_s() + kPauseEvery_s;
+  return go_on;
+}
+
+bool Simulation::settle(double limit_s, double& used_s) {
+  while (used_s < limit_s && !(machine_.settled() && steady_ticks_ >= kSteady)) {
+    tick();
+    used_s += period_s();
+    if (!pause()) return false;
+  }
+  return true;
+}
+
+bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each) {
+  machine_.move_to(target_mm, feed_mm_min);
+  while (!machine_.arrived()) {
+    tick();
+    if (each) each();
+    if (!pause()) {
+      machine_.stop();
+      return false;
+    }
+  }
+  double used_s = 0.0;
+  if (!each) return settle(kSettle_s, used_s);
+  while (used_s < kSettle_s && !(machine_.settled() && steady_ticks_ >= kSteady)) {
+    tick();
+    each();
+    used_s += period_s();
+    if (!pause()) return false;
+  }
+  return true;
+}
+
+bool Simulation::dwell(double seconds) {
+  double used_s = 0.0;
+  if (!settle(seconds, used_s)) return false;
+  if (used_s < seconds) machine_.wait(seconds - used_s);
+  return true;
+}
+
+bool Simulation::run_for(double seconds) {
+  const double end_s = machine_.time_s() + seconds - 0.5 * period_s();
+  while (machine_.time_s() < end_s) {
+    tick();
+    if (!pause()) return false;
+  }
+  return true;
+}
+
+ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm, bool scatter) {
+  ComponentValues errors = errors_.at(state);
+  if (scatter) {
+    const ComponentValues pass = errors_.pass_scatter(state, machine_.travel_mm(), seed_);
+    const ComponentValues& reading = errors_.reading_scatter();
+    for (std::size_t c = 0; c < kCurves; ++c) {
+      errors[c] += pass[c];
+      if (reading[c] > 0.0) errors[c] += reading[c] * random_.normal();
+    }
+  }
+  ToolPose pose = tool_pose(geometry_, errors, state.position_mm);
+  for (const Axis a : kAllAxes)
+    if (machine_.has(a)) pose.error_um[index_of(a)] += (state.position_mm[index_of(a)] - target_mm[index_of(a)]) * 1e3;
+  return pose;
+}
+
+ToolPose Simulation::tool_now(bool scatter) { return tool_at(machine_.state(), machine_.command_mm(), scatter); }
+
+}  // namespace ecs::emulator

@@ -1,0 +1,79 @@
+// Machine and unit in one simulated time: the tick that joins them, and motions run to their end.
+// Does not live here: what the person in the workshop does (measurement.hpp, survey.hpp, referencing.hpp).
+#pragma once
+
+#include <functional>
+
+#include "base/result.hpp"
+#include "ecs_emulator/kinematics.hpp"
+#include "ecs_emulator/machine_tool.hpp"
+#include "ecs_emulator/random.hpp"
+#include "ecs_emulator/true_errors.hpp"
+
+namespace ecs::emulator {
+
+/// Whatever stands between the machine's transducers and its drives.
+class Compensator {
+ public:
+  virtual ~Compensator() = default;
+  /// One period of its loop.
+  [[nodiscard]] virtual Drives tick(const Signals& signals) = 0;
+  [[nodiscard]] virtual double period_s() const = 0;
+};
+
+class Simulation {
+ public:
+  /// @param seed  of everything random
+  Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed);
+
+  /// The unit at the machine; null: none. It must outlive the simulation or be taken away.
+  void attach(Compensator* unit) { unit_ = unit; }
+  /// Called every few milliseconds of real time while something runs; false gives it up.
+  void on_pause(std::function<bool()> pause) { pause_ = std::move(pause); }
+
+  /// One period of the unit's loop.
+  void tick();
+  [[nodiscard]] double period_s() const { return unit_ == nullptr ? kPeriodAlone_s : unit_->period_s(); }
+
+  /// A straight move to its end, then until nothing moves any more. `each` is called after every tick.
+  /// @return false: given up
+  [[nodiscard]] bool move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each = {});
+  /// Time passes: ticks until all stands, the rest at once.
+  [[nodiscard]] bool dwell(double seconds);
+  /// Ticks without skipping.
+  [[nodiscard]] bool run_for(double seconds);
+
+  /// Tool against workpiece as the machine stands now. The difference of true position and command is inside.
+  /// @param scatter  with what does not repeat; else the systematic part alone
+  [[nodiscard]] ToolPose tool_now(bool scatter);
+  /// The same for a state and a target.
+  [[nodiscard]] ToolPose tool_at(const MachineState& state, const Vector3& target_mm, bool scatter);
+
+  [[nodiscard]] MachineTool& machine() { return machine_; }
+  [[nodiscard]] const MachineTool& machine() const { return machine_; }
+  [[nodiscard]] const TrueErrors& errors() const { return errors_; }
+  [[nodiscard]] const WorkshopMachine& description() const { return description_; }
+  [[nodiscard]] Random& random() { return random_; }
+  [[nodiscard]] const Drives& drives() const { return drives_; }
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  static constexpr double kPeriodAlone_s = 0.001;
+  [[nodiscard]] bool pause();
+  [[nodiscard]] bool settle(double limit_s, double& used_s);
+
+  WorkshopMachine description_;
+  MachineTool machine_;
+  TrueErrors errors_;
+  ChainGeometry geometry_;
+  std::uint64_t seed_;
+  Random random_;
+  Compensator* unit_ = nullptr;
+  std::function<bool()> pause_;
+  Drives drives_{};
+  std::uint64_t ticks_ = 0;
+  int steady_ticks_ = 0;  ///< periods since a drive signal last changed
+  double next_pause_s_ = 0.0;
+};
+
+}  // namespace ecs::emulator

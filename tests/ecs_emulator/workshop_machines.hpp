@@ -1,0 +1,58 @@
+// Machines that the tests of the virtual workshop measure and compensate.
+#pragma once
+
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "ecs_emulator/simulation.hpp"
+
+namespace ecs::emulator::test {
+
+/// Instruments without noise, fine, perfectly set up.
+inline constexpr const char* kPerfectInstruments = R"(
+[emulator.laser]
+linear_noise_um = 0
+straightness_noise_um = 0
+angular_noise_um_per_m = 0
+level_noise_um_per_m = 0
+indicator_noise_um = 0
+linear_resolution_um = 0
+straightness_resolution_um = 0
+angular_resolution_um_per_m = 0
+level_resolution_um_per_m = 0
+indicator_resolution_um = 0
+setup_slope_um_per_m = 0
+setup_offset_um = 0
+)";
+
+/// A machine of three short axes, datum at 0.
+inline std::string small_machine(const std::string& configuration = "TXYZ") {
+  return "name = \"test machine\"\nconfiguration = \"" + configuration + R"("
+[axis.X]
+travel_mm = [-500.0, 0.0]
+[axis.Y]
+travel_mm = [-400.0, 0.0]
+[axis.Z]
+travel_mm = [-300.0, 0.0]
+)";
+}
+
+inline WorkshopMachine machine_of(const std::string& text) {
+  auto machine = parse_workshop_machine(text, "machine.toml", ".");
+  REQUIRE_MESSAGE(machine.has_value(), (machine ? "" : to_text(machine.error())));
+  return std::move(*machine);
+}
+
+inline TrueErrors errors_of(const std::string& text) {
+  auto errors = TrueErrors::parse(text, "errors.toml", ".");
+  REQUIRE_MESSAGE(errors.has_value(), (errors ? "" : to_text(errors.error())));
+  return std::move(*errors);
+}
+
+inline Simulation simulation_of(const std::string& errors, const std::string& machine = small_machine(),
+                                std::uint64_t seed = 1) {
+  return Simulation(machine_of(machine + kPerfectInstruments), errors_of(errors), seed);
+}
+
+}  // namespace ecs::emulator::test
