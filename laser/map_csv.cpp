@@ -114,7 +114,8 @@ void refuse_mixed_approaches(const Points& points, Findings& findings) {
 
 std::string to_map_csv(const ErrorMap& map) {
   std::string text;
-  for (const std::string_view line : lines_of(header_text(map.header))) text += fmt::format("# {}\n", line);
+  const std::string header = header_text(map.header);
+  for (const std::string_view line : lines_of(header)) text += fmt::format("# {}\n", line);
   text += "axis,sense,approach,p_mm,value_um\n";
   for (const MapTable& table : map.tables)
     for (std::size_t i = 0; i < table.position_mm.size(); ++i)

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSameLine_mm = 0.5;
 
 /// One measurement line found in a file.
-struct Line {
+struct MeasuredLine {
   std::filesystem::path file;
   Axis axis;
   Sense sense;
@@ -23,7 +23,7 @@ struct Line {
   bool used = false;
 };
 
-bool on_line(const Line& line, const UnitParameters& p) {
+bool on_line(const MeasuredLine& line, const UnitParameters& p) {
   for (const Axis a : kAllAxes) {
     if (a == line.axis || !p.axis_present[index_of(a)]) continue;
     const double expected_mm = p.measurement_lines_mm[index_of(line.axis)][index_of(a)];
@@ -46,7 +46,7 @@ std::optional<Component> squareness_shown(Axis axis, Sense sense) {
 }
 
 /// The rotation that the difference of two parallel lines shows: about the normal of sense and offset.
-std::optional<Sense> rotation_shown(const Line& a, const Line& b) {
+std::optional<Sense> rotation_shown(const MeasuredLine& a, const MeasuredLine& b) {
   std::optional<Axis> offset;
   for (const Axis axis : kAllAxes) {
     if (axis == a.axis || std::abs(a.parked_mm[index_of(axis)] - b.parked_mm[index_of(axis)]) <= kSameLine_mm) continue;
@@ -59,7 +59,7 @@ std::optional<Sense> rotation_shown(const Line& a, const Line& b) {
 
 class Suggestion {
  public:
-  Suggestion(std::vector<Line> lines, const UnitParameters& parameters)
+  Suggestion(std::vector<MeasuredLine> lines, const UnitParameters& parameters)
       : lines_(std::move(lines)), parameters_(parameters), needed_(components_needed(parameters)) {}
 
   MapRecipe recipe() {
@@ -71,7 +71,7 @@ class Suggestion {
 
   [[nodiscard]] std::vector<std::string> unused() const {
     std::vector<std::string> names;
-    for (const Line& line : lines_)
+    for (const MeasuredLine& line : lines_)
       if (!line.used)
         names.push_back(
             fmt::format("{} ({} along {})", line.file.filename().string(), name_of(line.sense), letter_of(line.axis)));
@@ -93,7 +93,7 @@ class Suggestion {
 
   void take_direct(Component c) {
     if (!wanted(c)) return;
-    for (Line& line : lines_) {
+    for (MeasuredLine& line : lines_) {
       if (line.square || line.axis != moving_axis(c) || line.sense != sense_of(c)) continue;
       if (!is_angular(c) && !on_line(line, parameters_)) continue;
       line.used = true;
@@ -103,8 +103,8 @@ class Suggestion {
 
   void take_rotation(Component c) {
     if (!wanted(c) || !is_angular(c)) return;
-    for (Line& first : lines_)
-      for (Line& second : lines_) {
+    for (MeasuredLine& first : lines_)
+      for (MeasuredLine& second : lines_) {
         if (first.square || second.square || !on_line(first, parameters_) || first.axis != moving_axis(c)) continue;
         if (second.axis != first.axis || second.sense != first.sense) continue;
         if (rotation_shown(first, second) != sense_of(c)) continue;
@@ -115,14 +115,14 @@ class Suggestion {
 
   void take_square(Component c) {
     if (!wanted(c)) return;
-    for (Line& line : lines_) {
+    for (MeasuredLine& line : lines_) {
       if (!line.square || squareness_shown(line.axis, line.sense) != c) continue;
       line.used = true;
       return add(c, {line.file});
     }
   }
 
-  std::vector<Line> lines_;
+  std::vector<MeasuredLine> lines_;
   const UnitParameters& parameters_;
   ComponentSet needed_;
   MapRecipe recipe_;
@@ -132,7 +132,7 @@ class Suggestion {
 
 Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>& files,
                                        const UnitParameters& parameters) {
-  std::vector<Line> lines;
+  std::vector<MeasuredLine> lines;
   std::vector<Problem> problems;
   for (const std::filesystem::path& file : files) {
     const auto imported = read_any(file, ImportOptions{});

@@ -1,0 +1,208 @@
+// From measured files to a map: what each component takes, and what is refused.
+#include "laser/map_build.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+using namespace ecs;
+using namespace ecs::laser;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder that goes away with the test.
+struct Folder {
+  fs::path path = fs::temp_directory_path() / fmt::format("ecs_map_build_{}", static_cast<int>(::getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(path / name) << text;
+    return path / name;
+  }
+};
+
+constexpr const char* kHeader = "axis,sense,x_mm,y_mm,z_mm,approach,run,reading\n";
+
+/// Two runs each way of `error(position, approach)` along one axis.
+template <class Error>
+std::string runs(char axis, const std::string& sense, std::array<double, 3> parked, double first, double last,
+                 double step, Error error, const std::string& metadata = "") {
+  std::string text = metadata + kHeader;
+  const auto a = static_cast<std::size_t>(axis - 'X');
+  for (int run = 1; run <= 2; ++run)
+    for (const int d : {1, -1})
+      for (double p = first; p <= last + 1e-9; p += step) {
+        std::array<double, 3> at = parked;
+        at[a] = p;
+        text += fmt::format("{},{},{},{},{},{},{},{}\n", axis, sense, at[0], at[1], at[2], d, run, error(p, d));
+      }
+  return text;
+}
+
+UnitParameters mill_parameters() {
+  UnitParameters p;
+  p.measurement_lines_mm[0] = {0.0, -1400.0, 0.0};
+  p.axes[1].datum.reference_position_mm = -1400.0;
+  return p;
+}
+
+MapRecipe recipe_of(std::vector<ComponentRecipe> components) {
+  MapRecipe recipe;
+  recipe.components = std::move(components);
+  return recipe;
+}
+
+ComponentRecipe one(Component c, std::vector<fs::path> files) {
+  ComponentRecipe made;
+  made.component = c;
+  made.files = std::move(files);
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("compensation is minus the error, forward and reverse apart, zero at the datum") {
+  const Folder folder;
+  const auto file = folder.write(
+      "x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double p, int d) { return 5.0 + 0.02 * p + 1.5 * d; }));
+  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
+  REQUIRE(built);
+  REQUIRE(built->map.tables.size() == 2);
+  const MapTable& forward = built->map.tables[0];
+  const MapTable& reverse = built->map.tables[1];
+  CHECK(forward.approach == Approach::forward);
+  CHECK(compensation_at(forward, -200.0) == doctest::Approx(4.0 - 1.5));  // error -4 + 1.5
+  CHECK(compensation_at(reverse, -200.0) == doctest::Approx(4.0 + 1.5));
+  CHECK(compensation_at(forward, 0.0) + compensation_at(reverse, 0.0) == doctest::Approx(0.0));
+}
+
+TEST_CASE("straightness loses its slope and the header says how much") {
+  const Folder folder;
+  const auto file =
+      folder.write("yx.csv", runs('X', "EY", {0, -1400, 0}, -200, 0, 50, [](double p, int) { return 0.3 * p + 12.0; }));
+  const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
+  REQUIRE(built);
+  for (const double c : built->map.tables[0].compensation) CHECK(c == doctest::Approx(0.0).epsilon(1e-9));
+  CHECK(built->outcomes[0].slope_um_per_m == doctest::Approx(300.0));
+  CHECK(built->map.header.processing.front().find("300.00 um/m removed by least_squares") != std::string::npos);
+}
+
+TEST_CASE("yaw comes from two linear runs at two ram positions, in our signs") {
+  // E_X = EBX · Z: at z = -1000 a yaw of +30 um/m shows as -30 um
+  const Folder folder;
+  const auto yaw = [](double p) { return -0.1 * p; };
+  const auto in =
+      folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double p, int) { return 0.01 * p; }));
+  const auto out = folder.write("out.csv", runs('X', "EX", {0, -1400, -1000}, -400, 0, 100,
+                                                [&](double p, int) { return 0.01 * p + yaw(p) * -1.0; }));
+  const auto built = build_map(recipe_of({one(Component::EBX, {in, out})}), mill_parameters());
+  REQUIRE(built);
+  CHECK(compensation_at(built->map.tables[0], -300.0) == doctest::Approx(-30.0));
+  CHECK(built->outcomes[0].band == doctest::Approx(40.0));
+}
+
+TEST_CASE("the same two runs cannot show another rotation") {
+  const Folder folder;
+  const auto in = folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double, int) { return 0.0; }));
+  const auto out =
+      folder.write("out.csv", runs('X', "EX", {0, -1400, -1000}, -400, 0, 100, [](double, int) { return 1.0; }));
+  const auto built = build_map(recipe_of({one(Component::ECX, {in, out})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("show EBX, not ECX") != std::string::npos);
+}
+
+TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
+  const Folder folder;  // E_X = -C0Y · Y with C0Y = 16 um/m
+  const auto file =
+      folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, [](double p, int) { return -0.016 * p; }));
+  const auto built = build_map(recipe_of({one(Component::C0Y, {file})}), mill_parameters());
+  REQUIRE(built);
+  CHECK(built->parameters.C0Y_um_per_m == doctest::Approx(16.0));
+  CHECK(built->map.tables.empty());
+  CHECK(built->map.header.sources.front().component == "C0Y");
+}
+
+TEST_CASE("a file of another sense is refused and told what it holds") {
+  const Folder folder;
+  const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
+  const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("expected readings of EY along X, found EX along X at Y -1400, Z 0") !=
+        std::string::npos);
+}
+
+TEST_CASE("readings taken while compensating make no map") {
+  const Folder folder;
+  const auto file =
+      folder.write("x.csv", "axis,sense,x_mm,y_mm,reading,compensated\nX,EX,0,-1400,1,1\nX,EX,-50,-1400,2,1\n");
+  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("compensation active") != std::string::npos);
+}
+
+TEST_CASE("a curve off the measurement line of the parameters is refused") {
+  const Folder folder;
+  const auto file = folder.write("x.csv", runs('X', "EX", {0, 0, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
+  const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("measured at Y 0, but the parameters' measurement line of X is at Y -1400") !=
+        std::string::npos);
+}
+
+TEST_CASE("files of two machines do not make one map") {
+  const Folder folder;
+  const auto flat = [](double, int) { return 0.0; };
+  const auto x = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, flat, "# machine: mill A\n"));
+  const auto y = folder.write("y.csv", runs('Y', "EY", {0, 0, 0}, -1400, 0, 200, flat, "# machine: mill B\n"));
+  const auto built = build_map(recipe_of({one(Component::EXX, {x}), one(Component::EYY, {y})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("more than one machine") != std::string::npos);
+}
+
+TEST_CASE("a component that the chain does not use is refused") {
+  const Folder folder;
+  const auto file = folder.write("z.csv", runs('Z', "EA", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
+  const auto built = build_map(recipe_of({one(Component::EAZ, {file})}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("does not use it") != std::string::npos);
+}
+
+TEST_CASE("the files themselves suggest what they serve, and name what is left over") {
+  const Folder folder;
+  const auto flat = [](double, int) { return 0.0; };
+  const std::vector<fs::path> files{
+      folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, flat)),
+      folder.write("x_out.csv", runs('X', "EX", {0, -1400, -1000}, -200, 0, 50, flat)),
+      folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, flat, "# instrument: indicator on a square\n")),
+      folder.write("yx_far.csv", runs('X', "EY", {0, 0, 0}, -200, 0, 50, flat))};
+  const auto suggested = suggest_recipe(files, mill_parameters());
+  REQUIRE(suggested);
+  REQUIRE(suggested->recipe.components.size() == 3);
+  CHECK(suggested->recipe.components[0].component == Component::EXX);
+  CHECK(suggested->recipe.components[1].component == Component::EBX);
+  CHECK(suggested->recipe.components[1].files.size() == 2);
+  CHECK(suggested->recipe.components[2].component == Component::C0Y);
+  REQUIRE(suggested->unused.size() == 1);
+  CHECK(suggested->unused[0] == "yx_far.csv (EY along X)");
+}
+
+TEST_CASE("a recipe reports every fault with its line") {
+  const auto recipe = parse_map_recipe(
+      "colour = 1\n[[component]]\ncode = \"EXQ\"\nfiles = [\"a.csv\"]\n"
+      "[[component]]\ncode = \"EXX\"\nfiles = []\n[[declared_zero]]\ncode = \"EXX\"\n",
+      "r.toml", ".");
+  REQUIRE_FALSE(recipe);
+  const std::string text = to_text(recipe.error());
+  CHECK(text.find("r.toml:1") != std::string::npos);
+  CHECK(text.find("found \"EXQ\"") != std::string::npos);
+  CHECK(text.find("files: expected one file for EXX, found 0") != std::string::npos);
+  CHECK(text.find("EXX stands in the recipe twice") != std::string::npos);
+  CHECK(text.find("reason: say why") != std::string::npos);
+}

@@ -1,0 +1,225 @@
+// The error map: text form, bytes, completeness.
+#include <cmath>
+#include <limits>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "core/memory_image.hpp"
+#include "laser/error_map.hpp"
+#include "laser/map_csv.hpp"
+#include "laser/map_image.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+
+namespace {
+
+UnitParameters one_axis() {
+  UnitParameters p;
+  p.configuration = {'T', 'X', 0, 0, 0};
+  p.axis_present = {true, false, false};
+  p.scope = Scope::linear;
+  return p;
+}
+
+ErrorMap small_map() {
+  ErrorMap map;
+  map.header.customer = "A customer: with a colon";
+  map.header.machine = "mill 7";
+  map.header.serial_number = "1234";
+  map.header.date = "2026-02-03";
+  map.header.engineer = "N. N.";
+  map.header.configuration = "TX";
+  map.header.sources = {{"EXX", "x run 1.csv", std::string(64, 'a')}};
+  map.header.declared_zero = {{Component::EBY, "cannot be measured"}};
+  map.header.processing = {"EXX averaged over 3 runs"};
+  map.tables = {{Component::EXX, Approach::forward, {0.0, 50.0, 100.0}, {0.0, -1.25, -3.5}},
+                {Component::EXX, Approach::reverse, {0.0, 50.0, 100.0}, {0.5, -0.75, -3.0}}};
+  return map;
+}
+
+}  // namespace
+
+TEST_CASE("a map written as text reads back as the same map, header and all") {
+  const ErrorMap map = small_map();
+  const auto back = parse_map_csv(to_map_csv(map), "map.csv");
+  REQUIRE(back);
+  CHECK(*back == map);
+}
+
+TEST_CASE("every table survives the text form to the last bit") {
+  rc::check("round trip of random tables", [] {
+    ErrorMap map;
+    MapTable table{*rc::gen::element(Component::EXX, Component::EAY, Component::ECZ), Approach::unknown, {}, {}};
+    const int n = *rc::gen::inRange(1, 30);
+    double p = *rc::gen::inRange(-100000, 100000) / 7.0;
+    for (int i = 0; i < n; ++i) {
+      table.position_mm.push_back(p);
+      table.compensation.push_back(*rc::gen::inRange(-3'000'000, 3'000'000) / 997.0);
+      p += *rc::gen::inRange(1, 1000) / 13.0;
+    }
+    map.tables = {table};
+    const auto back = parse_map_csv(to_map_csv(map), "map.csv");
+    RC_ASSERT(back.has_value());
+    RC_ASSERT(*back == map);
+  });
+}
+
+TEST_CASE("every bad row of a map is told at once, with its line and column") {
+  const auto map = parse_map_csv(
+      "axis,sense,approach,p_mm,value_um\n"
+      "Q,EX,1,0,0\n"
+      "X,EX,2,0,0\n"
+      "X,EX,1,0,nan\n"
+      "X,EX,1,ten,0\n"
+      "X,EX,1,0\n"
+      "X,EX,1,0,99999\n",
+      "map.csv");
+  REQUIRE_FALSE(map);
+  const std::string text = to_text(map.error());
+  CHECK(text.find("map.csv:2:1: axis: expected X, Y or Z, found \"Q\"") != std::string::npos);
+  CHECK(text.find("map.csv:3:6: approach") != std::string::npos);
+  CHECK(text.find("map.csv:4:10: value_um") != std::string::npos);
+  CHECK(text.find("map.csv:5:8: p_mm") != std::string::npos);
+  CHECK(text.find("map.csv:6:1: expected 5 fields, found 4") != std::string::npos);
+  CHECK(text.find("map.csv:7:10: value_um") != std::string::npos);
+}
+
+TEST_CASE("a position given twice, and approach 0 beside 1, are refused") {
+  const auto twice = parse_map_csv("axis,sense,approach,p_mm,value_um\nX,EX,1,5,1\nX,EX,1,5,2\n", "m.csv");
+  REQUIRE_FALSE(twice);
+  CHECK(twice.error().message.find("twice") != std::string::npos);
+  const auto mixed = parse_map_csv("axis,sense,approach,p_mm,value_um\nX,EX,1,5,1\nX,EX,0,5,2\n", "m.csv");
+  REQUIRE_FALSE(mixed);
+  CHECK(mixed.error().message.find("approach 0") != std::string::npos);
+}
+
+TEST_CASE("a header key that does not exist is refused with the line it has in the file") {
+  const auto map =
+      parse_map_csv("# customer: A\n# colour: red\naxis,sense,approach,p_mm,value_um\nX,EX,0,5,1\n", "m.csv");
+  REQUIRE_FALSE(map);
+  CHECK(map.error().line == 2);
+  CHECK(map.error().message.find("colour") != std::string::npos);
+}
+
+TEST_CASE("a map between its points is linear, and holds its end values beyond its ends") {
+  const MapTable table{Component::EXX, Approach::unknown, {0.0, 10.0}, {1.0, 3.0}};
+  CHECK(compensation_at(table, 5.0) == doctest::Approx(2.0));
+  CHECK(compensation_at(table, -100.0) == 1.0);
+  CHECK(compensation_at(table, 100.0) == 3.0);
+}
+
+TEST_CASE("the bytes of a map give back parameters, header and tables to the table's resolution") {
+  const UnitParameters p = one_axis();
+  const ErrorMap map = small_map();
+  const auto image = image_of(map, p);
+  REQUIRE(image);
+  CHECK(check_image(image->bytes).fault == ImageFault::none);
+  const auto back = content_of(image->bytes);
+  REQUIRE(back);
+  CHECK(back->parameters == p);
+  CHECK(back->map.header == map.header);
+  REQUIRE(back->map.tables.size() == 2);
+  CHECK(back->map.tables[0].position_mm == map.tables[0].position_mm);
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(back->map.tables[1].compensation[i] == doctest::Approx(map.tables[1].compensation[i]).epsilon(1e-9));
+}
+
+TEST_CASE("values too large for hundredths of a micrometre are stored in tenths") {
+  ErrorMap map = small_map();
+  map.tables[0].compensation[2] = -1234.5;
+  const auto image = image_of(map, one_axis());
+  REQUIRE(image);
+  const auto back = content_of(image->bytes);
+  REQUIRE(back);
+  CHECK(back->map.tables[0].compensation[2] == doctest::Approx(-1234.5));
+}
+
+TEST_CASE("unevenly spaced points are put on a grid at their smallest spacing, and the change is told") {
+  ErrorMap map = small_map();
+  map.tables = {{Component::EXX, Approach::unknown, {0.0, 10.0, 40.0}, {0.0, 1.0, 4.0}}};
+  const auto image = image_of(map, one_axis());
+  REQUIRE(image);
+  REQUIRE(image->notes.size() == 1);
+  const auto back = content_of(image->bytes);
+  REQUIRE(back);
+  CHECK(back->map.tables[0].position_mm.size() == 5);
+  CHECK(compensation_at(back->map.tables[0], 25.0) == doctest::Approx(2.5));
+}
+
+TEST_CASE("a map that lacks a component names it and says what to do") {
+  UnitParameters p;  // TXYZ, volumetric
+  ErrorMap map = small_map();
+  map.header.configuration = "TXYZ";
+  const auto image = image_of(map, p);
+  REQUIRE_FALSE(image);
+  const std::string text = to_text(image.error());
+  CHECK(text.find("ECX (X axis rotation about Z") != std::string::npos);
+  CHECK(text.find("declare it zero with a reason") != std::string::npos);
+  CHECK(text.find("C0Y (squareness of Y to X)") != std::string::npos);
+  CHECK(text.find("EBY") == std::string::npos);  // declared zero
+}
+
+TEST_CASE("one approach alone is not a table for both") {
+  ErrorMap map = small_map();
+  map.tables.pop_back();
+  const auto image = image_of(map, one_axis());
+  REQUIRE_FALSE(image);
+  CHECK(image.error().message.find("one approach only") != std::string::npos);
+}
+
+TEST_CASE("a map for another configuration is refused") {
+  ErrorMap map = small_map();
+  map.header.configuration = "XTYZ";
+  const auto image = image_of(map, one_axis());
+  REQUIRE_FALSE(image);
+  CHECK(image.error().message.find("made for a XTYZ machine, the parameters say TX") != std::string::npos);
+}
+
+TEST_CASE("a component declared zero must not have values as well") {
+  ErrorMap map = small_map();
+  map.header.declared_zero = {{Component::EXX, "no time"}};
+  const auto image = image_of(map, one_axis());
+  REQUIRE_FALSE(image);
+  CHECK(image.error().message.find("declared zero and has values") != std::string::npos);
+}
+
+TEST_CASE("more values than the memory modules hold are refused, one module more and they fit") {
+  ErrorMap map = small_map();
+  MapTable large{Component::EXX, Approach::unknown, {}, {}};
+  for (int i = 0; i < 32'001; ++i) {
+    large.position_mm.push_back(i * 0.1);
+    large.compensation.push_back(0.0);
+  }
+  map.tables = {large};
+  UnitParameters p = one_axis();
+  const auto refused = image_of(map, p);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().message.find("32001 values") != std::string::npos);
+  p.memory_modules = 2;
+  CHECK(image_of(map, p));
+}
+
+TEST_CASE("new parameters in an old image keep its tables and make a sound image again") {
+  const auto image = image_of(small_map(), one_axis());
+  REQUIRE(image);
+  UnitParameters changed = one_axis();
+  changed.axes[0].deadband_um = 7.5;
+  const auto replaced = with_parameters(image->bytes, changed);
+  REQUIRE(replaced);
+  const auto back = content_of(*replaced);
+  REQUIRE(back);
+  CHECK(back->parameters == changed);
+  CHECK(back->map.header == small_map().header);
+}
+
+TEST_CASE("a changed byte anywhere in an image is noticed") {
+  const auto image = image_of(small_map(), one_axis());
+  REQUIRE(image);
+  for (std::size_t i = 0; i < image->bytes.size(); ++i) {
+    auto damaged = image->bytes;
+    damaged[i] ^= 0x10;
+    CHECK_FALSE(content_of(damaged));
+  }
+}
