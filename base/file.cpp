@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -50,11 +49,15 @@ Result<std::string> read_file(const std::filesystem::path& path) {
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > kLargest)
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
   std::ifstream in(path, std::ios::binary);
-  std::ostringstream content;
-  if (in && in.peek() != std::ifstream::traits_type::eof()) content << in.rdbuf();
+  std::string content;
+  std::array<char, 1 << 16> piece{};
+  while (in.is_open() && content.size() <= kLargest && (in.read(piece.data(), piece.size()), in.gcount() > 0))
+    content.append(piece.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad() || !in.is_open())
     return tl::unexpected(file_problem(ProblemKind::bad_input, path, "cannot read: permission denied or I/O error"));
-  return std::move(content).str();
+  if (content.size() > kLargest)
+    return tl::unexpected(file_problem(ProblemKind::bad_input, path, "larger than 256 MiB: not read"));
+  return content;
 }
 
 Result<void> write_file(const std::filesystem::path& path, std::string_view content) {

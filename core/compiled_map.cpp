@@ -8,65 +8,70 @@ namespace {
 std::size_t sense_index(Component c) noexcept { return static_cast<std::size_t>(sense_of(c)); }
 
 /// Cells of one table: linear pieces, or steps of half an increment either side of each value.
-void fill_cells(const ImageView& image, const TableEntry& entry, Interpolation interpolation, Cell* cells) noexcept {
+void fill_cells(const ImageView& image, const TableEntry& entry, Interpolation interpolation, std::uint32_t first_cell,
+                CompiledMap& map) noexcept {
   for (std::uint32_t k = 0; k < entry.count; ++k) {
     const double here = image.value_counts(entry.first_value + k) * entry.resolution;
     const bool slopes = interpolation == Interpolation::linear && k + 1 < entry.count;
     const double next = slopes ? image.value_counts(entry.first_value + k + 1) * entry.resolution : here;
-    cells[k] = {here - (next - here) * k, next - here};
+    map.slope[first_cell + k] = next - here;
+    map.value[first_cell + k] = here - (next - here) * (first_cell + k);
   }
 }
 
-void place_table(const TableEntry& entry, Interpolation interpolation, std::uint32_t first_cell, std::size_t side,
-                 CompiledMap& map) noexcept {
-  const std::size_t a = index_of(moving_axis(entry.component));
+void place_table(const TableEntry& entry, Interpolation interpolation, std::uint32_t first_cell,
+                 CurveSet& curves) noexcept {
   const std::size_t s = sense_index(entry.component);
   const double half_step = interpolation == Interpolation::nearest ? 0.5 : 0.0;
-  map.place_per_mm[a][side][s] = 1.0 / entry.increment_mm;
-  map.place_offset[a][side][s] = half_step - entry.start_mm / entry.increment_mm;
-  map.last_place[a][side][s] = entry.count - 1;
-  map.lookup[a][side][s] = {first_cell, entry.first_value};
+  curves.cells_per_mm[s] = 1.0 / entry.increment_mm;
+  curves.offset[s] = first_cell + half_step - entry.start_mm / entry.increment_mm;
+  curves.first[s] = first_cell;
+  curves.last[s] = first_cell + (entry.count - 1);
+  curves.first_value[s] = entry.first_value;
 }
 
-void compile_tables(const ImageView& image, Interpolation interpolation, CompiledMap& map) noexcept {
-  map.cells[0] = {};
+/// Only the curves that a term reads; the others stay on the zero cell.
+void compile_tables(const ImageView& image, Interpolation interpolation, const ComponentSet& used,
+                    CompiledMap& map) noexcept {
   std::uint32_t next_cell = 1;
   for (std::uint32_t i = 0; i < image.table_count(); ++i) {
     const TableEntry entry = image.entry(i);
-    if (entry.declared_zero) continue;
-    fill_cells(image, entry, interpolation, map.cells.data() + next_cell);
-    if (entry.approach != Approach::reverse)
-      place_table(entry, interpolation, next_cell, side_of(Approach::forward), map);
-    if (entry.approach != Approach::forward)
-      place_table(entry, interpolation, next_cell, side_of(Approach::reverse), map);
+    if (entry.declared_zero || !used.contains(entry.component)) continue;
+    fill_cells(image, entry, interpolation, next_cell, map);
+    auto& sides = map.curves[index_of(moving_axis(entry.component))];
+    for (const Approach approach : {Approach::forward, Approach::reverse})
+      if (entry.approach == approach || entry.approach == Approach::unknown)
+        place_table(entry, interpolation, next_cell, sides[side_of(approach)]);
     next_cell += entry.count;
   }
 }
 
-/// Where a rotation term stands in AngularAction::weight.
-std::size_t weight_index(const Term& term) noexcept {
-  const bool first = (index_of(direction_of(sense_of(term.component))) + 2) % 3 == index_of(term.observed);
-  return 2 * index_of(term.observed) + (first ? 0 : 1);
+void add_squareness(const Term& term, const UnitParameters& p, SquarenessAction& action) noexcept {
+  // parameters hold the error, the unit adds compensation
+  const double per_mm = -term.sign / 1000.0;
+  if (term.component == Component::C0Y) action.x_by_y = per_mm * p.C0Y_um_per_m;
+  if (term.component == Component::B0Z) action.x_by_z = per_mm * p.B0Z_um_per_m;
+  if (term.component == Component::A0Z) action.y_by_z = per_mm * p.A0Z_um_per_m;
+}
+
+void add_rotation(const Term& term, const UnitParameters& p, AngularAction& action) noexcept {
+  const std::size_t observed = index_of(term.observed);
+  const std::size_t lever = index_of(term.lever);
+  const double weight_per_mm = term.sign * p.angular_scale / 1000.0;
+  const double line_mm = p.measurement_lines_mm[index_of(moving_axis(term.component))][lever];
+  const double gain = term.uses_coordinate ? weight_per_mm : 0.0;
+  const double constant = weight_per_mm * p.tool_offset_mm[lever] - gain * line_mm;
+  const std::size_t product = 2 * lever + (observed == (lever + 2) % 3 ? 0 : 1);
+  action.gain[product] = gain;
+  action.constant[product] = constant;
 }
 
 void compile_terms(const TermTable& terms, const UnitParameters& p, CompiledMap& map) noexcept {
-  const Vector3 squareness{p.C0Y_um_per_m, p.B0Z_um_per_m, p.A0Z_um_per_m};
   for (const Term& term : terms) {
-    const std::size_t observed = index_of(term.observed);
-    const std::size_t lever = index_of(term.lever);
-    if (is_squareness(term.component)) {
-      // parameters hold the error, the unit adds compensation
-      map.squareness_um_per_mm[observed][lever] += -term.sign * squareness[index_of(term.component) - kCurves] / 1000.0;
-    } else if (!term.has_lever) {
-      map.translation_weight[observed][index_of(moving_axis(term.component))] = term.sign;
-    } else {
-      const std::size_t b = index_of(moving_axis(term.component));
-      AngularAction& action = map.angular[b];
-      action.weight[weight_index(term)] = term.sign * p.angular_scale;
-      if (term.uses_coordinate) action.lever_gain[lever] = 0.001;
-      const double line_mm = term.uses_coordinate ? p.measurement_lines_mm[b][lever] : 0.0;
-      action.lever_constant_m[lever] = (p.tool_offset_mm[lever] - line_mm) / 1000.0;
-    }
+    if (is_squareness(term.component))
+      add_squareness(term, p, map.squareness);
+    else if (term.has_lever)
+      add_rotation(term, p, map.angular[index_of(moving_axis(term.component))]);
   }
 }
 
@@ -80,7 +85,7 @@ void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
     to.deadband_mm = from.deadband_um / 1000.0;
     to.counts_per_um = to.present ? from.output_scale_counts_per_um * from.compensation_polarity : 0.0;
     to.limit_counts = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
-    to.slew_counts = std::max(1.0, from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s);
+    to.slew_counts = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
   }
 }
 
@@ -102,14 +107,12 @@ CompileVerdict check_complete(const ImageView& image, const ComponentSet& needed
 }
 
 void clear_working(CompiledMap& map) noexcept {
-  map.place_per_mm = {};
-  map.place_offset = {};
-  map.last_place = {};
-  map.lookup = {};
+  map.curves = {};
   map.angular = {};
-  map.squareness_um_per_mm = {};
-  map.translation_weight = {};
+  map.squareness = {};
   map.axes = {};
+  map.value[0] = 0.0;
+  map.slope[0] = 0.0;
 }
 
 }  // namespace
@@ -119,9 +122,10 @@ CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   if (!parameters) return {Fault::bad_parameters, Component::EXX};
   const CompileVerdict complete = check_complete(image, components_needed(*parameters));
   if (complete.fault != Fault::none) return complete;
+  const TermTable terms = *terms_of(*parameters);
   clear_working(map);
-  compile_tables(image, parameters->interpolation, map);
-  compile_terms(*terms_of(*parameters), *parameters, map);
+  compile_tables(image, parameters->interpolation, components_needed(terms, true), map);
+  compile_terms(terms, *parameters, map);
   compile_axes(*parameters, map);
   return {};
 }

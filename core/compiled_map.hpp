@@ -11,23 +11,30 @@
 
 namespace ecs {
 
-/// One table for one approach. compensation = cells[i].value + cells[i].slope · place, where
-/// place = clamp(position · scale + offset, 0, last) and i = ⌊place⌋: the end values hold beyond the ends.
-struct Lookup {
-  std::uint32_t first_cell = 0;
-  std::uint32_t first_value = 0;  ///< index of value 0 in the image, for the address pointers
-};
-struct Cell {
-  double value = 0.0;
-  double slope = 0.0;
+/// The six curves of one axis for one approach, side by side. Curve s is, in um or um/m of compensation,
+///   value[i] + slope[i] · cell,  cell = clamp(position · cells_per_mm + offset, first, last),  i = ⌊cell⌋:
+/// the end values hold beyond the ends. A curve without a table stays on cell 0, which is zero.
+struct alignas(64) CurveSet {
+  std::array<double, 6> cells_per_mm{};
+  std::array<double, 6> offset{};
+  std::array<double, 6> first{};
+  std::array<double, 6> last{};
+  std::array<std::uint32_t, 6> first_value{};  ///< index in the image of the value in cell `first`
 };
 
-/// How the rotations of one moving axis act on the tool: E += w ∘ (ε × L), with L = gain · position + constant [m].
-struct AngularAction {
-  Vector3 lever_gain{};
-  Vector3 lever_constant_m{};
-  /// Weights of EB·L_Z, EC·L_Y in X; EC·L_X, EA·L_Z in Y; EA·L_Y, EB·L_X in Z. Sign and angular scale are inside.
-  std::array<double, 6> weight{};
+/// How the rotations ε of one moving axis act on the tool, E += ε × L, as six products
+///   ε_r · (gain · p_l + constant)   with r = B C C A A B and l = X X Y Y Z Z, for E_Z E_Y E_X E_Z E_Y E_X.
+/// Sign, angular scale, measurement line and tool offset are inside; um per um/m, with p in mm.
+struct alignas(16) AngularAction {
+  std::array<double, 6> gain{};
+  std::array<double, 6> constant{};
+};
+
+/// Compensation of squareness, um per mm of the lever.
+struct SquarenessAction {
+  double x_by_y = 0.0;
+  double x_by_z = 0.0;
+  double y_by_z = 0.0;
 };
 
 /// One axis as the tick needs it.
@@ -36,8 +43,8 @@ struct AxisWorking {
   double mm_per_count = 0.001;
   double deadband_mm = 0.0;
   double counts_per_um = 0.0;  ///< D/A counts per um of compensation, polarity inside; 0: axis absent
-  double limit_counts = 0.0;
-  double slew_counts = 0.0;  ///< per tick
+  double limit_counts = 0.0;   ///< at most 32,767
+  double slew_counts = 0.0;    ///< per tick
 };
 
 /// Index of an approach in per-approach tables.
@@ -47,21 +54,15 @@ struct AxisWorking {
 
 struct CompiledMap {
   static constexpr std::size_t kSides = 2;
-  static constexpr std::size_t kCells = kMostValues + 1;  ///< cell 0 is zero: components without a table point to it
+  static constexpr std::size_t kCells = kMostValues + 1;  ///< cell 0 is zero
 
-  // [axis][side][sense]: six curves of one axis side by side
-  template <class T>
-  using PerCurve = std::array<std::array<std::array<T, 6>, kSides>, kAxes>;
-  PerCurve<double> place_per_mm{};
-  PerCurve<double> place_offset{};
-  PerCurve<double> last_place{};
-  PerCurve<Lookup> lookup{};
+  PerAxis<std::array<CurveSet, kSides>> curves{};
   PerAxis<AngularAction> angular{};
-  PerAxis<Vector3> squareness_um_per_mm{};  ///< [observed][lever]
-  PerAxis<Vector3> translation_weight{};    ///< [observed][moving]: 1 where the scope uses the curve, else 0
+  SquarenessAction squareness{};
   PerAxis<AxisWorking> axes{};
   double period_s = 0.001;
-  std::array<Cell, kCells> cells{};
+  std::array<double, kCells> value{};
+  std::array<double, kCells> slope{};
 };
 
 struct CompileVerdict {

@@ -43,7 +43,11 @@ void seek_switch(const DatumParameters& p, const DatumSignals& s, bool active, D
 }
 
 void leave_switch(const DatumParameters& p, const DatumSignals& s, bool active, DatumState& state) noexcept {
-  if (active != p.switch_initially_active) return;  // still on it
+  if (active != p.switch_initially_active) {  // still on it
+    if (std::abs(s.travelled_mm - state.stage_began_at_mm) > kMarkerSearch_mm)
+      fail(state, p.kind == DatumKind::allen_bradley ? DatumFailure::no_reversal : DatumFailure::no_marker);
+    return;
+  }
   const bool turned = direction_of_motion(s) != p.approach_direction;
   if (p.kind == DatumKind::allen_bradley && !turned)
     fail(state, DatumFailure::no_reversal);

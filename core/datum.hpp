@@ -29,10 +29,11 @@ struct DatumState {
 
 /// Motion below this distance is no start of the reference motion.
 inline constexpr double kDatumStart_mm = 0.05;
-/// No marker within this travel fails the routine (several revolutions of any ordinary screw).
+/// No marker, or no end of the switch, within this travel fails the routine (several turns of any ordinary screw).
 inline constexpr double kMarkerSearch_mm = 100.0;
 
-/// One period of the routine. Total: ends in done or failed, or stays where it is while the axis stands.
+/// One period of the routine. Total: it waits as long as the axis has not reached its switch, or stands; from the
+/// switch on it ends in done or failed within 2 × kMarkerSearch_mm.
 void step_datum(const DatumParameters& parameters, const DatumSignals& signals, DatumState& state) noexcept;
 
 /// Machine coordinate at the datum marker: the reference position lies `null_offset_mm` beyond the marker.

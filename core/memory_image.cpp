@@ -24,12 +24,13 @@ std::uint32_t block_check(ByteView image) noexcept {
 
 std::uint32_t prefix_word(ByteView image, std::uint32_t at) noexcept { return load_big<std::uint32_t>(image, at); }
 
+/// Ranges in which the tick can neither overflow nor divide by zero.
 bool sound_entry(const TableEntry& e, std::uint32_t value_count) noexcept {
-  if (is_squareness(e.component)) return false;
   if (e.declared_zero) return e.count == 0;
   if (e.count == 0 || e.first_value > value_count || e.count > value_count - e.first_value) return false;
   const bool finite = std::isfinite(e.start_mm) && std::isfinite(e.increment_mm) && std::isfinite(e.resolution);
-  return finite && e.increment_mm > 0.0 && e.resolution > 0.0 && std::abs(e.start_mm) < 1e6 && e.increment_mm < 1e6;
+  return finite && std::abs(e.start_mm) <= kLargestStart_mm && e.increment_mm >= kLeastIncrement_mm &&
+         e.increment_mm <= kLargestIncrement_mm && e.resolution > 0.0 && e.resolution <= kLargestResolution;
 }
 
 /// Raw codes of an entry that cannot be turned into the enums.
@@ -45,6 +46,7 @@ bool clash(const TableEntry& a, const TableEntry& b) noexcept {
 
 ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
   const ImageView view(image);
+  std::uint32_t values_left = view.value_count();
   for (std::uint32_t i = 0; i < view.table_count(); ++i) {
     verdict.table = i;
     const std::uint32_t at = directory_offset() + i * kEntryBytes;
@@ -52,6 +54,11 @@ ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
       verdict.fault = ImageFault::bad_entry;
       return verdict;
     }
+    if (view.entry(i).count > values_left) {
+      verdict.fault = ImageFault::bad_directory;
+      return verdict;
+    }
+    values_left -= view.entry(i).count;
     for (std::uint32_t j = 0; j < i; ++j)
       if (clash(view.entry(i), view.entry(j))) {
         verdict.fault = ImageFault::duplicate_table;

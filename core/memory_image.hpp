@@ -1,5 +1,5 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
-// them. prefix (64) | parameters (512) | table directory (40 each) | values (int16 each) | header text (UTF-8) The
+// them. prefix (64) | parameters (512) | table directory (40 each) | values (int16 each) | header text (UTF-8). The
 // block check is the CRC-32 of the whole image with its own four bytes taken as zero.
 #pragma once
 
@@ -33,12 +33,17 @@ struct TableEntry {
   std::uint32_t first_value = 0;  ///< index of the first value in the value area
   std::uint32_t count = 0;        ///< 0 only if declared zero
   double start_mm = 0.0;          ///< machine coordinate of the first value
-  double increment_mm = 1.0;      ///< above 0
-  double resolution = 0.01;       ///< um or um/m per count, above 0
+  double increment_mm = 1.0;      ///< 0.0001 … 1e6
+  double resolution = 0.01;       ///< um or um/m per count, above 0, at most 1000
   friend bool operator==(const TableEntry&, const TableEntry&) = default;
 };
 
-/// What an image holds, before its bytes exist.
+inline constexpr double kLargestStart_mm = 1e6;
+inline constexpr double kLeastIncrement_mm = 1e-4;
+inline constexpr double kLargestIncrement_mm = 1e6;
+inline constexpr double kLargestResolution = 1000.0;
+
+/// What an image holds, before its bytes exist. No two tables share values: their counts sum to at most value_count.
 struct ImagePlan {
   std::uint32_t table_count = 0;
   std::uint32_t value_count = 0;

@@ -8,6 +8,9 @@
 namespace ecs {
 namespace {
 
+/// Far beyond every number of a machine tool, far below what could overflow in the tick.
+constexpr double kLargestNumber = 1e9;
+
 /// Walks the block field by field, storing.
 class Writer {
  public:
@@ -39,7 +42,7 @@ class Reader {
   void number(double& value) noexcept {
     value = load_double(block_, at_);
     at_ += 8;
-    sound_ = sound_ && std::isfinite(value);
+    sound_ = sound_ && std::abs(value) <= kLargestNumber;  // not a number fails as well
   }
   template <class E>
   void word(E& value, E last) noexcept {

@@ -41,7 +41,7 @@ enum class CurveKind : std::uint8_t {
 /// 9 translations, 3 squareness, 9 angles × 2 directions.
 inline constexpr std::size_t kMostTerms = 30;
 
-/// Fixed-size list of terms; order is by component, then observed direction.
+/// Fixed-size list of terms; order is by component, then observed direction (as_printed: as in the thesis).
 struct TermTable {
   std::array<Term, kMostTerms> rows{};
   std::size_t count = 0;

@@ -2,61 +2,99 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace ecs {
 namespace {
 
-using Curves = std::array<std::array<double, 6>, kAxes>;  // [axis][sense]
-using Places = std::array<std::array<std::int32_t, 6>, kAxes>;
+using Six = std::array<double, 6>;
 
-/// The six curves of one axis at its position.
-inline void look_up(const CompiledMap& map, std::size_t axis, std::size_t side, double position_mm,
-                    std::array<double, 6>& value, std::array<std::int32_t, 6>& cell) noexcept {
-  const auto& scale = map.place_per_mm[axis][side];
-  const auto& offset = map.place_offset[axis][side];
-  const auto& last = map.last_place[axis][side];
-  const auto& lookup = map.lookup[axis][side];
-  std::array<double, 6> place;
+/// The curves of one axis at its position: EX EY EZ, and the rotations as AngularAction needs them, B C C A A B.
+struct CurveValues {
+  Vector3 translation;
+  alignas(16) Six rotation;
+};
+
+/// A loop of plain arithmetic, so that the compiler makes vector instructions of it.
+inline Six cells_at(const CurveSet& curves, double position_mm) noexcept {
+  const double* const cells_per_mm = std::assume_aligned<16>(curves.cells_per_mm.data());
+  const double* const offset = std::assume_aligned<16>(curves.offset.data());
+  const double* const first = std::assume_aligned<16>(curves.first.data());
+  const double* const last = std::assume_aligned<16>(curves.last.data());
+  Six cell;
   for (std::size_t s = 0; s < 6; ++s) {
-    const double inside = position_mm * scale[s] + offset[s];
-    const double above = inside > 0.0 ? inside : 0.0;
-    place[s] = above < last[s] ? above : last[s];
-    cell[s] = static_cast<std::int32_t>(place[s]);
+    const double anywhere = position_mm * cells_per_mm[s] + offset[s];
+    const double above = anywhere > first[s] ? anywhere : first[s];
+    cell[s] = above < last[s] ? above : last[s];
   }
-  for (std::size_t s = 0; s < 6; ++s) {
-    const Cell& c = map.cells[lookup[s].first_cell + static_cast<std::uint32_t>(cell[s])];
-    value[s] = c.value + c.slope * place[s];
-  }
+  return cell;
 }
 
-/// Rows of the term table in their compiled order (thesis 4.3).
-inline Vector3 combine(const CompiledMap& map, const Curves& v, const Vector3& p) noexcept {
-  Vector3 sum{};
-  for (std::size_t b = 0; b < kAxes; ++b) {
-    const AngularAction& act = map.angular[b];
-    const double lx = act.lever_gain[0] * p[0] + act.lever_constant_m[0];
-    const double ly = act.lever_gain[1] * p[1] + act.lever_constant_m[1];
-    const double lz = act.lever_gain[2] * p[2] + act.lever_constant_m[2];
-    const auto& [ex, ey, ez, ea, eb, ec] = v[b];
-    const auto& w = act.weight;
-    sum[0] += map.translation_weight[0][b] * ex + w[0] * eb * lz + w[1] * ec * ly;
-    sum[1] += map.translation_weight[1][b] * ey + w[2] * ec * lx + w[3] * ea * lz;
-    sum[2] += map.translation_weight[2][b] * ez + w[4] * ea * ly + w[5] * eb * lx;
-  }
-  for (std::size_t o = 0; o < kAxes; ++o)
-    for (std::size_t l = 0; l < kAxes; ++l) sum[o] += map.squareness_um_per_mm[o][l] * p[l];
-  return sum;
+inline CurveValues look_up(const CompiledMap& map, const CurveSet& curves, double position_mm) noexcept {
+  const Six cell = cells_at(curves, position_mm);
+  const auto value = [&](std::size_t s) {
+    const auto i = static_cast<std::size_t>(static_cast<std::int64_t>(cell[s]));
+    return map.value[i] + map.slope[i] * cell[s];
+  };
+  const double ea = value(3);
+  const double eb = value(4);
+  const double ec = value(5);
+  return {{value(0), value(1), value(2)}, {eb, ec, ec, ea, ea, eb}};
 }
+
+/// The six products of one moving axis.
+inline Six turned_um(const AngularAction& action, const Six& rotation, const Six& lever_mm) noexcept {
+  const double* const gain = std::assume_aligned<16>(action.gain.data());
+  const double* const constant = std::assume_aligned<16>(action.constant.data());
+  Six turned;
+  for (std::size_t k = 0; k < 6; ++k) turned[k] = rotation[k] * (gain[k] * lever_mm[k] + constant[k]);
+  return turned;
+}
+
+/// The rows of the term table in their compiled order (thesis 4.3).
+inline Vector3 combine(const CompiledMap& map, const PerAxis<CurveValues>& values, const Vector3& p) noexcept {
+  alignas(16) const Six lever_mm{p[0], p[0], p[1], p[1], p[2], p[2]};
+  const Six by_x = turned_um(map.angular[0], values[0].rotation, lever_mm);
+  const Six by_y = turned_um(map.angular[1], values[1].rotation, lever_mm);
+  const Six by_z = turned_um(map.angular[2], values[2].rotation, lever_mm);
+  Six turned;
+  for (std::size_t k = 0; k < 6; ++k) turned[k] = by_x[k] + by_y[k] + by_z[k];
+  const auto moved = [&](std::size_t o) {
+    return values[0].translation[o] + values[1].translation[o] + values[2].translation[o];
+  };
+  const SquarenessAction& square = map.squareness;
+  return {moved(0) + turned[2] + turned[5] + square.x_by_y * p[1] + square.x_by_z * p[2],
+          moved(1) + turned[1] + turned[4] + square.y_by_z * p[2], moved(2) + turned[0] + turned[3]};
+}
+
+/// A counter that wraps round is no overflow: the difference does not see it.
+inline double travelled_counts(std::int64_t counts, std::int64_t datum_counts) noexcept {
+  return static_cast<double>(
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(counts) - static_cast<std::uint64_t>(datum_counts)));
+}
+
+/// Nearest integer; @pre |value| <= 32,767.5
+inline std::int32_t rounded(double value) noexcept { return static_cast<std::int32_t>(value + 32768.5) - 32768; }
 
 /// Scaling, size limit, slew limit, rounding.
 inline void put_out(const AxisWorking& axis, double compensation_um, TickState& state, std::size_t a) noexcept {
   const double asked = compensation_um * axis.counts_per_um;
   const double sized = std::min(std::max(asked, -axis.limit_counts), axis.limit_counts);
-  state.at_limit[a] = sized != asked;
+  state.at_limit[a] = std::abs(asked) > axis.limit_counts;
   const double before = state.output_counts[a];
   const double output = std::min(std::max(sized, before - axis.slew_counts), before + axis.slew_counts);
   state.output_counts[a] = output;
-  state.dac_counts[a] = static_cast<std::int32_t>(output + std::copysign(0.5, output));
+  state.dac_counts[a] = rounded(output);
+}
+
+/// Position and approach of one axis, and its curves there.
+inline CurveValues read_axis(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+                             std::size_t a) noexcept {
+  const AxisWorking& axis = map.axes[a];
+  const double position_mm = state.datum_mm[a] + travelled_counts(counts[a], state.datum_counts[a]) * axis.mm_per_count;
+  state.position_mm[a] = position_mm;
+  state.approach[a] = sensed_approach(state.approach[a], position_mm, axis.deadband_mm, state.extreme_mm[a]);
+  return look_up(map, map.curves[a][side_of(state.approach[a])], position_mm);
 }
 
 }  // namespace
@@ -73,15 +111,8 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 }
 
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
-  Curves values;
-  for (std::size_t a = 0; a < kAxes; ++a) {
-    const AxisWorking& axis = map.axes[a];
-    const double position_mm =
-        state.datum_mm[a] + static_cast<double>(counts[a] - state.datum_counts[a]) * axis.mm_per_count;
-    state.position_mm[a] = position_mm;
-    state.approach[a] = sensed_approach(state.approach[a], position_mm, axis.deadband_mm, state.extreme_mm[a]);
-    look_up(map, a, side_of(state.approach[a]), position_mm, values[a], state.cell[a]);
-  }
+  const PerAxis<CurveValues> values{read_axis(map, state, counts, 0), read_axis(map, state, counts, 1),
+                                    read_axis(map, state, counts, 2)};
   state.compensation_um = combine(map, values, state.position_mm);
   for (std::size_t a = 0; a < kAxes; ++a) put_out(map.axes[a], state.compensation_um[a], state, a);
   ++state.ticks;
@@ -89,10 +120,18 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 
 Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
                            const PerAxis<Approach>& approach) noexcept {
-  Curves values;
-  Places cells;
-  for (std::size_t a = 0; a < kAxes; ++a) look_up(map, a, side_of(approach[a]), position_mm[a], values[a], cells[a]);
-  return combine(map, values, position_mm);
+  const auto values = [&](std::size_t a) { return look_up(map, map.curves[a][side_of(approach[a])], position_mm[a]); };
+  return combine(map, {values(0), values(1), values(2)}, position_mm);
+}
+
+std::optional<SelectedValue> selected_value(const CompiledMap& map, const TickState& state, Axis moving,
+                                            Sense sense) noexcept {
+  const std::size_t a = index_of(moving);
+  const auto s = static_cast<std::size_t>(sense);
+  const CurveSet& curves = map.curves[a][side_of(state.approach[a])];
+  if (curves.first[s] == 0.0) return std::nullopt;
+  const auto place = static_cast<std::uint32_t>(cells_at(curves, state.position_mm[a])[s] - curves.first[s]);
+  return SelectedValue{place, curves.first_value[s] + place};
 }
 
 }  // namespace ecs

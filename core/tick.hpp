@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/compiled_map.hpp"
 
@@ -14,13 +15,12 @@ struct TickState {
   PerAxis<std::int64_t> datum_counts{};  ///< transducer counts at the datum
   Vector3 datum_mm{};                    ///< machine coordinate there
   Vector3 position_mm{};
-  Vector3 extreme_mm{};                                   ///< furthest point in the present direction of motion
-  PerAxis<Approach> approach{};                           ///< forward or reverse, never unknown after start()
-  Vector3 compensation_um{};                              ///< what the model asks for, before scaling and limits
-  PerAxis<double> output_counts{};                        ///< D/A value, polarity and limits applied
-  PerAxis<std::int32_t> dac_counts{};                     ///< the same rounded: what leaves the unit
-  PerAxis<bool> at_limit{};                               ///< the size limit holds the value back
-  std::array<std::array<std::int32_t, 6>, kAxes> cell{};  ///< address pointers: value selected per [axis][sense]
+  Vector3 extreme_mm{};                ///< furthest point in the present direction of motion
+  PerAxis<Approach> approach{};        ///< forward or reverse, never unknown after start()
+  Vector3 compensation_um{};           ///< what the model asks for, before scaling and limits
+  PerAxis<double> output_counts{};     ///< D/A value, polarity and limits applied
+  PerAxis<std::int32_t> dac_counts{};  ///< the same rounded: what leaves the unit
+  PerAxis<bool> at_limit{};            ///< the size limit holds the value back
   std::uint64_t ticks = 0;
 };
 
@@ -31,6 +31,16 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 
 /// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
+
+/// Address pointer of one curve ("last geometric error values selected", thesis 5.3).
+struct SelectedValue {
+  std::uint32_t place = 0;        ///< in its table, from 0; between two values the lower one
+  std::uint32_t image_index = 0;  ///< for ImageView::value_offset()
+  friend bool operator==(const SelectedValue&, const SelectedValue&) = default;
+};
+/// What the last tick selected; nothing for a curve that the map does not hold or the parameters do not use.
+[[nodiscard]] std::optional<SelectedValue> selected_value(const CompiledMap& map, const TickState& state, Axis moving,
+                                                          Sense sense) noexcept;
 
 /// Direction after a move to `position_mm`: it turns only after travel back beyond the deadband (thesis 5.3,
 /// "minimum distance to qualify as move"). `extreme_mm` follows.

@@ -1,0 +1,71 @@
+// The map that the tick is measured with: volumetric, three axes, all 21 components, forward and reverse, linear.
+// Does not live here: the measuring (tick_bench.cpp, tick_callgrind.cpp).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/compiled_map.hpp"
+#include "core/tick.hpp"
+
+namespace ecs::bench {
+
+/// An XYTZ machine with a tool offset, so that every component acts; `values` error values in all.
+inline std::vector<std::uint8_t> full_image(std::uint32_t values) {
+  UnitParameters parameters;
+  parameters.configuration = {'X', 'Y', 'T', 'Z', 0};
+  parameters.C0Y_um_per_m = 16.0;
+  parameters.B0Z_um_per_m = -38.8;
+  parameters.A0Z_um_per_m = -66.93;
+  parameters.tool_offset_mm = {12.0, -7.0, 150.0};
+  parameters.memory_modules = static_cast<std::uint8_t>(kMostModules);
+  for (auto& line : parameters.measurement_lines_mm) line = {-500.0, -400.0, -300.0};
+
+  const std::uint32_t per_table = values / kMostTables;
+  const ImagePlan plan{kMostTables, per_table * kMostTables, 0};
+  std::vector<std::uint8_t> image(image_bytes(plan));
+  begin_image(image, plan);
+  write_parameters(image, parameters);
+  for (std::uint32_t t = 0; t < kMostTables; ++t) {
+    const Approach approach = t % 2 == 0 ? Approach::forward : Approach::reverse;
+    write_entry(image, t,
+                {static_cast<Component>(t / 2), approach, false, t * per_table, per_table, -1000.0 + 0.1 * t,
+                 1000.0 / (per_table - 1), 0.01});
+    for (std::uint32_t k = 0; k < per_table; ++k)
+      write_value(image, t * per_table + k, static_cast<std::int16_t>(3000.0 * std::sin(0.02 * k + t)));
+  }
+  seal_image(image);
+  return image;
+}
+
+/// The working form of full_image(); nothing if it does not compile.
+inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values) {
+  const auto image = full_image(values);
+  auto map = std::make_unique<CompiledMap>();
+  if (check_image(image).fault != ImageFault::none || compile(ImageView(image), *map).fault != Fault::none)
+    return nullptr;
+  return map;
+}
+
+/// Transducer counts of a random walk over one metre of each axis, steps up to 20 um, reversals included.
+inline std::vector<PerAxis<std::int64_t>> random_walk(std::size_t steps) {
+  std::mt19937 random(20240501);
+  std::uniform_int_distribution<std::int64_t> step(-20, 20);
+  PerAxis<std::int64_t> at{-500'000, -500'000, -500'000};
+  std::vector<PerAxis<std::int64_t>> walk;
+  walk.reserve(steps);
+  for (std::size_t i = 0; i < steps; ++i) {
+    for (auto& counts : at) {
+      const std::int64_t next = counts + step(random);
+      counts = next > 0 || next < -1'000'000 ? counts : next;
+    }
+    walk.push_back(at);
+  }
+  return walk;
+}
+
+}  // namespace ecs::bench
