@@ -86,9 +86,10 @@ class UnitClient {
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
+  [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
-  [[nodiscard]] Result<WindowAck> open_window(const WindowOpen& window);
+  [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window, bool open);
   [[nodiscard]] Result<void> write_window(Address address, std::span<const std::uint8_t> bytes,
                                           const std::function<void(std::size_t)>& sent);
   [[nodiscard]] Result<void> send_missing(const WindowOpen& window, std::span<const std::uint8_t> bytes,

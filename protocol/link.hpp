@@ -80,7 +80,7 @@ class Link {
   /// True once the cancel flag is set, if it is heeded.
   [[nodiscard]] bool cancelled() const;
   /// Waits, cancellable. False: cancelled.
-  [[nodiscard]] bool pause(std::chrono::microseconds span) const;
+  [[nodiscard]] bool pause(std::chrono::nanoseconds span) const;
 
   [[nodiscard]] bool connected() const;
   [[nodiscard]] LinkFailure last_failure() const;

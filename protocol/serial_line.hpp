@@ -45,7 +45,7 @@ struct LinkAddress {
 
 /// Every time and count of a link; one place.
 struct LinkTiming {
-  using Span = std::chrono::microseconds;
+  using Span = std::chrono::nanoseconds;
   Span byte_time{};         ///< one character on the wire; 0 for TCP
   Span frame_gap{};         ///< silence between frames: 3.5 characters, 1.75 ms above 19,200 baud
   Span response_timeout{};  ///< from the request to the first byte of its reply, both frames on the wire included

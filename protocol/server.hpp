@@ -18,6 +18,8 @@
 
 namespace ecs::protocol {
 
+class ServerLine;
+
 struct PtyOptions {
   std::filesystem::path link_path;  ///< symbolic link to make to the pseudo-terminal; empty: none
   int baud = 115'200;               ///< for pacing and for address()
@@ -58,9 +60,8 @@ class ModbusServer {
   [[nodiscard]] std::optional<Clock::time_point> last_request() const;
 
  private:
-  class Lines;
-  explicit ModbusServer(std::unique_ptr<Lines> lines);
-  std::unique_ptr<Lines> lines_;
+  explicit ModbusServer(std::unique_ptr<ServerLine> line);
+  std::unique_ptr<ServerLine> line_;
 };
 
 }  // namespace ecs::protocol

@@ -1,0 +1,195 @@
+// Commands of the host: given once, followed until they end.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "protocol/client.hpp"
+#include "protocol/unit_registers.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kShortLimit = 5s;
+constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole bank, checking and switching it
+constexpr milliseconds kRamTestLimit = 10min;
+constexpr milliseconds kFirstPoll = 5ms;
+constexpr milliseconds kSlowestPoll = 200ms;
+
+Command command_of(CommandCode code) {
+  Command command;
+  command.code = code;
+  return command;
+}
+
+Command command_of(CommandCode code, Axis axis) {
+  Command command = command_of(code);
+  command.axis = axis;
+  return command;
+}
+
+std::string reason_in(const CommandResult& result) {
+  if (result.text.empty()) return std::string(text_of(result.error));
+  if (result.error == UnitError::none) return result.text;
+  return fmt::format("{}: {}", text_of(result.error), result.text);
+}
+
+Result<CommandResult> outcome_of(const Command& command, const CommandResult& result) {
+  switch (result.state) {
+    case CommandState::done:
+      return result;
+    case CommandState::refused:
+      return problem(ProblemKind::refused,
+                     fmt::format("the unit refuses to {}: {}", name_of(command.code), reason_in(result)));
+    case CommandState::failed:
+      return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason_in(result)));
+    default:
+      return problem(ProblemKind::link,
+                     fmt::format("{}: the unit has forgotten the command; was it restarted?", name_of(command.code)));
+  }
+}
+
+}  // namespace
+
+Result<CommandResult> UnitClient::result_now() {
+  return link_.ask(kEcho, Registers{0}, kCommandResult).and_then(command_result_in);
+}
+
+Result<CommandResult> UnitClient::exchange(const Command& command) {
+  return link_.ask(kCommand, registers_of(command, 0), kCommandResult).and_then(command_result_in);
+}
+
+Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
+  if (sequence_ == 0) {
+    const auto before = result_now();
+    if (!before) return before;
+    sequence_ = before->sequence;
+  }
+  if (++sequence_ == 0) ++sequence_;
+  command.sequence = sequence_;
+  auto first = exchange(command);
+  if (!first) return first;
+  return wait_for(command, std::move(*first), limit, busy);
+}
+
+Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult result,
+                                           std::chrono::milliseconds limit, const CommandCallback& busy) {
+  const auto until = std::chrono::steady_clock::now() + limit;
+  milliseconds poll = kFirstPoll;
+  while (result.sequence == command.sequence && result.state == CommandState::busy) {
+    if (busy) busy(result);
+    const bool over = std::chrono::steady_clock::now() >= until;
+    if (over || !link_.pause(poll)) return stopped(command, over);
+    poll = std::min(2 * poll, kSlowestPoll);
+    auto next = result_now();
+    if (!next && link_.cancelled()) return stopped(command, false);
+    if (!next) return next;
+    result = std::move(*next);
+  }
+  if (result.sequence != command.sequence) {
+    sequence_ = 0;
+    return problem(ProblemKind::link,
+                   fmt::format("{}: the unit answers another command; it was restarted, or another host uses it",
+                               name_of(command.code)));
+  }
+  return outcome_of(command, result);
+}
+
+/// Ends a command that is taking too long, or that is no longer wanted.
+Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
+  link_.heed_cancel(false);
+  Command stop = command_of(CommandCode::stop);
+  if (++sequence_ == 0) ++sequence_;
+  stop.sequence = sequence_;
+  const auto taken = exchange(stop);
+  link_.heed_cancel(true);
+  return problem(ProblemKind::link,
+                 fmt::format("{}: {}{}", name_of(command.code), over ? "not done in time; stopped" : "cancelled",
+                             taken ? "" : " (the unit could not be told to stop)"));
+}
+
+Result<void> UnitClient::run_plain(const Command& command, std::chrono::milliseconds limit) {
+  return run(command, limit).map([](const CommandResult&) {});
+}
+
+Result<void> UnitClient::enter_integration() {
+  return run_plain(command_of(CommandCode::enter_integration), kShortLimit);
+}
+
+Result<void> UnitClient::enter_compensation() {
+  return run_plain(command_of(CommandCode::enter_compensation), kRamTestLimit);
+}
+
+Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
+  Command command = command_of(CommandCode::set_axis_position, axis);
+  command.position_mm = position_mm;
+  return run_plain(command, kShortLimit);
+}
+
+Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
+  Command command = command_of(CommandCode::output_compensation, axis);
+  command.output_um = output_um;
+  command.relay_on = relay_on;
+  return run_plain(command, kShortLimit);
+}
+
+Result<void> UnitClient::output_off() { return run_plain(command_of(CommandCode::output_off), kShortLimit); }
+
+Result<Address> UnitClient::begin_staging(bool copy_active) {
+  Command command = command_of(CommandCode::begin_staging);
+  command.copy_active = copy_active;
+  return run(command, kStagingLimit).map([](const CommandResult& result) { return Address{result.value}; });
+}
+
+Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) {
+  Command command = command_of(CommandCode::commit_staged);
+  command.length = length;
+  command.crc = crc;
+  auto done = run_plain(command, kStagingLimit);
+  if (!done && link_.last_failure() != LinkFailure::none)
+    done.error().message += " (the unit may or may not have taken the map: read its status)";
+  return done;
+}
+
+Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }
+
+Result<CommandResult> UnitClient::test_datum(Axis axis, std::chrono::milliseconds limit, const CommandCallback& busy) {
+  return run(command_of(CommandCode::test_datum, axis), limit, busy);
+}
+
+Result<CommandResult> UnitClient::record_datum(Axis axis, std::chrono::milliseconds limit,
+                                               const CommandCallback& busy) {
+  return run(command_of(CommandCode::record_datum, axis), limit, busy);
+}
+
+Result<std::uint32_t> UnitClient::run_user_software(Address address, std::uint32_t argument,
+                                                    std::chrono::milliseconds limit) {
+  Command command = command_of(CommandCode::run_user_software);
+  command.address = address;
+  command.argument = argument;
+  return run(command, limit).map([](const CommandResult& result) { return result.value; });
+}
+
+Result<CommandResult> UnitClient::run_ram_test(const CommandCallback& busy) {
+  return run(command_of(CommandCode::run_ram_test), kRamTestLimit, busy);
+}
+
+Result<void> UnitClient::clear_fault() { return run_plain(command_of(CommandCode::clear_fault), kShortLimit); }
+
+Result<void> UnitClient::reset_unit() {
+  auto done = run_plain(command_of(CommandCode::reset_unit), kShortLimit);
+  sequence_ = 0;
+  return done;
+}
+
+Result<std::uint32_t> UnitClient::check_memory(Address address, std::uint32_t bytes) {
+  Command command = command_of(CommandCode::check_memory);
+  command.address = address;
+  command.length = bytes;
+  return run(command, kStagingLimit).map([](const CommandResult& result) { return result.value; });
+}
+
+}  // namespace ecs::protocol

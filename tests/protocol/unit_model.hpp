@@ -1,0 +1,231 @@
+// A small unit for the tests of the link: two banks, staging, commands; and a thread that serves it on a real line.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "base/file.hpp"
+#include "protocol/client.hpp"
+#include "protocol/server.hpp"
+#include "protocol/unit_face.hpp"
+
+namespace ecs::protocol {
+
+class UnitModel : public UnitPort {
+ public:
+  static constexpr std::uint32_t kSize = 0x12000;
+  UnitMode mode = UnitMode::integration;
+  std::vector<std::uint8_t> bank_a = std::vector<std::uint8_t>(kSize, 0);
+  std::vector<std::uint8_t> bank_b = std::vector<std::uint8_t>(kSize, 0);
+  Bank active = Bank::none;
+  bool staging = false;
+  std::uint32_t commits = 0;
+  std::uint32_t image_length = 0;
+  int commands_begun = 0;
+  int busy_polls_left = 0;  ///< test_datum stays busy for so many questions
+  bool busy = false;
+  std::vector<CommandCode> log;
+  std::uint32_t samples = 0;
+
+  Identity identity() override {
+    return {kProtocolVersion, 2, 7, "ECS-0042", "small mill", 1, {true, true, false}, 32'000};
+  }
+  UnitStatus status() override {
+    UnitStatus status;
+    status.mode = mode;
+    status.active_bank = active;
+    status.commit_sequence = commits;
+    status.image_length_bytes = image_length;
+    status.ticks = ++samples;
+    status.pointers_at_tick = status.ticks;
+    status.axes[1].position_mm = -12.5;
+    status.pointers[3] = {17, 0x100022};
+    return status;
+  }
+  MonitorSample monitor() override {
+    MonitorSample sample;
+    sample.number = ++samples;
+    sample.unit_time_us = 1'000ull * samples;
+    sample.axes[0].present = true;
+    sample.axes[0].position_mm = samples;
+    return sample;
+  }
+  UnitError read_memory(Address address, std::span<std::uint8_t> out) override {
+    auto* bank = bank_at(address, out.size());
+    if (bank == nullptr) return UnitError::address_unknown;
+    std::copy_n(bank->begin() + static_cast<std::ptrdiff_t>(offset_of(address)), out.size(), out.begin());
+    return UnitError::none;
+  }
+  UnitError may_write(Address address, std::uint32_t bytes) override {
+    if (mode != UnitMode::integration) return UnitError::not_in_integration_mode;
+    return bank_at(address, bytes) == nullptr ? UnitError::address_unknown : UnitError::none;
+  }
+  UnitError write_memory(Address address, std::span<const std::uint8_t> bytes) override {
+    auto* bank = bank_at(address, bytes.size());
+    if (bank == nullptr) return UnitError::address_unknown;
+    std::copy(bytes.begin(), bytes.end(), bank->begin() + static_cast<std::ptrdiff_t>(offset_of(address)));
+    return UnitError::none;
+  }
+  CommandResult begin(const Command& command) override {
+    ++commands_begun;
+    log.push_back(command.code);
+    last = command;
+    if (mode != UnitMode::integration && command.code != CommandCode::enter_integration)
+      return refused(UnitError::not_in_integration_mode);
+    switch (command.code) {
+      case CommandCode::enter_integration:
+        mode = UnitMode::integration;
+        return done();
+      case CommandCode::enter_compensation:
+        mode = UnitMode::compensating;
+        return done();
+      case CommandCode::begin_staging:
+        staging = true;
+        return done(address_of_spare());
+      case CommandCode::abandon_staged:
+        if (!staging) return refused(UnitError::no_staging);
+        staging = false;
+        return done();
+      case CommandCode::commit_staged:
+        return commit(command);
+      case CommandCode::test_datum:
+        busy = true;
+        return {0, CommandState::busy, UnitError::none, 0, 0, "move the axis"};
+      case CommandCode::stop:
+        busy = false;
+        return done();
+      default:
+        return done();
+    }
+  }
+  CommandResult progress() override {
+    if (!busy) return {0, CommandState::failed, UnitError::stopped, 0, 0, {}};
+    if (busy_polls_left-- > 0) return {0, CommandState::busy, UnitError::none, 500, 0, "move the axis"};
+    busy = false;
+    return done(99);
+  }
+  [[nodiscard]] std::vector<std::uint8_t> active_image() const {
+    const auto& bank = active == Bank::B ? bank_b : bank_a;
+    return {bank.begin(), bank.begin() + image_length};
+  }
+  void install(const std::vector<std::uint8_t>& image) {
+    std::copy(image.begin(), image.end(), bank_a.begin());
+    active = Bank::A;
+    image_length = static_cast<std::uint32_t>(image.size());
+  }
+  Command last;
+
+ private:
+  static CommandResult done(std::uint32_t value = 0) { return {0, CommandState::done, UnitError::none, 0, value, {}}; }
+  static CommandResult refused(UnitError error) { return {0, CommandState::refused, error, 0, 0, {}}; }
+  [[nodiscard]] Address address_of_spare() const { return active == Bank::A ? kBankB.first : kBankA.first; }
+  std::vector<std::uint8_t>* bank_at(Address address, std::size_t bytes) {
+    auto& bank = address >= kBankB.first ? bank_b : bank_a;
+    const bool inside = address >= kBankA.first && offset_of(address) + bytes <= kSize;
+    return inside ? &bank : nullptr;
+  }
+  static std::size_t offset_of(Address address) {
+    return address - (address >= kBankB.first ? kBankB.first : kBankA.first);
+  }
+  CommandResult commit(const Command& command) {
+    if (!staging) return refused(UnitError::no_staging);
+    auto& spare = active == Bank::A ? bank_b : bank_a;
+    if (command.length > kSize || crc32_of(std::span(spare).first(command.length)) != command.crc)
+      return refused(UnitError::check_mismatch);
+    staging = false;
+    ++commits;
+    active = active == Bank::A ? Bank::B : Bank::A;
+    image_length = command.length;
+    return done();
+  }
+};
+
+/// Serves a model from a thread of its own. What tests change goes through `in_server`.
+class Workshop {
+ public:
+  explicit Workshop(ModbusServer made) : server_(std::move(made)), address_(server_.address()) {
+    thread_ = std::thread([this] { run(); });
+  }
+  static Workshop on_pty(bool paced = false, int baud = 115'200) {
+    return Workshop(ModbusServer::on_pty({{}, baud, paced, 1}).value());
+  }
+  static Workshop on_tcp() { return Workshop(ModbusServer::on_tcp({}).value()); }
+  Workshop(const Workshop&) = delete;
+  ~Workshop() {
+    ended_ = true;
+    thread_.join();
+  }
+
+  /// Runs `task` between two steps of the server.
+  template <class Task>
+  auto in_server(Task task) {
+    using Answer = decltype(task(server_, model_));
+    auto job = std::make_shared<std::packaged_task<Answer()>>([this, task] { return task(server_, model_); });
+    auto answer = job->get_future();
+    {
+      const std::lock_guard lock(mutex_);
+      job_ = [job] { (*job)(); };
+    }
+    return answer.get();
+  }
+  void fault(LineFault fault, std::uint32_t transactions) {
+    in_server([=](ModbusServer& server, UnitModel&) { server.faults().next(fault, transactions); });
+  }
+  void fault_often(LineFault fault, double probability) {
+    in_server([=](ModbusServer& server, UnitModel&) { server.faults().with_probability(fault, probability); });
+  }
+  /// Pulls the plug: the line is closed, the unit lives on at another one that nobody knows.
+  void cut_line() {
+    in_server([](ModbusServer& server, UnitModel&) { server = ModbusServer::on_pty({}).value(); });
+  }
+  [[nodiscard]] const LinkAddress& address() const { return address_; }
+
+  /// Patience that fits a test: short, but longer than a busy computer needs.
+  [[nodiscard]] LinkOptions options(const std::atomic<bool>* cancelled = nullptr) const {
+    using namespace std::chrono_literals;
+    LinkTiming timing = timing_of(address_);
+    timing.response_timeout = 150ms + 512 * timing.byte_time;
+    timing.quiet_time = 200ms;
+    return {cancelled, timing};
+  }
+  [[nodiscard]] UnitClient client(const std::atomic<bool>* cancelled = nullptr) const {
+    return UnitClient(Link::open(address_, options(cancelled)).value());
+  }
+
+ private:
+  void run() {
+    UnitFace face(model_);
+    while (!ended_) {
+      std::function<void()> job;
+      {
+        const std::lock_guard lock(mutex_);
+        job.swap(job_);
+      }
+      if (job) job();
+      server_.serve_ready(face, std::chrono::milliseconds(5));
+    }
+  }
+  ModbusServer server_;
+  LinkAddress address_;
+  UnitModel model_;
+  std::mutex mutex_;
+  std::function<void()> job_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+/// Bytes without a pattern that a shifted or doubled block could hide in.
+inline std::vector<std::uint8_t> noise_image(std::size_t size, std::uint32_t seed = 7) {
+  std::mt19937 random(seed);
+  std::vector<std::uint8_t> image(size);
+  for (auto& byte : image) byte = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+}  // namespace ecs::protocol

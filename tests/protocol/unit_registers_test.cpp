@@ -1,0 +1,193 @@
+#include "protocol/unit_registers.hpp"
+
+#include <limits>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+using namespace ecs;
+using namespace ecs::protocol;
+
+namespace {
+
+template <class E>
+rc::Gen<E> one_of_first(std::uint16_t count) {
+  return rc::gen::map(rc::gen::inRange<int>(0, count), [](int n) { return static_cast<E>(n); });
+}
+double finite() {
+  return *rc::gen::suchThat(rc::gen::arbitrary<double>(), [](double x) { return std::isfinite(x); });
+}
+std::string printable(std::size_t most) {
+  auto text = *rc::gen::container<std::string>(rc::gen::inRange<char>(' ', '~'));
+  return text.substr(0, most);
+}
+template <class T>
+T any() {
+  return *rc::gen::arbitrary<T>();
+}
+Approach any_approach() { return static_cast<Approach>(*rc::gen::inRange(-1, 2)); }
+
+Identity any_identity() {
+  return {any<std::uint16_t>(),
+          any<std::uint16_t>(),
+          any<std::uint16_t>(),
+          printable(16),
+          printable(32),
+          any<std::uint16_t>(),
+          {any<bool>(), any<bool>(), any<bool>()},
+          any<std::uint32_t>()};
+}
+UnitStatus any_status() {
+  UnitStatus s;
+  s.mode = *one_of_first<UnitMode>(5);
+  s.fault = *one_of_first<Fault>(kFaultCount);
+  s.fault_address = any<std::uint32_t>();
+  if (any<bool>()) s.fault_axis = *one_of_first<Axis>(kAxes);
+  s.ram_test = *one_of_first<TestOutcome>(3);
+  s.ram_test_address = any<std::uint32_t>();
+  s.block_check_expected = any<std::uint32_t>();
+  s.block_check_found = any<std::uint32_t>();
+  s.active_bank = *one_of_first<Bank>(3);
+  s.commit_sequence = any<std::uint32_t>();
+  s.image_length_bytes = any<std::uint32_t>();
+  s.loop_period_us = finite();
+  s.loop_overruns = any<std::uint32_t>();
+  s.ticks = any<std::uint64_t>();
+  s.uptime_s = any<std::uint32_t>();
+  s.watchdog_trips = any<std::uint16_t>();
+  for (auto& a : s.axes)
+    a = {any<bool>(), *one_of_first<DatumStage>(7), *one_of_first<DatumFailure>(7), finite(), any_approach(),
+         any<bool>()};
+  s.pointers_at_tick = any<std::uint64_t>();
+  for (auto& p : s.pointers) p = {any<std::uint32_t>(), any<std::uint32_t>()};
+  return s;
+}
+MonitorSample any_sample() {
+  MonitorSample s;
+  s.number = any<std::uint32_t>();
+  s.unit_time_us = any<std::uint64_t>();
+  s.mode = *one_of_first<UnitMode>(5);
+  s.fault = *one_of_first<Fault>(kFaultCount);
+  for (auto& a : s.axes)
+    a = {any<bool>(), finite(),       finite(), any<bool>(),         any<bool>(),
+         any<bool>(), any_approach(), finite(), any<std::int32_t>(), any<bool>()};
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("every block has the length that the register map gives it") {
+  CHECK(registers_of(Identity{}, 0).size() == kIdentity.count);
+  CHECK(registers_of(UnitStatus{}, 0).size() == kStatus.count);
+  CHECK(pointer_registers_of(UnitStatus{}, 0).size() == kPointers.count);
+  CHECK(registers_of(MonitorSample{}, 0).size() == kMonitor.count);
+  CHECK(registers_of(CommandResult{}, 0).size() == kCommandResult.count);
+  CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
+  CHECK(registers_of(Command{}, 0).size() == kCommand.count);
+  CHECK(registers_of(WindowOpen{}, 0).size() == kWindowOpen.count);
+  CHECK(registers_of(ReadSelect{}, 0).size() == kReadSelect.count);
+}
+
+TEST_CASE("answer blocks do not overlap and fit one read") {
+  const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory};
+  for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
+    CHECK(blocks[i].end() <= blocks[i + 1].first);
+    CHECK(blocks[i].count <= kMostRead);
+  }
+  CHECK(kMemory.end() <= kRegisterSpace);
+  CHECK(kBlockWrite.count <= kMostWrite);
+  CHECK(kBlockWrite.end() <= kIdentity.first);
+}
+
+TEST_CASE("typed values survive the way through registers") {
+  CHECK(rc::check("identity", [] {
+    const auto value = any_identity();
+    RC_ASSERT(identity_in(registers_of(value, any<std::uint16_t>())).value() == value);
+  }));
+  CHECK(rc::check("status with its pointers", [] {
+    const auto value = any_status();
+    auto back = status_in(registers_of(value, 1)).value();
+    RC_ASSERT(take_pointers(pointer_registers_of(value, 2), back).has_value());
+    RC_ASSERT(back == value);
+  }));
+  CHECK(rc::check("monitor", [] {
+    const auto value = any_sample();
+    RC_ASSERT(monitor_in(registers_of(value, 1)).value() == value);
+  }));
+  CHECK(rc::check("command result", [] {
+    const CommandResult value{
+        any<std::uint16_t>(), *one_of_first<CommandState>(5), *one_of_first<UnitError>(kUnitErrorCount),
+        any<std::uint16_t>(), any<std::uint32_t>(),           printable(80)};
+    RC_ASSERT(command_result_in(registers_of(value, 1)).value() == value);
+  }));
+  CHECK(rc::check("window and acknowledgement", [] {
+    const WindowAck ack{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
+                        any<std::uint32_t>(), any<std::uint32_t>(),
+                        any<std::uint64_t>(), any<std::uint32_t>()};
+    RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
+    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>()};
+    RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
+  }));
+  CHECK(rc::check("bytes", [] {
+    const auto bytes = any<std::vector<std::uint8_t>>();
+    RC_ASSERT(unpacked(packed(bytes), bytes.size()) == bytes);
+  }));
+}
+
+TEST_CASE("each command carries the arguments that its code names") {
+  Command c;
+  c.sequence = 9;
+  c.code = CommandCode::output_compensation;
+  c.axis = Axis::Z;
+  c.output_um = -12.25;
+  c.relay_on = true;
+  CHECK(command_in(registers_of(c, 1)).value() == c);
+  Command commit;
+  commit.code = CommandCode::commit_staged;
+  commit.length = 70'000;
+  commit.crc = 0xDEADBEEF;
+  CHECK(command_in(registers_of(commit, 1)).value() == commit);
+  Command user;
+  user.code = CommandCode::run_user_software;
+  user.address = 0x040100;
+  user.argument = 0x12345678;
+  CHECK(command_in(registers_of(user, 1)).value() == user);
+  Command position;
+  position.code = CommandCode::set_axis_position;
+  position.axis = Axis::Y;
+  position.position_mm = 0.1;
+  CHECK(command_in(registers_of(position, 1)).value() == position);
+}
+
+TEST_CASE("numbers go high word first and doubles as the 64 bits of IEEE 754") {
+  const auto identity = registers_of(Identity{1, 2, 3, "AB", "", 1, {true, false, true}, 0x00012345}, 0xBEEF);
+  CHECK(identity[0] == 0xBEEF);
+  CHECK(identity[4] == 0x4142);
+  CHECK(identity[29] == 0b101);
+  CHECK(identity[30] == 0x0001);
+  CHECK(identity[31] == 0x2345);
+  UnitStatus status;
+  status.loop_period_us = 1000.0;  // 0x408F400000000000
+  const auto registers = registers_of(status, 0);
+  CHECK(registers[18] == 0x408F);
+  CHECK(registers[19] == 0x4000);
+  CHECK(registers[20] == 0);
+}
+
+TEST_CASE("a block that makes no sense is refused with the name of the field") {
+  auto status = registers_of(UnitStatus{}, 0);
+  status[1] = 77;
+  REQUIRE_FALSE(status_in(status).has_value());
+  CHECK(status_in(status).error().message.find("mode") != std::string::npos);
+  UnitStatus nan;
+  nan.loop_period_us = std::numeric_limits<double>::quiet_NaN();
+  CHECK(status_in(registers_of(nan, 0)).error().message.find("loop period") != std::string::npos);
+  CHECK_FALSE(status_in(Registers(5, 0)).has_value());
+  CHECK_FALSE(identity_in(registers_of(Identity{1, 0, 0, "a\x1b[2J", "", 1, {}, 0}, 0)).has_value());
+}
+
+TEST_CASE("text beyond its room is cut, never inside a character") {
+  CommandResult result;
+  result.text = std::string(79, 'x') + "\xC2\xB5m";  // µ would need bytes 80 and 81
+  CHECK(command_result_in(registers_of(result, 0)).value().text == std::string(79, 'x'));
+}

@@ -1,0 +1,163 @@
+// A map sent to a unit: whole or not at all, whatever the line does.
+#include <doctest/doctest.h>
+
+#include "unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+using namespace std::chrono_literals;
+
+namespace {
+
+const std::vector<std::uint8_t> kOldImage = noise_image(3000, 1);
+
+void install_old(Workshop& shop) {
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
+}
+std::vector<std::uint8_t> active_image(Workshop& shop) {
+  return shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); });
+}
+
+}  // namespace
+
+TEST_CASE("64 KB arrive whole under every fault of the line") {
+  const auto image = noise_image(65'536);
+  for (std::size_t i = 0; i < kLineFaults; ++i) {
+    const auto fault = static_cast<LineFault>(i);
+    CAPTURE(name_of(fault));
+    auto shop = Workshop::on_pty();
+    install_old(shop);
+    auto unit = shop.client();
+    bool struck = false;
+    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+      if (!struck && progress.bytes_done > 30'000) shop.fault(fault, 3);
+      struck = struck || progress.bytes_done > 30'000;
+    });
+    CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+    CHECK(struck);
+    CHECK(active_image(shop) == image);
+  }
+}
+
+TEST_CASE("a map survives a line that spoils one frame in fifty, in every way") {
+  const auto image = noise_image(20'000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  for (std::size_t i = 0; i < kLineFaults; ++i) shop.fault_often(static_cast<LineFault>(i), 0.0025);
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(image);
+  CHECK(active_image(shop) == (sent ? image : kOldImage));
+}
+
+TEST_CASE("only missing blocks are sent again") {
+  const auto image = noise_image(kWindowBytes);
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  bool struck = false;
+  CHECK(unit.write_memory(kBankA.first, image,
+                          [&](const Progress& progress) {
+                            if (!struck && progress.bytes_done > 2000) shop.fault(LineFault::lost_request, 1);
+                            struck = struck || progress.bytes_done > 2000;
+                          })
+            .has_value());
+  CHECK(unit.link().statistics().timeouts == 1);
+  // open, 64 blocks, acknowledgement, the one block again, acknowledgement, result block, check command
+  CHECK(unit.link().statistics().requests == 1 + 64 + 1 + 1 + 1 + 2);
+}
+
+TEST_CASE("progress rises to the end and tells the time left") {
+  const auto image = noise_image(20'000);
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client();
+  std::size_t last = 0;
+  const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+    CHECK(progress.bytes_done >= last);
+    CHECK(progress.bytes_total == image.size());
+    CHECK(progress.seconds_left >= 0.0);
+    last = progress.bytes_done;
+  });
+  CHECK(sent.has_value());
+  CHECK(last == image.size());
+}
+
+TEST_CASE("reading back every byte is possible too") {
+  const auto image = noise_image(9'999);
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  CHECK(unit.upload_image(image, {.copy_active = true, .read_back = true}).has_value());
+  CHECK(active_image(shop) == image);
+}
+
+TEST_CASE("a line cut in the middle is an error and leaves the old map active and whole") {
+  const auto image = noise_image(65'536);
+  for (const bool tcp : {false, true}) {
+    auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
+    install_old(shop);
+    auto unit = shop.client();
+    bool cut = false;
+    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+      if (!cut && progress.bytes_done > 20'000) shop.cut_line();
+      cut = cut || progress.bytes_done > 20'000;
+    });
+    REQUIRE_FALSE(sent.has_value());
+    CHECK(sent.error().kind == ProblemKind::link);
+    CHECK(unit.link().last_failure() == LinkFailure::disconnected);
+    CHECK(active_image(shop) == kOldImage);
+    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 0);
+  }
+}
+
+TEST_CASE("a cancelled upload is abandoned and leaves the old map active and whole") {
+  std::atomic<bool> cancelled{false};
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client(&cancelled);
+  const auto sent = unit.upload_image(noise_image(30'000), {},
+                                      [&](const Progress& progress) { cancelled = progress.bytes_done > 10'000; });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("cancelled") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; }).back() ==
+        CommandCode::abandon_staged);
+}
+
+TEST_CASE("a unit that falls silent in the middle is reported, and the old map stays") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  const auto sent = unit.upload_image(noise_image(30'000), {}, [&](const Progress& progress) {
+    if (progress.bytes_done > 10'000) shop.fault_often(LineFault::lost_request, 1.0);
+  });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("no answer") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("memory that does not hold what is written is found before the commit") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  auto unit = shop.client();
+  bool spoilt = false;
+  const auto sent = unit.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+    if (spoilt || progress.bytes_done < 5'000) return;
+    spoilt = true;
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.bank_b[100] ^= 1; });
+  });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("does not hold what was written") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("a unit that compensates refuses a map and keeps its own") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.mode = UnitMode::compensating; });
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(noise_image(1000));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().kind == ProblemKind::refused);
+  CHECK(active_image(shop) == kOldImage);
+}
