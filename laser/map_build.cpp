@@ -269,9 +269,30 @@ class Builder {
       note_smoothing(*smooth, one);
       curve = std::move(smooth->curve);
     }
-    auto zero = zeroed_at(curve, built_.parameters.axes[index_of(curve.axis)].datum.reference_position_mm);
+    const auto zero_mm = zero_position_mm(one.component);
+    if (!zero_mm) return tl::unexpected(zero_mm.error());
+    auto zero = zeroed_at(curve, *zero_mm);
     if (!zero) return tl::unexpected(zero.error());
     return on_grid(std::move(zero->curve), one);
+  }
+
+  /// Where a curve is zero. Translations: at the datum. A rotation: where its axis stood while the axes it levers were
+  /// measured, for what it did there is inside their curves and squareness already.
+  [[nodiscard]] Result<double> zero_position_mm(Component component) const {
+    const std::size_t b = index_of(moving_axis(component));
+    std::optional<double> zero_mm;
+    for (const Term& term : *terms_of(built_.parameters)) {
+      if (term.component != component || !term.uses_coordinate) continue;
+      const double line_mm = built_.parameters.measurement_lines_mm[index_of(term.lever)][b];
+      if (zero_mm && std::abs(*zero_mm - line_mm) > kSameLine_mm)
+        return problem(
+            ProblemKind::refused,
+            fmt::format("it acts over two levers whose axes were measured at {0} {1} and {0} {2}: the angle cannot "
+                        "be zero at both; measure them with {0} at one position",
+                        letter_of(moving_axis(component)), *zero_mm, line_mm));
+      zero_mm = line_mm;
+    }
+    return zero_mm.value_or(built_.parameters.axes[b].datum.reference_position_mm);
   }
 
   void note_smoothing(const Smoothed& smooth, const ComponentRecipe& one) {

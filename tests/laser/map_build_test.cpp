@@ -206,3 +206,20 @@ TEST_CASE("a recipe reports every fault with its line") {
   CHECK(text.find("EXX stands in the recipe twice") != std::string::npos);
   CHECK(text.find("reason: say why") != std::string::npos);
 }
+
+TEST_CASE("an angle is zero where its axis stood while the axes it levers were measured") {
+  UnitParameters p = mill_parameters();
+  p.measurement_lines_mm[1] = {-100.0, 0.0, 0.0};  // Y and Z were measured at X -100
+  p.measurement_lines_mm[2] = {-100.0, -1400.0, 0.0};
+  const Folder folder;
+  const auto file =
+      folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
+  const auto built = build_map(recipe_of({one(Component::EAX, {file})}), p);
+  REQUIRE(built);
+  CHECK(compensation_at(built->map.tables[0], -100.0) == doctest::Approx(0.0));
+  CHECK(compensation_at(built->map.tables[0], 0.0) == doctest::Approx(-10.0));
+  p.measurement_lines_mm[2] = {-150.0, -1400.0, 0.0};
+  const auto split = build_map(recipe_of({one(Component::EAX, {file})}), p);
+  REQUIRE_FALSE(split);
+  CHECK(split.error().message.find("cannot be zero at both") != std::string::npos);
+}
