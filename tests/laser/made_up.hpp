@@ -1,0 +1,80 @@
+// Readings and curves made up by hand for the tests of laser/. Does not live here: tests.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+#include "laser/curve.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::laser {
+
+inline Reading reading(Axis axis, Sense sense, double target_mm, double error, Approach approach = Approach::unknown,
+                       int run = 1) {
+  Reading made;
+  made.axis = axis;
+  made.sense = sense;
+  made.position_mm[index_of(axis)] = target_mm;
+  made.error = error;
+  made.approach = approach;
+  made.run = run;
+  return made;
+}
+
+/// Errors by run at each target, along X in EX.
+struct Stop {
+  double target_mm;
+  std::vector<double> forward;
+  std::vector<double> reverse;
+};
+
+inline MeasurementSet set_of(const std::vector<Stop>& stops) {
+  MeasurementSet set;
+  for (const Stop& stop : stops) {
+    int run = 0;
+    for (const double error : stop.forward)
+      set.readings.push_back(reading(Axis::X, Sense::EX, stop.target_mm, error, Approach::forward, ++run));
+    run = 0;
+    for (const double error : stop.reverse)
+      set.readings.push_back(reading(Axis::X, Sense::EX, stop.target_mm, error, Approach::reverse, ++run));
+  }
+  return set;
+}
+
+inline Curve curve_of(const std::vector<Stop>& stops) {
+  const MeasurementSet set = set_of(stops);
+  auto curve = averaged(set, groups_of(set).front());
+  REQUIRE(curve.has_value());
+  return *curve;
+}
+
+inline std::filesystem::path sample(const std::string& name) { return "samples/laser/" + name; }
+
+inline std::string sample_text(const std::string& name) {
+  const auto text = read_file(sample(name));
+  REQUIRE_MESSAGE(text.has_value(), name);
+  return *text;
+}
+
+/// Folder of the real data; empty with a message where it is absent.
+inline std::filesystem::path shared_data(const std::string& folder) {
+  const char* const root = std::getenv("ECS_SHARED_DATA");
+  const std::filesystem::path path = std::filesystem::path(root == nullptr ? "../shared/data" : root) / folder;
+  if (std::filesystem::exists(path)) return path;
+  MESSAGE("skipped: no " << path.string());
+  return {};
+}
+
+/// True if some entry contains the words.
+inline bool says(const std::vector<std::string>& notes, const std::string& words) {
+  for (const std::string& note : notes)
+    if (note.find(words) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace ecs::laser
