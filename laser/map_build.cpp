@@ -280,8 +280,10 @@ class Builder {
   /// measured, for what it did there is inside their curves and squareness already.
   [[nodiscard]] Result<double> zero_position_mm(Component component) const {
     const std::size_t b = index_of(moving_axis(component));
+    const auto terms = terms_of(built_.parameters);
+    if (!terms) return problem(ProblemKind::refused, "the parameters describe no machine");
     std::optional<double> zero_mm;
-    for (const Term& term : *terms_of(built_.parameters)) {
+    for (const Term& term : *terms) {
       if (term.component != component || !term.uses_coordinate) continue;
       const double line_mm = built_.parameters.measurement_lines_mm[index_of(term.lever)][b];
       if (zero_mm && std::abs(*zero_mm - line_mm) > kSameLine_mm)
