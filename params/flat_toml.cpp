@@ -38,22 +38,38 @@ decltype(TomlEntry::value) value_of(const toml::node& node) {
   return TomlOther{};
 }
 
-void flatten(const toml::table& table, const std::string& path, std::vector<TomlEntry>& entries) {
+/// Tables deeper than any of ours are named, not entered.
+constexpr int kDeepest = 16;
+
+void flatten(const toml::table& table, const std::string& path, int depth, std::vector<TomlEntry>& entries) {
   for (const auto& [key, node] : table) {
     const std::string full = joined(path, key.str());
     const auto place = node.source().begin;
     entries.push_back({full, value_of(node), static_cast<int>(place.line), static_cast<int>(place.column)});
-    if (const auto* inner = node.as_table()) flatten(*inner, full, entries);
+    if (const auto* inner = node.as_table(); inner != nullptr && depth < kDeepest)
+      flatten(*inner, full, depth + 1, entries);
   }
+}
+
+/// The library nests one call per part of a dotted key; a line this long is none of ours and bounds the depth.
+constexpr std::size_t kLongestLine = 4096;
+
+/// Number of the first line that is too long; 0: none.
+int overlong_line(std::string_view text) {
+  const auto lines = lines_of(text);
+  const auto found = std::find_if(lines.begin(), lines.end(), [](auto line) { return line.size() > kLongestLine; });
+  return found == lines.end() ? 0 : static_cast<int>(found - lines.begin()) + 1;
 }
 
 }  // namespace
 
 Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::string& name) {
+  if (const int line = overlong_line(text); line > 0)
+    return problem_at(name, line, 0, fmt::format("expected lines of at most {} characters", kLongestLine));
   try {
     const toml::table document = toml::parse(text, name);
     std::vector<TomlEntry> entries;
-    flatten(document, "", entries);
+    flatten(document, "", 1, entries);
     return entries;
   } catch (const toml::parse_error& error) {
     const auto place = error.source().begin;

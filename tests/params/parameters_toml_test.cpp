@@ -176,6 +176,19 @@ TEST_CASE("no text, however spoilt, makes the reader throw") {
   }));
 }
 
+TEST_CASE("a key nested without end is refused at its line instead of exhausting the stack") {
+  for (const std::string part : {"a.", "[", "{a="}) {
+    std::string text = "\nx";
+    for (int i = 0; i < 300'000; ++i) text += part;
+    const auto file = parsed(text);
+    REQUIRE_FALSE(file.has_value());
+    CHECK(file.error().line == 2);
+  }
+  std::string deep;
+  for (int i = 0; i < 2'000; ++i) deep += "a.";
+  CHECK_FALSE(parsed("[" + deep + "a]\n" + deep + "a = 1\n").has_value());
+}
+
 TEST_CASE("a missing file is a problem that names it") {
   const auto file = read_parameters("samples/params/none.toml");
   REQUIRE_FALSE(file.has_value());
