@@ -68,6 +68,13 @@ std::vector<Wanted> translations_for(Component rotation) {
   return wanted;
 }
 
+/// Measurements are in ISO signs. The equations printed in the thesis take rotations about X and Z, and the squareness
+/// of Y and of Z to Y, with the other sign.
+double printed_sign(Component c) {
+  const bool flipped = is_squareness(c) ? c != Component::B0Z : sense_of(c) == Sense::EA || sense_of(c) == Sense::EC;
+  return flipped ? -1.0 : 1.0;
+}
+
 /// Range of the means of a curve.
 double band_of(const Curve& curve) {
   double lowest = std::numeric_limits<double>::infinity();
@@ -322,12 +329,13 @@ class Builder {
     MapTable reverse{component, Approach::reverse, {}, {}};
     const bool both = curve.approach_known && std::any_of(curve.points.begin(), curve.points.end(),
                                                           [](const CurvePoint& p) { return p.forward && p.reverse; });
+    const double sign = unit_sign(component);
     for (const CurvePoint& p : curve.points) {
       if (both) {
-        add_point(forward, p.position_mm, p.forward);
-        add_point(reverse, p.position_mm, p.reverse);
+        add_point(forward, p.position_mm, p.forward, sign);
+        add_point(reverse, p.position_mm, p.reverse, sign);
       } else {
-        add_point(forward, p.position_mm, mean_of(p));
+        add_point(forward, p.position_mm, mean_of(p), sign);
       }
     }
     if (!both) {
@@ -339,10 +347,18 @@ class Builder {
     if (both) built_.map.tables.push_back(std::move(reverse));
   }
 
-  void add_point(MapTable& table, double position_mm, std::optional<double> error) {
+  /// Sign in which the unit's equations take this component; said in the header where it is not the measured one.
+  double unit_sign(Component component) {
+    const bool printed = built_.parameters.convention == Convention::as_printed;
+    const double sign = printed ? printed_sign(component) : 1.0;
+    if (sign < 0.0) note_step(component, "in the sign of the equations printed in the thesis");
+    return sign;
+  }
+
+  void add_point(MapTable& table, double position_mm, std::optional<double> error, double sign) {
     if (!error) return;
     table.position_mm.push_back(position_mm);
-    table.compensation.push_back(0.0 - *error);
+    table.compensation.push_back(0.0 - sign * *error);
     outcome_.largest = std::max(outcome_.largest, std::abs(*error));
   }
 
@@ -355,13 +371,14 @@ class Builder {
     const auto square = squareness_of(*curve);
     if (!square) return tl::unexpected(refusal(one.files.front(), one.component, square.error().message));
     UnitParameters& p = built_.parameters;
-    (one.component == Component::C0Y   ? p.C0Y_um_per_m
-     : one.component == Component::B0Z ? p.B0Z_um_per_m
-                                       : p.A0Z_um_per_m) = square->um_per_m;
+    double& value = one.component == Component::C0Y   ? p.C0Y_um_per_m
+                    : one.component == Component::B0Z ? p.B0Z_um_per_m
+                                                      : p.A0Z_um_per_m;
+    value = unit_sign(one.component) * square->um_per_m;
     outcome_.largest = std::abs(square->um_per_m);
     outcome_.slope_um_per_m = square->indicator_slope_um_per_m;
     outcome_.points = curve->points.size();
-    note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", square->um_per_m));
+    note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", value));
     return {};
   }
 

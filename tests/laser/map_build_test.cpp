@@ -223,3 +223,17 @@ TEST_CASE("an angle is zero where its axis stood while the axes it levers were m
   REQUIRE_FALSE(split);
   CHECK(split.error().message.find("cannot be zero at both") != std::string::npos);
 }
+
+TEST_CASE("for the printed equations, roll, pitch about Z and two squareness values change their sign") {
+  UnitParameters p = mill_parameters();
+  p.convention = Convention::as_printed;
+  const Folder folder;
+  const auto roll =
+      folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
+  const auto square =
+      folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, [](double y, int) { return -0.016 * y; }));
+  const auto built = build_map(recipe_of({one(Component::EAX, {roll}), one(Component::C0Y, {square})}), p);
+  REQUIRE(built);
+  CHECK(compensation_at(built->map.tables[0], -200.0) == doctest::Approx(-20.0));
+  CHECK(built->parameters.C0Y_um_per_m == doctest::Approx(-16.0));
+}
