@@ -1,0 +1,66 @@
+// The unit's memory: the regions of core/address_map.hpp with bytes in them, and what can be wrong with a memory chip.
+// Does not live here: who may write when (unit.hpp), the battery's file (battery.hpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/address_map.hpp"
+#include "core/bytes.hpp"
+
+namespace ecs::emulator {
+
+class UnitMemory {
+ public:
+  /// A rack with `modules` axis memory modules: that much of either bank exists.
+  explicit UnitMemory(std::uint8_t modules);
+
+  [[nodiscard]] std::uint8_t modules() const { return modules_; }
+  /// Every byte of the stretch exists, and all of it lies in one region.
+  [[nodiscard]] bool exists(Address first, std::uint32_t size) const;
+  /// The same, and the host may write it (in integration mode).
+  [[nodiscard]] bool writable(Address first, std::uint32_t size) const;
+
+  /// @pre exists(first, size)
+  [[nodiscard]] ByteView view(Address first, std::uint32_t size) const;
+  [[nodiscard]] std::uint8_t read(Address address) const { return *at(address); }
+  /// Stuck bits keep their state; after power has failed nothing changes any more. @pre exists(address, 1)
+  void write(Address address, std::uint8_t value);
+  void write(Address first, ByteView bytes);
+  /// EPROM and system RAM as after power-up; axis memory and commit records stay.
+  void power_up();
+
+  // what can be wrong
+  /// One bit of a location is stuck at `level` (0 or 1).
+  void stick(Address address, int bit, int level);
+  /// Flips bits of one location, whatever the region.
+  void corrupt(Address address, std::uint8_t bits) { *at(address) = static_cast<std::uint8_t>(read(address) ^ bits); }
+  void repair() { stuck_.clear(); }
+  /// Power fails after so many further writes to battery-backed memory.
+  void power_fails_after(std::uint64_t writes) { writes_left_ = writes; }
+  void power_back() { writes_left_.reset(); }
+
+  /// Changed since the battery's file was last written.
+  [[nodiscard]] bool changed() const { return changed_; }
+  void kept() { changed_ = false; }
+
+ private:
+  struct Stuck {
+    Address address = 0;
+    std::uint8_t mask = 0;
+    std::uint8_t value = 0;
+  };
+  [[nodiscard]] std::uint8_t* at(Address address);
+  [[nodiscard]] const std::uint8_t* at(Address address) const;
+  [[nodiscard]] std::optional<std::size_t> region_of(Address first, std::uint32_t size) const;
+
+  std::uint8_t modules_;
+  std::array<std::vector<std::uint8_t>, kRegions.size()> bytes_;
+  std::vector<Stuck> stuck_;
+  std::optional<std::uint64_t> writes_left_;
+  bool changed_ = false;
+};
+
+}  // namespace ecs::emulator

@@ -1,0 +1,48 @@
+#include "ecs_emulator/battery.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+
+namespace {
+
+struct Folder {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / "ecs_battery_test";
+  Folder() { std::filesystem::create_directories(path); }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+}  // namespace
+
+TEST_CASE("axis memory and commit records survive in the battery's file, system RAM does not") {
+  const Folder folder;
+  const auto file = folder.path / "battery";
+  UnitMemory memory(2);
+  memory.write(kBankA.first + 5, 17);
+  memory.write(kBankB.first + bank_bytes(2) - 1, 18);
+  memory.write(kCommitRecords.first, 19);
+  memory.write(kSystemRam.first, 20);
+  CHECK(memory.changed());
+  REQUIRE(keep(memory, file).has_value());
+  CHECK(!memory.changed());
+  UnitMemory other(2);
+  REQUIRE(restore(other, file).has_value());
+  CHECK(other.read(kBankA.first + 5) == 17);
+  CHECK(other.read(kBankB.first + bank_bytes(2) - 1) == 18);
+  CHECK(other.read(kCommitRecords.first) == 19);
+  CHECK(other.read(kSystemRam.first) == 0);
+}
+
+TEST_CASE("a file that is no battery memory, or of another rack, is refused; a missing one is an empty memory") {
+  const Folder folder;
+  UnitMemory memory(1);
+  CHECK(restore(memory, folder.path / "missing").has_value());
+  REQUIRE(write_file(folder.path / "text", "hello").has_value());
+  CHECK(!restore(memory, folder.path / "text").has_value());
+  UnitMemory larger(3);
+  REQUIRE(keep(larger, folder.path / "three").has_value());
+  CHECK(!restore(memory, folder.path / "three").has_value());
+}

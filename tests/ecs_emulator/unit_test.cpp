@@ -1,0 +1,428 @@
+#include "ecs_emulator/unit.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "bench_of.hpp"
+#include "ecs_emulator/measurement.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandState;
+using protocol::UnitError;
+
+namespace {
+
+bool all_relays(const Bench& bench, bool closed) {
+  for (const auto& drive : bench.simulation.drives())
+    if (drive.relay_closed != closed) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("with a host on the line the unit goes into integration mode") {
+  Bench bench("", small_machine(), LinkSense::automatic);
+  CHECK(bench.unit.mode() == UnitMode::starting);
+  bench.unit.note_request();
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::none);
+}
+
+TEST_CASE("without a host it waits half a second, then tests itself, and says that there is no map") {
+  Bench bench("", small_machine(), LinkSense::automatic);
+  REQUIRE(bench.simulation.run_for(0.49));
+  CHECK(bench.unit.mode() == UnitMode::starting);
+  REQUIRE(bench.simulation.run_for(0.02));
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::no_map);
+  CHECK(bench.unit.status().ram_test == protocol::TestOutcome::passed);
+}
+
+TEST_CASE("a committed map brings the unit through datuming into compensation") {
+  Bench bench;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  bench.unit.sense_link(LinkSense::compensate);
+  bench.unit.power(false);
+  bench.simulation.tick();
+  bench.unit.power(true);
+  REQUIRE(bench.simulation.run_for(0.01));
+  CHECK(bench.unit.mode() == UnitMode::datuming);
+  CHECK(all_relays(bench, false));
+  bench.reference_all();
+  CHECK(bench.unit.mode() == UnitMode::compensating);
+  CHECK(all_relays(bench, true));
+  for (const Axis a : kAllAxes)
+    CHECK(bench.unit.status().axes[index_of(a)].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+}
+
+TEST_CASE("the unit finds the reference position of every kind of controller") {
+  const std::vector<std::pair<std::string, DatumKind>> kinds{
+      {"fanuc", DatumKind::fanuc}, {"allen_bradley", DatumKind::allen_bradley}, {"siemens", DatumKind::siemens}};
+  for (const auto& [name, kind] : kinds)
+    for (const int direction : {1, -1})
+      for (const int polarity : {1, -1}) {
+        CAPTURE(name);
+        CAPTURE(direction);
+        CAPTURE(polarity);
+        Bench bench(
+            "", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\nreference_kind = \"" +
+                    name + "\"\nreference_direction = " + std::to_string(direction) +
+                    "\nnull_offset_mm = 3.0\nswitch_polarity = " + std::to_string(polarity) + "\n");
+        DatumParameters& datum = bench.parameters.axes[0].datum;
+        datum.kind = kind;
+        datum.approach_direction = static_cast<Approach>(direction);
+        datum.switch_polarity = static_cast<std::int8_t>(polarity);
+        datum.null_offset_mm = 3.0;
+        datum.switch_finally_active = kind == DatumKind::siemens;
+        bench.compensate();
+        CHECK(std::abs(bench.unit.status().axes[0].position_mm) < 0.0011);
+      }
+}
+
+TEST_CASE("an axis that stands beyond its switch is brought back and referenced") {
+  Bench bench;
+  bench.reference_all();  // the axes now stand at the datum, past the switch
+  bench.compensate();
+}
+
+TEST_CASE("a wrong datum parameter ends in a datum fault that says what was seen") {
+  Bench bench("", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n");
+  SUBCASE("approach speed too low") { bench.parameters.axes[0].datum.approach_speed_mm_min = 100.0; }
+  SUBCASE("final state") { bench.parameters.axes[0].datum.switch_finally_active = true; }
+  SUBCASE("kind") { bench.parameters.axes[0].datum.kind = DatumKind::allen_bradley; }
+  SUBCASE("approach direction") { bench.parameters.axes[0].datum.approach_direction = Approach::reverse; }
+  SUBCASE("polarity") { bench.parameters.axes[0].datum.switch_polarity = -1; }
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  REQUIRE(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
+  bench.reference_all();
+  REQUIRE(bench.simulation.run_for(kDatumGiveUp_s + 1.0));
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::datum_sequence);
+  CHECK(bench.unit.status().fault_axis == Axis::X);
+  CHECK(bench.unit.status().axes[0].datum_stage == DatumStage::failed);
+  CHECK(bench.unit.status().axes[0].datum_failure != DatumFailure::none);
+}
+
+TEST_CASE("a stuck bit of axis memory is found with its address, and the content survives the test") {
+  Bench bench;
+  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  const auto before = crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1)));
+  CHECK(bench.tell(CommandCode::run_ram_test).value == protocol::kUnused);
+  CHECK(crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1))) == before);
+  bench.unit.memory().stick(kBankB.first + 0x1234, 3, 1);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::ram_test);
+  CHECK(bench.unit.status().fault_address == kBankB.first + 0x1234);
+  CHECK(bench.unit.status().ram_test == protocol::TestOutcome::failed);
+}
+
+TEST_CASE("one flipped bit anywhere in the map fails the block check") {
+  Bench bench;
+  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  for (std::uint32_t at = 0; at < image.size(); at += 97) {
+    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
+    CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+    CHECK(bench.unit.fault() == Fault::block_check);
+    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
+  }
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
+}
+
+TEST_CASE("a map that lacks a component of its scope is a fault of its own") {
+  Bench bench;
+  UnitParameters linear = bench.parameters;
+  linear.scope = Scope::linear;
+  auto image =
+      image_of(linear, bench.simulation.description().machine, [](Component, double, Approach) { return 0.0; });
+  write_parameters(image, bench.parameters);  // volumetric
+  seal_image(image);
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.fault() == Fault::map_not_for_parameters);
+}
+
+TEST_CASE("an axis without a module in the rack is an axis module fault") {
+  Bench bench("",
+              "configuration = \"TXYZ\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[axis.Y]\ntravel_mm = [-400.0, 0.0]\n");
+  Bench whole;
+  REQUIRE(bench.stage_and_commit(whole.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.fault() == Fault::axis_module);
+  CHECK(bench.unit.status().fault_axis == Axis::Z);
+}
+
+TEST_CASE("faults in the loop isolate the unit in the same period") {
+  Bench bench;
+  Fault expected = Fault::none;
+  bench.compensate([](Component c, double, Approach) { return is_positioning(c) ? 20.0 : 0.0; });
+  REQUIRE(bench.simulation.run_for(0.2));
+  REQUIRE(bench.simulation.drives()[1].dac_counts != 0);
+  SUBCASE("transducer lost") {
+    bench.simulation.machine().axis(Axis::Y).lose_transducer(true);
+    expected = Fault::axis_module;
+  }
+  SUBCASE("loop overrun") {
+    bench.unit.slow_down(1500.0);
+    expected = Fault::loop_overrun;
+  }
+  bench.simulation.tick();
+  CHECK(bench.unit.fault() == expected);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(all_relays(bench, false));
+  if (expected == Fault::axis_module) CHECK(bench.unit.status().fault_axis == Axis::Y);
+}
+
+TEST_CASE("a position that jumps isolates the unit") {
+  Bench bench;
+  bench.compensate();
+  Signals signals = bench.simulation.machine().signals();
+  signals[0].counts += 3000;  // 3 mm in a millisecond
+  CHECK(!bench.unit.tick(signals)[0].relay_closed);
+  CHECK(bench.unit.fault() == Fault::position_jump);
+  CHECK(bench.unit.status().fault_axis == Axis::X);
+}
+
+TEST_CASE("an output that stays at its limit is a fault after a second, not before") {
+  Bench bench;
+  bench.parameters.axes[2].output_limit_um = 10.0;
+  bench.compensate([](Component c, double p, Approach) { return c == Component::EZZ && p < -100.0 ? 20.0 : 0.0; });
+  bench.simulation.machine().move_to({0.0, 0.0, -200.0}, 0.0);
+  int periods_at_limit = 0;
+  for (int i = 0; i < 5000 && bench.unit.fault() == Fault::none; ++i) {
+    bench.simulation.tick();
+    periods_at_limit += bench.simulation.drives()[2].dac_counts == 100 ? 1 : 0;
+  }
+  CHECK(bench.unit.fault() == Fault::compensation_output);
+  CHECK(bench.unit.status().fault_axis == Axis::Z);
+  CHECK(periods_at_limit == doctest::Approx(1000).epsilon(0.02));
+}
+
+TEST_CASE("the watchdog halts a hung processor, and only a power cycle helps") {
+  Bench bench;
+  bench.compensate();
+  bench.unit.hang();
+  REQUIRE(bench.simulation.run_for(kWatchdog_s + 0.002));
+  CHECK(bench.unit.mode() == UnitMode::halted);
+  CHECK(bench.unit.fault() == Fault::watchdog);
+  CHECK(bench.unit.status().watchdog_trips == 1);
+  CHECK(all_relays(bench, false));
+  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::refused);
+  bench.unit.power(false);
+  bench.unit.power(true);
+  bench.simulation.tick();
+  CHECK(bench.unit.mode() == UnitMode::integration);
+}
+
+TEST_CASE("a compensating unit answers reads and refuses every write and command but integrate") {
+  Bench bench;
+  bench.compensate();
+  std::vector<std::uint8_t> bytes(16);
+  CHECK(bench.unit.read_memory(kBankA.first, bytes) == UnitError::none);
+  CHECK(load_big<std::uint32_t>(bytes, 0) == kImageMagic);
+  CHECK(bench.unit.write_memory(kSystemRam.first, bytes) == UnitError::not_in_integration_mode);
+  for (std::uint16_t code = 2; code < protocol::kCommandCount; ++code) {
+    if (static_cast<CommandCode>(code) == CommandCode::stop) continue;
+    CHECK(bench.tell(static_cast<CommandCode>(code)).error == UnitError::not_in_integration_mode);
+  }
+  CHECK(bench.unit.mode() == UnitMode::compensating);
+  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::done);
+  bench.simulation.tick();
+  CHECK(all_relays(bench, false));
+}
+
+TEST_CASE("memory is protected region by region") {
+  Bench bench;
+  const std::vector<std::uint8_t> bytes(4, 0x5A);
+  CHECK(bench.unit.write_memory(kEprom.first, bytes) == UnitError::address_protected);
+  CHECK(bench.unit.write_memory(kCommitRecords.first, bytes) == UnitError::address_protected);
+  CHECK(bench.unit.write_memory(kSystemRam.first, bytes) == UnitError::none);
+  CHECK(bench.unit.write_memory(kSystemRam.first + kSystemRam.size - 2, bytes) == UnitError::address_unknown);
+  CHECK(bench.unit.write_memory(kBankA.first + bank_bytes(1), bytes) == UnitError::address_unknown);
+  std::vector<std::uint8_t> eprom(21);
+  REQUIRE(bench.unit.read_memory(kEprom.first + 0x400, eprom) == UnitError::none);
+  CHECK(std::string(eprom.begin(), eprom.end()) == "ECS UNIT FIRMWARE 1.0");
+}
+
+TEST_CASE("an image that is not what was announced, or no image, is refused and the old map stays") {
+  Bench bench;
+  const auto image = bench.image([](Component, double, Approach) { return 1.0; });
+  REQUIRE(bench.stage_and_commit(image).value == 1);
+  auto other = image;
+  other[100] ^= 1;  // parameters: the block check inside the image no longer agrees
+  const auto result = bench.stage_and_commit(other);
+  CHECK(result.error == UnitError::image_refused);
+  CHECK(!result.text.empty());
+  REQUIRE(bench.tell(CommandCode::begin_staging).value == kBankB.first);
+  REQUIRE(bench.unit.write_memory(kBankB.first, image) == UnitError::none);
+  CHECK(bench
+            .tell(Command{.code = CommandCode::commit_staged,
+                          .length = static_cast<std::uint32_t>(image.size()),
+                          .crc = crc32_of(image) + 1})
+            .error == UnitError::check_mismatch);
+  CHECK(bench.unit.status().commit_sequence == 1);
+  CHECK(bench.tell(CommandCode::abandon_staged).state == CommandState::done);
+  CHECK(bench.tell(Command{.code = CommandCode::commit_staged, .length = 10}).error == UnitError::no_staging);
+}
+
+TEST_CASE("power lost at any byte of a transfer leaves the old map, whole, or the new one") {
+  Bench bench;
+  const auto old_image = bench.image([](Component, double, Approach) { return 1.0; });
+  const auto new_image = bench.image([](Component, double, Approach) { return 2.0; });
+  REQUIRE(bench.stage_and_commit(old_image).state == CommandState::done);
+  const std::uint64_t all = bank_bytes(1) + new_image.size() + kCommitSlotBytes;
+  std::vector<std::uint64_t> cuts;
+  for (std::uint64_t cut = 0; cut < all - kCommitSlotBytes; cut += 4999) cuts.push_back(cut);
+  for (std::uint64_t cut = all - kCommitSlotBytes; cut <= all; ++cut) cuts.push_back(cut);
+  for (const std::uint64_t cut : cuts) {
+    CAPTURE(cut);
+    Bench other;
+    REQUIRE(other.stage_and_commit(old_image).state == CommandState::done);
+    other.unit.memory().power_fails_after(cut);
+    (void)other.unit.write_memory(other.tell(CommandCode::begin_staging).value, new_image);
+    (void)other.tell(Command{.code = CommandCode::commit_staged,
+                             .length = static_cast<std::uint32_t>(new_image.size()),
+                             .crc = crc32_of(new_image)});
+    other.unit.power(false);
+    other.unit.memory().power_back();
+    other.unit.power(true);
+    other.simulation.tick();
+    const auto active = active_image(other.unit.memory());
+    REQUIRE(active.has_value());
+    const auto& expected = cut >= all - kCommitSlotBytes + 24 ? new_image : old_image;
+    const ByteView held = other.unit.memory().view(active->first, static_cast<std::uint32_t>(expected.size()));
+    CHECK(std::equal(held.begin(), held.end(), expected.begin()));
+    CHECK(other.tell(CommandCode::enter_compensation).state == CommandState::done);
+  }
+}
+
+TEST_CASE("an output set by the host moves the axis through the machine's own gain, and only with its relay closed") {
+  Bench bench("", small_machine() + "[emulator.axis.X]\ndac_um_per_count = 0.11\n");
+  const double before = bench.simulation.machine().axis(Axis::X).position_mm();
+  Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 50.0};
+  REQUIRE(bench.tell(command).state == CommandState::done);
+  REQUIRE(bench.simulation.run_for(1.0));
+  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() == before);
+  command.relay_on = true;
+  REQUIRE(bench.tell(command).state == CommandState::done);
+  REQUIRE(bench.simulation.run_for(1.0));
+  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() - before == doctest::Approx(0.055).epsilon(1e-6));
+  CHECK(bench.unit.monitor().axes[0].output_counts == 500);
+  REQUIRE(bench.tell(CommandCode::output_off).state == CommandState::done);
+  REQUIRE(bench.simulation.run_for(1.0));
+  CHECK(bench.simulation.machine().axis(Axis::X).position_mm() == doctest::Approx(before));
+  command.output_um = 501.0;
+  CHECK(bench.tell(command).error == UnitError::bad_argument);
+}
+
+TEST_CASE("a position set by the host is shown and follows the axis") {
+  Bench bench;
+  REQUIRE(bench.tell(Command{.code = CommandCode::set_axis_position, .axis = Axis::Y, .position_mm = 123.0}).state ==
+          CommandState::done);
+  Vector3 target = bench.simulation.machine().command_mm();
+  target[1] -= 10.0;
+  REQUIRE(bench.simulation.move_to(target, 3000.0));
+  CHECK(bench.unit.monitor().axes[1].position_mm == doctest::Approx(113.0));
+}
+
+TEST_CASE("a recorded datum sequence shows switch, marker and motion") {
+  Bench bench;
+  REQUIRE(bench.unit.begin(Command{.code = CommandCode::record_datum, .axis = Axis::X}).state == CommandState::busy);
+  REQUIRE(reference(bench.simulation, {Axis::X}));
+  REQUIRE(bench.simulation.run_for(10.0));
+  const auto result = bench.unit.progress();
+  REQUIRE(result.state == CommandState::done);
+  CHECK(result.value == kDatumRecordAddress);
+  const auto header = decode_datum_header(bench.unit.memory().view(kDatumRecordAddress, kDatumRecordHeaderBytes));
+  REQUIRE(header.has_value());
+  CHECK(header->samples == 10'000);
+  CHECK(header->sample_period_us == 1000.0);
+  std::int32_t marker_after_switch = 0;
+  int closed = 0;
+  for (std::uint32_t i = 0; i < header->samples; ++i) {
+    const auto sample = decode_datum_sample(bench.unit.memory().view(datum_sample_address(i), kDatumSampleBytes));
+    closed += sample.switch_closed ? 1 : 0;
+    if (closed > 0 && !sample.switch_closed && sample.marker && marker_after_switch == 0)
+      marker_after_switch = sample.counts;
+  }
+  CHECK(closed * 1000.0 / 60.0 == doctest::Approx(10'000.0).epsilon(0.01));  // 10 mm of switch at 1000 mm/min
+  CHECK(marker_after_switch == doctest::Approx(44'000.0).epsilon(0.001));    // from 44 mm before the datum marker
+}
+
+TEST_CASE("the datum routine can be tested without compensating") {
+  Bench bench;
+  REQUIRE(bench.unit.begin(Command{.code = CommandCode::test_datum, .axis = Axis::Z}).state == CommandState::busy);
+  REQUIRE(reference(bench.simulation, {Axis::Z}));
+  CHECK(bench.unit.progress().state == CommandState::done);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.status().axes[2].referenced);
+  CHECK(bench.unit.status().axes[2].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+}
+
+TEST_CASE("user software is refused with the reason") {
+  Bench bench;
+  const auto result = bench.tell(CommandCode::run_user_software);
+  CHECK(result.state == CommandState::refused);
+  CHECK(result.text.find("processor emulation") != std::string::npos);
+}
+
+TEST_CASE("address pointers name the value that was used last") {
+  Bench bench;
+  bench.compensate([](Component c, double p, Approach) { return c == Component::EXX ? -0.01 * p : 0.0; });
+  REQUIRE(bench.simulation.move_to({-234.0, 0.0, 0.0}, 6000.0));
+  const auto status = bench.unit.status();
+  const auto pointer = status.pointers[index_of(Component::EXX)];
+  CHECK(pointer.index == 26);  // -500 + 26 · 10 = -240, the value below
+  const auto value =
+      static_cast<std::int16_t>(load_big<std::uint16_t>(bench.unit.memory().view(pointer.address, 2), 0));
+  CHECK(value == 240);  // +2.40 um
+}
+
+TEST_CASE("end to end: measured, mapped and compensated, the error of an axis falls to a fraction") {
+  Bench bench("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.05*p + 4*sin(2*pi*p/300) + 3*d\"\n",
+              "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n");
+  MeasurementPlan plan;
+  plan.targets_mm = targets_between(0.0, -500.0, 10.0);
+  plan.runs = 1;
+  plan.feed_mm_min = 6000.0;
+  const auto range = [&] {
+    const auto set = measure(bench.simulation, plan);
+    REQUIRE(set.has_value());
+    double low = 0.0;
+    double high = 0.0;
+    for (const auto& reading : set->readings) {
+      low = std::min(low, reading.error);
+      high = std::max(high, reading.error);
+    }
+    return std::pair(*set, high - low);
+  };
+  const auto [set, before_um] = range();
+  CHECK(before_um > 25.0);
+  bench.compensate([&](Component, double p, Approach approach) {
+    for (const auto& reading : set.readings)
+      if (std::abs(laser::target_mm(reading) - p) < 1e-6 && reading.approach == approach) return -reading.error;
+    return 0.0;
+  });
+  const auto [after, after_um] = range();
+  CHECK(after.readings.front().compensated == true);
+  CHECK(after_um < 0.5);
+}
+
+TEST_CASE("a wrong output scaling factor shows in what is left") {
+  Bench bench(
+      "[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.1*p\"\n",
+      "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\ndac_um_per_count = 0.12\n");
+  bench.compensate([](Component, double p, Approach) { return -0.1 * p; });
+  REQUIRE(bench.simulation.move_to({-500.0, 0.0, 0.0}, 6000.0));
+  CHECK(bench.simulation.tool_now(false).error_um[0] == doctest::Approx(10.0).epsilon(0.01));  // 20 % too much
+}
