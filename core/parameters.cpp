@@ -31,6 +31,7 @@ std::optional<TermTable> terms_of(const UnitParameters& parameters) noexcept {
   for (const Term& term : terms_in_scope(*terms, *chain, parameters.scope, parameters.plane)) {
     if (!is_squareness(term.component) && !chain->has(moving_axis(term.component))) continue;
     if (term.has_lever && term.uses_coordinate && !chain->has(term.lever)) continue;
+    if (term.has_lever && !term.uses_coordinate && parameters.tool_offset_mm[index_of(term.lever)] == 0.0) continue;
     kept.rows[kept.count++] = term;
   }
   return kept;
@@ -39,8 +40,7 @@ std::optional<TermTable> terms_of(const UnitParameters& parameters) noexcept {
 ComponentSet components_needed(const UnitParameters& parameters) noexcept {
   const auto terms = terms_of(parameters);
   if (!terms) return {};
-  const bool with_tool_offset = parameters.tool_offset_mm != Vector3{};
-  return components_needed(*terms, with_tool_offset);
+  return components_needed(*terms, true);  // rows that the tool offset does not lever are out already
 }
 
 }  // namespace ecs

@@ -85,7 +85,7 @@ struct UnitParameters {
 /// The chain of the present axes; nothing if the string is no chain or lacks a present axis.
 [[nodiscard]] std::optional<Chain> chain_of(const UnitParameters& parameters) noexcept;
 
-/// The terms that a unit with these parameters corrects (measured curves, scope applied).
+/// The terms that a unit with these parameters corrects: measured curves, scope applied, no row without a lever.
 [[nodiscard]] std::optional<TermTable> terms_of(const UnitParameters& parameters) noexcept;
 
 /// The components that a map for these parameters must hold or declare zero.

@@ -1,0 +1,355 @@
+// The memory image: what goes in comes out, and nothing that is not whole gets through check_image().
+#include "core/memory_image.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "core/address_map.hpp"
+#include "image_of.hpp"
+#include "random_values.hpp"
+
+using namespace ecs;
+using namespace ecs::test;
+
+namespace {
+
+using Image = std::vector<std::uint8_t>;
+
+UnitParameters single_axis() {
+  UnitParameters p;
+  set_configuration(p, "TX");
+  return p;
+}
+
+Image small_image() {
+  return image_of(single_axis(),
+                  {{Component::EXX, Approach::forward, -100.0, 10.0, 0.01, {5, -6, 700}},
+                   {Component::EXX, Approach::reverse, -95.0, 12.5, 0.02, {-1, 2}}},
+                  "customer: Müller");
+}
+
+ImageFault fault_of(const Image& image) { return check_image(image).fault; }
+
+/// The image with one word of its prefix changed and the block check made to agree again.
+Image resealed_with(Image image, std::uint32_t at, std::uint32_t word) {
+  store_big(image, at, word);
+  seal_image(image);
+  return image;
+}
+Image resealed_entry(std::uint32_t index, const TableEntry& entry) {
+  Image image = small_image();
+  write_entry(image, index, entry);
+  seal_image(image);
+  return image;
+}
+
+std::uint64_t bits_of(double value) { return std::bit_cast<std::uint64_t>(value); }
+
+}  // namespace
+
+TEST_CASE("parameters come back bit for bit") {
+  CHECK(rc::check([] {
+    const UnitParameters before = random_parameters();
+    std::array<std::uint8_t, kParameterBytes> block{};
+    encode_parameters(before, block);
+    const auto after = decode_parameters(block);
+    RC_ASSERT(after.has_value());
+    RC_ASSERT(*after == before);
+    std::array<std::uint8_t, kParameterBytes> again{};
+    encode_parameters(*after, again);
+    RC_ASSERT(again == block);
+  }));
+}
+
+TEST_CASE("a negative zero keeps its sign on the way through the block") {
+  UnitParameters p;
+  p.C0Y_um_per_m = -0.0;
+  std::array<std::uint8_t, kParameterBytes> block{};
+  encode_parameters(p, block);
+  CHECK(bits_of(decode_parameters(block)->C0Y_um_per_m) == bits_of(-0.0));
+}
+
+TEST_CASE("impossible parameters are refused") {
+  const auto refused = [](auto spoil) {
+    UnitParameters p;
+    spoil(p);
+    std::array<std::uint8_t, kParameterBytes> block{};
+    encode_parameters(p, block);
+    return !decode_parameters(block).has_value();
+  };
+  const double nan = std::nan("");
+  const double infinite = std::numeric_limits<double>::infinity();
+  CHECK(!refused([](UnitParameters&) {}));
+  CHECK(refused([](UnitParameters& p) { p.configuration = {'T', 'X', 'X', 'Z', 0}; }));
+  CHECK(refused([](UnitParameters& p) { p.configuration = {'T', 'X', 'Y', 0, 0}; }));  // Z present, not in the chain
+  CHECK(refused([](UnitParameters& p) { p.configuration = {'T', 'X', 'Y', 'Z', 'Z'}; }));
+  CHECK(refused([](UnitParameters& p) { p.axis_present = {false, false, false}; }));
+  CHECK(refused([](UnitParameters& p) { p.memory_modules = 0; }));
+  CHECK(refused([](UnitParameters& p) { p.memory_modules = 6; }));
+  CHECK(refused([](UnitParameters& p) { p.loop_period_us = 99.0; }));
+  CHECK(refused([&](UnitParameters& p) { p.loop_period_us = nan; }));
+  CHECK(refused([&](UnitParameters& p) { p.angular_scale = infinite; }));
+  CHECK(refused([](UnitParameters& p) { p.angular_scale = 1e300; }));  // would overflow in the tick
+  CHECK(refused([&](UnitParameters& p) { p.measurement_lines_mm[2][1] = nan; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[1].position_scale_um_per_count = 0.0; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[1].compensation_polarity = 0; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[2].output_scale_counts_per_um = 0.0; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[2].output_slew_um_per_s = 0.0; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[0].deadband_um = -1.0; }));
+  CHECK(refused([](UnitParameters& p) { p.axes[0].datum.switch_polarity = 2; }));
+  CHECK(refused([](UnitParameters& p) { p.scope = static_cast<Scope>(3); }));
+  CHECK(refused([](UnitParameters& p) {
+    p.configuration = {'X', 'Y', 'Z', 'T', 0};
+    p.convention = Convention::as_printed;
+  }));
+}
+
+TEST_CASE("random blocks of parameters are refused or decode to themselves, and never crash") {
+  CHECK(rc::check([] {
+    std::array<std::uint8_t, kParameterBytes> block{};
+    encode_parameters(random_parameters(), block);
+    for (int i = 0; i < 3; ++i)
+      block[*rc::gen::inRange<std::size_t>(0, block.size())] = *rc::gen::arbitrary<std::uint8_t>();
+    const auto decoded = decode_parameters(block);
+    if (decoded) RC_ASSERT(chain_of(*decoded).has_value());
+  }));
+}
+
+TEST_CASE("an image gives back its parameters, tables, values and header") {
+  CHECK(rc::check([] {
+    UnitParameters parameters = random_parameters();
+    std::vector<PlannedTable> tables;
+    for (std::size_t c = 0; c < kCurves; ++c) {
+      const auto one = [&](Approach approach) {
+        PlannedTable t{static_cast<Component>(c),     approach, number_up_to(5000.0), number_between(0.001, 500.0),
+                       number_between(0.0001, 100.0), {}};
+        t.counts = *rc::gen::container<std::vector<std::int16_t>>(rc::gen::arbitrary<std::int16_t>());
+        tables.push_back(t);
+      };
+      switch (*rc::gen::inRange(0, 3)) {
+        case 0:
+          one(Approach::unknown);
+          break;
+        case 1:
+          one(Approach::forward);
+          one(Approach::reverse);
+          break;
+        default:
+          break;
+      }
+    }
+    const std::string header = *rc::gen::arbitrary<std::string>();
+    const Image image = image_of(parameters, tables, header);
+    RC_ASSERT(fault_of(image) == ImageFault::none);
+    const ImageView view(image);
+    RC_ASSERT(view.total_bytes() == image.size());
+    RC_ASSERT(view.parameters() == parameters);
+    RC_ASSERT(view.header() == header);
+    RC_ASSERT(view.table_count() == tables.size());
+    for (std::uint32_t i = 0; i < tables.size(); ++i) {
+      const TableEntry entry = view.entry(i);
+      RC_ASSERT(entry.component == tables[i].component);
+      RC_ASSERT(entry.approach == tables[i].approach);
+      RC_ASSERT(entry.declared_zero == tables[i].counts.empty());
+      RC_ASSERT(entry.start_mm == tables[i].start_mm);
+      RC_ASSERT(entry.increment_mm == tables[i].increment_mm);
+      RC_ASSERT(entry.resolution == tables[i].resolution);
+      RC_ASSERT(entry.count == tables[i].counts.size());
+      for (std::uint32_t k = 0; k < entry.count; ++k)
+        RC_ASSERT(view.value_counts(entry.first_value + k) == tables[i].counts[k]);
+    }
+  }));
+}
+
+TEST_CASE("the bytes of an image stand where the layout says, big-endian") {
+  const Image image = small_image();
+  CHECK(std::memcmp(image.data(), "ECSI\0\1", 6) == 0);
+  CHECK(load_big<std::uint32_t>(image, 8) == image.size());
+  CHECK(std::memcmp(image.data() + 64, "TX\0\0\0", 5) == 0);  // parameters
+  CHECK(image[576] == 0);                                     // EXX
+  CHECK(image[577] == 1);                                     // forward
+  CHECK(image[576 + 40 + 1] == 0xFF);                         // reverse
+  CHECK(load_double(image, 576 + 16) == -100.0);
+  CHECK(load_big<std::uint16_t>(image, 576 + 80 + 4) == 700);     // third value
+  CHECK(load_big<std::uint16_t>(image, 576 + 80 + 2) == 0xFFFA);  // −6
+  CHECK(std::string(image.end() - 17, image.end()) == "customer: Müller");
+  CHECK(ImageView(image).value_offset(2) == 576 + 80 + 4);
+}
+
+TEST_CASE("the bank may be longer than the image") {
+  Image image = small_image();
+  const auto size = static_cast<std::uint32_t>(image.size());
+  image.resize(kBankBytes, 0xFF);
+  const ImageVerdict verdict = check_image(image);
+  CHECK(verdict.fault == ImageFault::none);
+  CHECK(verdict.total_bytes == size);
+  CHECK(verdict.check_found == verdict.check_expected);
+}
+
+TEST_CASE("no single changed byte passes, whatever it becomes") {
+  Image image = small_image();
+  std::size_t accepted = 0;
+  for (std::uint8_t& byte : image)
+    for (int flip = 1; flip < 256; ++flip) {
+      byte = static_cast<std::uint8_t>(byte ^ flip);
+      accepted += fault_of(image) == ImageFault::none ? 1u : 0u;
+      byte = static_cast<std::uint8_t>(byte ^ flip);
+    }
+  CHECK(accepted == 0);
+  CHECK(fault_of(image) == ImageFault::none);
+}
+
+TEST_CASE("no image cut short passes, at any length") {
+  const Image image = small_image();
+  for (std::size_t length = 0; length < image.size(); ++length) {
+    const Image cut(image.begin(), image.begin() + static_cast<std::ptrdiff_t>(length));  // exact, for the sanitizer
+    CHECK(fault_of(cut) != ImageFault::none);
+  }
+}
+
+TEST_CASE("random bytes are no image") {
+  CHECK(rc::check([](const std::vector<std::uint8_t>& bytes) { RC_ASSERT(fault_of(bytes) != ImageFault::none); }));
+}
+
+TEST_CASE("a resealed image of random words in its prefix and directory never crashes the check") {
+  // the block check agrees, so that every later check is reached
+  CHECK(rc::check([] {
+    Image image = small_image();
+    for (int i = *rc::gen::inRange(1, 4); i > 0; --i) {
+      const auto at = *rc::gen::element<std::uint32_t>(16, 20, 24, 28, 32, 36, 40, 576, 580, 584, 616, 620, 624);
+      const auto word = *rc::gen::oneOf(
+          rc::gen::arbitrary<std::uint32_t>(), rc::gen::inRange<std::uint32_t>(0xFFFFFF00, 0xFFFFFFFF),
+          rc::gen::inRange<std::uint32_t>(0x7FFFFFF0, 0x80000010), rc::gen::inRange<std::uint32_t>(0, 1000));
+      store_big(image, at, word);
+    }
+    seal_image(image);
+    const ImageVerdict verdict = check_image(image);
+    RC_ASSERT(verdict.fault != ImageFault::block_check);
+    if (verdict.fault == ImageFault::none) {
+      const ImageView view(image);
+      for (std::uint32_t i = 0; i < view.table_count(); ++i)
+        for (std::uint32_t k = 0; k < view.entry(i).count; ++k)
+          RC_ASSERT(view.value_offset(view.entry(i).first_value + k) + 2 <= image.size());
+    }
+  }));
+}
+
+TEST_CASE("lengths that overflow 32 bits are refused") {
+  const Image image = small_image();
+  for (const std::uint32_t huge : {0xFFFFFFFFu, 0xFFFFFFF0u, 0x80000000u, 0x7FFFFFFFu, 0x06666667u /* × 40 wraps */}) {
+    CAPTURE(huge);
+    CHECK(fault_of(resealed_with(image, prefix_at::table_count, huge)) == ImageFault::bad_directory);
+    CHECK(fault_of(resealed_with(image, prefix_at::value_count, huge)) == ImageFault::over_capacity);
+    CHECK(fault_of(resealed_with(image, prefix_at::header_bytes, huge)) == ImageFault::wrong_length);
+    CHECK(fault_of(resealed_with(image, prefix_at::header, huge)) == ImageFault::wrong_length);
+    CHECK(fault_of(resealed_with(image, prefix_at::values, huge)) == ImageFault::wrong_length);
+    CHECK(fault_of(resealed_with(image, prefix_at::directory, huge)) == ImageFault::wrong_length);
+    CHECK(fault_of(resealed_with(image, prefix_at::parameters, huge)) == ImageFault::wrong_length);
+  }
+  // a value count that wraps round to the same total: 2 · 2³¹ ≡ 0
+  const auto values = ImageView(image).value_count();
+  CHECK(fault_of(resealed_with(image, prefix_at::value_count, values + 0x80000000u)) != ImageFault::none);
+  Image total = image;
+  store_big(total, prefix_at::total_bytes, std::uint32_t{0xFFFFFFFF});
+  CHECK(fault_of(total) == ImageFault::wrong_length);
+  store_big(total, prefix_at::total_bytes, std::uint32_t{64});
+  CHECK(fault_of(total) == ImageFault::wrong_length);
+}
+
+TEST_CASE("a table outside the value area is refused") {
+  TableEntry entry = ImageView(small_image()).entry(1);
+  entry.first_value = 4;
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
+  entry.first_value = 0xFFFFFFFF;
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
+  entry.count = 6;  // first + count wraps round
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
+  entry = ImageView(small_image()).entry(1);
+  entry.count = 0;
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
+  entry.declared_zero = true;
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::none);
+}
+
+TEST_CASE("tables must not share values: together they could outgrow the working form") {
+  TableEntry entry = ImageView(small_image()).entry(1);
+  entry.first_value = 0;
+  entry.count = 5;
+  const ImageVerdict verdict = check_image(resealed_entry(1, entry));
+  CHECK(verdict.fault == ImageFault::bad_directory);
+  CHECK(verdict.table == 1);
+}
+
+TEST_CASE("a table with impossible numbers is refused") {
+  const TableEntry good = ImageView(small_image()).entry(0);
+  const auto refused = [&](auto spoil) {
+    TableEntry entry = good;
+    spoil(entry);
+    const ImageVerdict verdict = check_image(resealed_entry(0, entry));
+    return verdict.fault == ImageFault::bad_entry && verdict.table == 0;
+  };
+  const double nan = std::nan("");
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double wrong : {nan, infinite, -infinite}) {
+    CHECK(refused([&](TableEntry& e) { e.start_mm = wrong; }));
+    CHECK(refused([&](TableEntry& e) { e.increment_mm = wrong; }));
+    CHECK(refused([&](TableEntry& e) { e.resolution = wrong; }));
+  }
+  for (const double wrong : {0.0, -0.0, -1.0, 1e-300}) CHECK(refused([&](TableEntry& e) { e.increment_mm = wrong; }));
+  for (const double wrong : {0.0, -0.01, 1e300}) CHECK(refused([&](TableEntry& e) { e.resolution = wrong; }));
+  CHECK(refused([](TableEntry& e) { e.start_mm = 1e7; }));
+  CHECK(refused([](TableEntry& e) { e.component = Component::C0Y; }));
+  CHECK(refused([](TableEntry& e) { e.component = static_cast<Component>(200); }));
+  CHECK(refused([](TableEntry& e) { e.approach = static_cast<Approach>(2); }));
+  CHECK(refused([](TableEntry& e) { e.approach = static_cast<Approach>(-2); }));
+}
+
+TEST_CASE("the same curve twice for one approach is refused") {
+  const auto tables = [](Approach a, Approach b) {
+    return image_of(single_axis(),
+                    {{Component::EXX, a, 0.0, 1.0, 0.01, {1}}, {Component::EXX, b, 0.0, 1.0, 0.01, {1}}});
+  };
+  CHECK(fault_of(tables(Approach::forward, Approach::forward)) == ImageFault::duplicate_table);
+  CHECK(fault_of(tables(Approach::unknown, Approach::forward)) == ImageFault::duplicate_table);
+  CHECK(fault_of(tables(Approach::reverse, Approach::unknown)) == ImageFault::duplicate_table);
+  CHECK(fault_of(tables(Approach::reverse, Approach::forward)) == ImageFault::none);
+}
+
+TEST_CASE("an image may hold what the named modules hold, and no value more") {
+  UnitParameters p = single_axis();
+  const auto with = [&](std::size_t values) {
+    return image_of(p, {{Component::EXX, Approach::unknown, 0.0, 0.1, 0.01, std::vector<std::int16_t>(values, 1)}});
+  };
+  CHECK(fault_of(with(32'000)) == ImageFault::none);
+  CHECK(fault_of(with(32'001)) == ImageFault::over_capacity);
+  p.memory_modules = 5;
+  CHECK(fault_of(with(160'000)) == ImageFault::none);
+  CHECK(fault_of(with(160'001)) == ImageFault::over_capacity);
+}
+
+TEST_CASE("the largest map leaves room for its header in the banks of its modules") {
+  for (std::uint8_t modules = 1; modules <= kMostModules; ++modules) {
+    const ImagePlan full{kMostTables, static_cast<std::uint32_t>(modules * kValuesPerModule), 4096};
+    CHECK(image_bytes(full) <= bank_bytes(modules));
+  }
+}
+
+TEST_CASE("an image of another format or with impossible parameters says so") {
+  Image image = small_image();
+  store_big(image, prefix_at::format, std::uint16_t{2});
+  CHECK(fault_of(image) == ImageFault::wrong_format);
+  image = small_image();
+  image[64] = 'Q';
+  seal_image(image);
+  CHECK(fault_of(image) == ImageFault::bad_parameters);
+}
+
+TEST_CASE("every image fault has its words") {
+  for (std::uint8_t f = 0; f <= static_cast<std::uint8_t>(ImageFault::over_capacity); ++f)
+    CHECK(text_of(static_cast<ImageFault>(f)) != "unknown");
+}
