@@ -2,6 +2,10 @@
 
 namespace ecs::app {
 
-void add_all_menus(Menu& root) { add_params_menu(root); }
+void add_all_menus(Menu& root) {
+  add_params_menu(root);
+  add_monitor_verb(root);
+  add_utility_menu(root);
+}
 
 }  // namespace ecs::app

@@ -10,6 +10,8 @@ void add_all_menus(Menu& root);
 
 void add_params_menu(Menu& root);
 void add_monitor_verb(Menu& root);
+void add_laser_menu(Menu& root);
+void add_map_menu(Menu& root);
 void add_utility_menu(Menu& root);
 void add_memory_menu(Menu& root);
 void add_batch_verb(Menu& root);

@@ -23,6 +23,8 @@ class UnitLink {
  public:
   [[nodiscard]] protocol::UnitClient& client() { return client_; }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
+  /// Socket of the workshop around a bundled emulator; empty: none.
+  [[nodiscard]] std::string workshop() const { return emulator_ ? emulator_->workshop() : std::string(); }
   [[nodiscard]] bool is_emulator() const { return emulator_ != nullptr; }
 
  private:

@@ -1,0 +1,127 @@
+// `ecs monitor`: what the unit sees of the axes, sample by sample.
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/json.hpp"
+#include "app/menus.hpp"
+#include "app/status_view.hpp"
+#include "app/unit_link.hpp"
+#include "base/file.hpp"
+#include "core/fault.hpp"
+
+namespace ecs::app {
+namespace {
+
+using protocol::AxisSample;
+using protocol::MonitorSample;
+
+struct MonitorArguments {
+  int count = 0;  ///< 0: until stopped
+  int interval_ms = 500;
+  std::string record;
+};
+
+double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
+
+Json json_of(const AxisSample& axis) {
+  return Json{{"position_mm", number_or_null(axis.position_mm)},
+              {"speed_mm_min", number_or_null(axis.speed_mm_min)},
+              {"referenced", axis.referenced},
+              {"switch", axis.switch_active},
+              {"marker", axis.marker},
+              {"approach", name_of(axis.approach)},
+              {"compensation_um", number_or_null(axis.compensation_um)},
+              {"output_counts", axis.output_counts},
+              {"relay_closed", axis.relay_closed}};
+}
+
+Json json_of(const MonitorSample& sample, const std::string& link) {
+  Json axes = Json::object();
+  for (const Axis axis : kAllAxes)
+    if (sample.axes[index_of(axis)].present)
+      axes[std::string(1, letter_of(axis))] = json_of(sample.axes[index_of(axis)]);
+  return Json{{"number", sample.number},
+              {"time_s", time_s(sample)},
+              {"mode", ecs::name_of(sample.mode)},
+              {"fault", ecs::text_of(sample.fault).name},
+              {"axes", axes},
+              {"link", link}};
+}
+
+std::string text_of(const MonitorSample& sample) {
+  std::string text = fmt::format(
+      "{:.3f} s, {}{}\naxis  position/mm  speed/(mm/min)  ref  switch  marker  approach  "
+      "comp/um      D/A  relay\n",
+      time_s(sample), ecs::name_of(sample.mode),
+      sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name));
+  for (const Axis axis : kAllAxes) {
+    const AxisSample& a = sample.axes[index_of(axis)];
+    if (!a.present) continue;
+    text += fmt::format("{:<4} {:>12.4f} {:>15.1f}  {:<4} {:<7} {:<7} {:<9} {:>7.2f} {:>8}  {}\n", letter_of(axis),
+                        a.position_mm, a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
+                        a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um, a.output_counts,
+                        a.relay_closed ? "closed" : "open");
+  }
+  return text;
+}
+
+constexpr std::string_view kRecordColumns =
+    "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,output_counts,"
+    "relay_closed\n";
+
+std::string record_rows(const MonitorSample& sample) {
+  std::string rows;
+  for (const Axis axis : kAllAxes) {
+    const AxisSample& a = sample.axes[index_of(axis)];
+    if (!a.present) continue;
+    rows += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d}\n", time_s(sample),
+                        ecs::name_of(sample.mode), ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm,
+                        a.speed_mm_min, a.referenced, a.switch_active, a.marker, static_cast<int>(a.approach),
+                        a.compensation_um, a.output_counts, a.relay_closed);
+  }
+  return rows;
+}
+
+/// Samples until the count is reached, a signal comes or the line is lost.
+Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments, std::string& rows) {
+  for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
+    if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(arguments.interval_ms))) return {};
+    const auto sample = unit.client().monitor();
+    if (!sample) return tl::unexpected(sample.error());
+    session.face.print(text_of(*sample));
+    session.face.print_json(one_line(json_of(*sample, unit.name())));
+    if (!arguments.record.empty()) rows += record_rows(*sample);
+    if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
+  }
+  return {};
+}
+
+Result<Outcome> monitor(Session& session, const MonitorArguments& arguments) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  std::string rows(kRecordColumns);
+  const auto watched = watch(session, *unit, arguments, rows);
+  if (!arguments.record.empty()) {
+    if (auto written = write_file(arguments.record, rows); !written) return tl::unexpected(written.error());
+    session.face.note(fmt::format("samples written to {}", arguments.record));
+  }
+  if (!watched) return tl::unexpected(watched.error());
+  return Outcome{};
+}
+
+}  // namespace
+
+void add_monitor_verb(Menu& root) {
+  const auto arguments = std::make_shared<MonitorArguments>();
+  root.verb("monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
+            "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1")
+      .integer("--count", arguments->count, "samples to show; 0: until stopped", 0, 100'000'000)
+      .integer("--interval", arguments->interval_ms, "milliseconds between samples", 1, 3'600'000)
+      .text("--record", arguments->record, "CSV file to write, one row for each axis and sample")
+      .uses_link()
+      .runs([arguments](Session& session) { return monitor(session, *arguments); });
+}
+
+}  // namespace ecs::app

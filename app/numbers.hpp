@@ -1,0 +1,18 @@
+// Numbers as a user types them.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "base/result.hpp"
+#include "core/axis.hpp"
+
+namespace ecs::app {
+
+/// "0x100000" or "1048576": a whole number of 32 bits, else a usage problem that names `what`.
+[[nodiscard]] Result<std::uint32_t> whole_number(std::string_view text, std::string_view what);
+
+/// "x" or "X"; a usage problem otherwise.
+[[nodiscard]] Result<Axis> axis_named(std::string_view text);
+
+}  // namespace ecs::app

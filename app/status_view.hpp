@@ -1,0 +1,20 @@
+// The state of a unit in words and as JSON: mode, fault with what to do next, memory tests, pointers, axes.
+#pragma once
+
+#include <string>
+
+#include "app/json.hpp"
+#include "app/status_snapshot.hpp"
+
+namespace ecs::app {
+
+/// "forward", "reverse", "unknown"
+[[nodiscard]] std::string_view name_of(Approach approach);
+
+[[nodiscard]] Json json_of(const StatusSnapshot& snapshot);
+[[nodiscard]] std::string text_of(const StatusSnapshot& snapshot);
+
+/// The fault in plain words, its place if it has one, and what to do next. @pre fault is not none
+[[nodiscard]] std::string fault_sentence(const protocol::UnitStatus& status);
+
+}  // namespace ecs::app

@@ -1,0 +1,171 @@
+// `ecs utility datum record, show, test`: setting up the datuming parameters.
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/clock.hpp"
+#include "app/datum_recording.hpp"
+#include "app/json.hpp"
+#include "app/numbers.hpp"
+#include "app/unit_link.hpp"
+#include "app/utility_menu.hpp"
+#include "base/file.hpp"
+
+namespace ecs::app {
+namespace {
+
+using std::chrono::milliseconds;
+
+milliseconds in_ms(double seconds) { return milliseconds(static_cast<long long>(seconds * 1000.0)); }
+
+Json json_of(const DatumRecording& recording) {
+  Json events = Json::array();
+  for (const DatumEvent& event : events_of(recording))
+    events.push_back({{"what", event.what},
+                      {"time_s", number_or_null(event.time_s)},
+                      {"position_mm", number_or_null(event.position_mm)},
+                      {"speed_mm_min", number_or_null(event.speed_mm_min)}});
+  return Json{{"axis", std::string(1, letter_of(recording.axis))},
+              {"taken", text_or_null(recording.taken)},
+              {"serial_number", text_or_null(recording.serial_number)},
+              {"samples", recording.samples.size()},
+              {"sample_period_us", number_or_null(recording.sample_period_us)},
+              {"um_per_count", number_or_null(recording.um_per_count)},
+              {"events", events}};
+}
+
+std::string text_of(const DatumRecording& recording) {
+  std::string text = fmt::format("axis {}, {} samples every {} us\n\n{}\n", letter_of(recording.axis),
+                                 recording.samples.size(), recording.sample_period_us, graph_of(recording));
+  text += "  time/s  position/mm  speed/(mm/min)  event\n";
+  for (const DatumEvent& event : events_of(recording))
+    text += fmt::format("{:>8.3f} {:>12.4f} {:>15.1f}  {}\n", event.time_s, event.position_mm, event.speed_mm_min,
+                        event.what);
+  return text;
+}
+
+// --- record
+struct RecordArguments {
+  std::string axis;
+  std::string output;
+};
+
+Result<Outcome> record(Session& session, const RecordArguments& arguments) {
+  const auto axis = axis_named(arguments.axis);
+  if (!axis) return tl::unexpected(axis.error());
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  session.face.note(fmt::format("recording axis {} for {} s: reference it now", arguments.axis, kDatumRecord_s));
+  const auto result =
+      unit->client().record_datum(*axis, in_ms(3.0 * kDatumRecord_s), [&session](const protocol::CommandResult& busy) {
+        const double done = busy.per_mille / 1000.0;
+        session.face.progress("recording", done, (1.0 - done) * kDatumRecord_s);
+      });
+  if (!result) return tl::unexpected(result.error());
+  auto recording = read_recording(unit->client(), result->value, progress_bar(session, "transfer"));
+  if (!recording) return tl::unexpected(recording.error());
+  recording->taken = now_utc();
+  recording->serial_number = identity->serial_number;
+  if (!arguments.output.empty()) {
+    if (auto written = write_file(arguments.output, to_csv(*recording)); !written)
+      return tl::unexpected(written.error());
+    session.face.note(fmt::format("record written to {}", arguments.output));
+  }
+  return Outcome{text_of(*recording), one_line(json_of(*recording)), kDone};
+}
+
+// --- show
+Result<Outcome> show(const std::string& file) {
+  const auto recording = read_recording_file(file);
+  if (!recording) return tl::unexpected(recording.error());
+  return Outcome{text_of(*recording), one_line(json_of(*recording)), kDone};
+}
+
+// --- test
+struct TestArguments {
+  std::vector<std::string> axes;
+  double wait_s = 60.0;
+};
+
+struct AxisTest {
+  Axis axis = Axis::X;
+  bool passed = false;
+  std::string message;  ///< why not
+};
+
+Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, const protocol::Identity& identity) {
+  std::vector<Axis> axes;
+  for (const std::string& name : names) {
+    const auto axis = axis_named(name);
+    if (!axis) return tl::unexpected(axis.error());
+    axes.push_back(*axis);
+  }
+  for (const Axis axis : kAllAxes)
+    if (names.empty() && identity.axis_present[index_of(axis)]) axes.push_back(axis);
+  return axes;
+}
+
+/// A failed command is the answer; a lost line is a problem.
+Result<AxisTest> tested(Session& session, protocol::UnitClient& client, Axis axis, double wait_s) {
+  session.face.note(fmt::format("reference axis {} now", letter_of(axis)));
+  const auto result = client.test_datum(axis, in_ms(wait_s));
+  if (result) return AxisTest{axis, true, {}};
+  const auto failure = client.link().last_failure();
+  if (failure != protocol::LinkFailure::none || client.link().cancelled()) return tl::unexpected(result.error());
+  const auto status = client.status();
+  if (!status) return tl::unexpected(status.error());
+  const protocol::AxisStatus& state = status->axes[index_of(axis)];
+  std::string message = result.error().message;
+  if (state.datum_failure != DatumFailure::none)
+    message += fmt::format(" ({}: {})", ecs::name_of(state.datum_failure), advice_for(state.datum_failure));
+  return AxisTest{axis, false, std::move(message)};
+}
+
+Result<Outcome> test(Session& session, const TestArguments& arguments) {
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const auto axes = axes_to_test(arguments.axes, *identity);
+  if (!axes) return tl::unexpected(axes.error());
+  Json list = Json::array();
+  std::string text;
+  bool all_passed = true;
+  for (const Axis axis : *axes) {
+    const auto one = tested(session, unit->client(), axis, arguments.wait_s);
+    if (!one) return tl::unexpected(one.error());
+    all_passed = all_passed && one->passed;
+    text += fmt::format("axis {}: {}\n", letter_of(axis), one->passed ? "datum found" : one->message);
+    list.push_back(
+        {{"axis", std::string(1, letter_of(axis))}, {"passed", one->passed}, {"message", text_or_null(one->message)}});
+  }
+  return Outcome{text, one_line(Json{{"passed", all_passed}, {"axes", list}}), all_passed ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_utility_datum(Menu& utility) {
+  Menu menu = utility.menu("datum", "datum sequences: record, show, test");
+  const auto recorded = std::make_shared<RecordArguments>();
+  menu.verb("record", "record ten seconds of an axis: speed, reference switch, marker",
+            "ecs utility datum record X -o x_datum.csv")
+      .choice("AXIS", recorded->axis, {"X", "Y", "Z"}, "axis", Need::required)
+      .text("-o,--output", recorded->output, "CSV file to write")
+      .uses_link()
+      .runs([recorded](Session& session) { return record(session, *recorded); });
+  const auto file = std::make_shared<std::string>();
+  menu.verb("show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv")
+      .text("FILE", *file, "CSV file of `datum record`", Need::required)
+      .runs([file](Session&) { return show(*file); });
+  const auto tests = std::make_shared<TestArguments>();
+  menu.verb("test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120")
+      .texts("AXIS", tests->axes, "axes; none: all that the unit has")
+      .number("--wait", tests->wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
+      .uses_link()
+      .runs([tests](Session& session) { return test(session, *tests); });
+}
+
+}  // namespace ecs::app
