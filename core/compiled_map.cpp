@@ -1,6 +1,7 @@
 #include "core/compiled_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ecs {
 namespace {
@@ -82,7 +83,8 @@ void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
     AxisWorking& to = map.axes[index_of(a)];
     to.present = p.axis_present[index_of(a)];
     to.mm_per_count = from.position_scale_um_per_count / 1000.0;
-    to.deadband_mm = from.deadband_um / 1000.0;
+    // a thousandth of a count more: travel of exactly the deadband is within it, whatever the rounding
+    to.deadband_mm = from.deadband_um / 1000.0 + std::abs(to.mm_per_count) * 1e-3;
     to.counts_per_um = to.present ? from.output_scale_counts_per_um * from.compensation_polarity : 0.0;
     to.limit_counts = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
     to.slew_counts = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;

@@ -1,0 +1,80 @@
+// The loop allocates nothing: malloc and its family are watched while compile() and tick() run.
+#include <cstddef>
+#include <memory>
+
+#include <doctest/doctest.h>
+
+#include "core/tick.hpp"
+#include "image_of.hpp"
+
+using namespace ecs;
+using namespace ecs::test;
+
+#ifndef __SANITIZE_ADDRESS__  // the sanitizer brings a malloc of its own
+
+namespace {
+bool watching = false;
+int allocations = 0;
+void count() noexcept { allocations += watching ? 1 : 0; }
+}  // namespace
+
+// operator new ends in these; glibc keeps the originals under these names
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* block, std::size_t size) {
+  count();
+  return __libc_realloc(block, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+}
+
+namespace {
+
+template <class Work>
+int allocations_of(Work work) {
+  allocations = 0;
+  watching = true;
+  work();
+  watching = false;
+  return allocations;
+}
+
+}  // namespace
+
+TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
+  UnitParameters p;
+  p.tool_offset_mm = {1.0, 2.0, 3.0};
+  std::vector<PlannedTable> tables;
+  for (std::size_t c = 0; c < kCurves; ++c)
+    tables.push_back({static_cast<Component>(c), Approach::unknown, 0.0, 1.0, 1.0, {1, 2, 3, 4, 5}});
+  const auto image = image_of(p, tables, "header");
+  const auto map = std::make_unique<CompiledMap>();
+  const auto state = std::make_unique<TickState>();
+
+  REQUIRE(allocations_of([] { delete new int(1); }) == 1);  // the watch works
+  bool sound = false;
+  CHECK(allocations_of([&] {
+          sound = check_image(image).fault == ImageFault::none && compile(ImageView(image), *map).fault == Fault::none;
+          start(*state, {}, {}, {});
+          for (std::int64_t i = 0; i < 10'000; ++i) tick(*map, *state, {i * 7 % 5000, -i * 3 % 5000, i % 9});
+        }) == 0);
+  CHECK(sound);
+  CHECK(state->ticks == 10'000);
+}
+
+#endif
