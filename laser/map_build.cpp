@@ -9,46 +9,13 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-#include "laser/groups.hpp"
-#include "laser/import.hpp"
+#include "laser/map_sources.hpp"
 #include "laser/process.hpp"
 
 namespace ecs::laser {
 namespace {
 
 constexpr double kSameLine_mm = 0.5;  ///< parked positions closer than this are the same measurement line
-
-struct LoadedFile {
-  MeasurementSet set;
-  std::string sha256;
-};
-
-Problem refusal(const std::filesystem::path& file, Component component, const std::string& why) {
-  return Problem{ProblemKind::refused, fmt::format("{}: {}", name_of(component), why), file.string(), 0, 0, {}};
-}
-
-std::string parked_text(const Group& group) {
-  std::string text;
-  for (const Axis a : kAllAxes)
-    if (a != group.axis)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", letter_of(a), group.parked_mm[index_of(a)]);
-  return text;
-}
-
-std::string contents_of(const MeasurementSet& set) {
-  std::string text;
-  for (const Group& group : groups_of(set))
-    text += fmt::format("{}{} along {} at {}", text.empty() ? "" : "; ", name_of(group.sense), letter_of(group.axis),
-                        parked_text(group));
-  return text.empty() ? "no readings" : text;
-}
-
-/// Which readings a component needs: axis moved and sense read.
-struct Wanted {
-  Axis axis;
-  Sense sense;
-};
 
 /// Squareness as the contract measures it: C0Y = E_X along Y, B0Z = E_X along Z, A0Z = E_Y along Z; also the other way
 /// round, with the axes exchanged.
@@ -124,89 +91,16 @@ class Builder {
     return done;
   }
 
-  // --- files ---------------------------------------------------------------------------------------------------------
-
-  Result<const LoadedFile*> load(const std::filesystem::path& path) {
-    if (const auto known = files_.find(path); known != files_.end()) return &known->second;
-    const auto bytes = read_file(path);
-    if (!bytes) return tl::unexpected(bytes.error());
-    auto imported = parse_any(*bytes, path.string(), ImportOptions{});
-    if (!imported) return tl::unexpected(imported.error());
-    LoadedFile loaded{std::move(imported->set), sha256_hex(*bytes)};
-    return &files_.emplace(path, std::move(loaded)).first->second;
-  }
-
-  /// The averaged curve of the one group in a file that fits; runs of the recipe left out.
+  /// The curve of one file, its source and numbers kept.
   Result<Curve> curve_from(const std::filesystem::path& path, const ComponentRecipe& one,
                            const std::vector<Wanted>& wanted) {
-    const auto loaded = load(path);
-    if (!loaded) return tl::unexpected(loaded.error());
-    const MeasurementSet& all = (*loaded)->set;
-    std::vector<Exclusion> exclusions;
-    for (const int run : one.exclude_runs) {
-      Exclusion exclusion;
-      exclusion.run = run;
-      exclusions.push_back(exclusion);
-    }
-    const Selection selection = selected(all, exclusions);
-    outcome_.notes.insert(outcome_.notes.end(), selection.notes.begin(), selection.notes.end());
-    const auto group = group_in(selection.chosen, path, one.component, wanted);
-    if (!group) return tl::unexpected(group.error());
-    note_readings(selection.chosen, *group);
-    auto curve = averaged(selection.chosen, *group);
-    if (!curve) return tl::unexpected(refusal(path, one.component, curve.error().message));
-    if (curve->points.size() < 2)
-      return tl::unexpected(refusal(path, one.component, "expected at least two targets, found one"));
-    remember_source(path, (*loaded)->sha256, one.component, all);
-    return curve;
-  }
-
-  Result<Group> group_in(const MeasurementSet& set, const std::filesystem::path& path, Component component,
-                         const std::vector<Wanted>& wanted) {
-    std::vector<Group> fitting;
-    for (const Group& group : groups_of(set))
-      for (const Wanted& want : wanted)
-        if (group.axis == want.axis && group.sense == want.sense) fitting.push_back(group);
-    std::string expected;
-    for (const Wanted& want : wanted)
-      expected +=
-          fmt::format("{}{} along {}", expected.empty() ? "" : " or ", name_of(want.sense), letter_of(want.axis));
-    if (fitting.empty())
-      return tl::unexpected(
-          refusal(path, component, fmt::format("expected readings of {}, found {}", expected, contents_of(set))));
-    if (fitting.size() > 1)
-      return tl::unexpected(refusal(
-          path, component,
-          fmt::format("expected one measurement line of {}, found {}: split the file", expected, contents_of(set))));
-    if (fitting.front().compensated.value_or(false))
-      return tl::unexpected(
-          refusal(path, component,
-                  "the readings were taken with compensation active (compensated = 1): a map needs the "
-                  "machine's own error; switch the unit to integration mode and measure again"));
-    return fitting.front();
-  }
-
-  void note_readings(const MeasurementSet& set, const Group& group) {
-    double lowest = set.readings[group.readings.front()].error;
-    double highest = lowest;
-    for (const std::size_t i : group.readings) {
-      lowest = std::min(lowest, set.readings[i].error);
-      highest = std::max(highest, set.readings[i].error);
-    }
-    outcome_.band = std::max(outcome_.band, highest - lowest);
-    outcome_.readings += group.readings.size();
-  }
-
-  void remember_source(const std::filesystem::path& path, const std::string& sha256, Component component,
-                       const MeasurementSet& set) {
-    built_.map.header.sources.push_back({std::string(name_of(component)), path.filename().string(), sha256});
-    remember(machines_, metadata_value(set, "machine"), path);
-    remember(serial_numbers_, metadata_value(set, "serial_number"), path);
-  }
-
-  static void remember(std::map<std::string, std::string>& seen, const std::optional<std::string>& value,
-                       const std::filesystem::path& path) {
-    if (value && !value->empty()) seen.emplace(*value, path.filename().string());
+    auto found = files_.curve(path, one.component, wanted, one.exclude_runs);
+    if (!found) return tl::unexpected(found.error());
+    outcome_.band = std::max(outcome_.band, found->band);
+    outcome_.readings += found->readings;
+    outcome_.notes.insert(outcome_.notes.end(), found->notes.begin(), found->notes.end());
+    built_.map.header.sources.push_back(std::move(found->source));
+    return std::move(found->curve);
   }
 
   // --- curves --------------------------------------------------------------------------------------------------------
@@ -395,9 +289,9 @@ class Builder {
     header.date = recipe_.date;
     header.configuration = configuration_of(built_.parameters);
     header.declared_zero = recipe_.declared_zero;
-    auto machine = only_one(recipe_.machine, machines_, "machine");
+    auto machine = only_one(recipe_.machine, files_.machines(), "machine");
     if (!machine) return tl::unexpected(machine.error());
-    auto serial_number = only_one(recipe_.serial_number, serial_numbers_, "serial_number");
+    auto serial_number = only_one(recipe_.serial_number, files_.serial_numbers(), "serial_number");
     if (!serial_number) return tl::unexpected(serial_number.error());
     header.machine = std::move(*machine);
     header.serial_number = std::move(*serial_number);
@@ -422,9 +316,7 @@ class Builder {
   ComponentSet needed_;
   BuiltMap built_;
   ComponentOutcome outcome_;
-  std::map<std::filesystem::path, LoadedFile> files_;
-  std::map<std::string, std::string> machines_;
-  std::map<std::string, std::string> serial_numbers_;
+  MeasuredFiles files_;
 };
 
 }  // namespace
