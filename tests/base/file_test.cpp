@@ -1,0 +1,164 @@
+// Files: read whole, replaced whole, or a problem that says which file and why.
+#include "base/file.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+using namespace ecs;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A folder of its own for one test, gone afterwards.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "ecs_file_test.XXXXXX").string();
+    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    path = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::permissions(path, fs::perms::owner_all, ignored);
+    fs::remove_all(path, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+  }
+};
+
+/// An environment variable for the length of one test.
+struct Variable {
+  std::string name;
+  std::string before;
+  bool was_set;
+  Variable(const char* variable, const char* value) : name(variable) {
+    const char* old = std::getenv(variable);
+    was_set = old != nullptr;
+    if (was_set) before = old;
+    if (value == nullptr)
+      ::unsetenv(variable);
+    else
+      ::setenv(variable, value, 1);
+  }
+  ~Variable() {
+    if (was_set)
+      ::setenv(name.c_str(), before.c_str(), 1);
+    else
+      ::unsetenv(name.c_str());
+  }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+};
+
+}  // namespace
+
+TEST_CASE("what is written is read, zero bytes and line ends included") {
+  const Folder folder;
+  const fs::path file = folder.path / "a.bin";
+  for (const std::string& content : {std::string(), std::string("a\r\n\0b", 5), std::string(300'000, 'x')}) {
+    REQUIRE(write_file(file, content));
+    CHECK(*read_file(file) == content);
+    CHECK(folder.files() == 1);
+  }
+}
+
+TEST_CASE("a file is replaced, and readable by others as the mask of the user says") {
+  const Folder folder;
+  const fs::path file = folder.path / "a.txt";
+  REQUIRE(write_file(file, "old and longer"));
+  REQUIRE(write_file(file, "new"));
+  CHECK(*read_file(file) == "new");
+  std::ofstream(folder.path / "plain") << "x";
+  CHECK(fs::status(file).permissions() == fs::status(folder.path / "plain").permissions());
+}
+
+TEST_CASE("a folder that does not exist cannot be written to") {
+  const Folder folder;
+  const auto written = write_file(folder.path / "no" / "a.txt", "x");
+  REQUIRE(!written);
+  CHECK(written.error().kind == ProblemKind::output);
+  CHECK(written.error().file == (folder.path / "no" / "a.txt").string());
+}
+
+TEST_CASE("writing over a folder fails and leaves nothing beside it") {
+  const Folder folder;
+  fs::create_directories(folder.path / "d" / "inside");
+  const auto written = write_file(folder.path / "d", "x");
+  REQUIRE(!written);
+  CHECK(written.error().kind == ProblemKind::output);
+  CHECK(folder.files() == 1);
+  CHECK(fs::exists(folder.path / "d" / "inside"));
+}
+
+TEST_CASE("in a folder without write permission the old file stays whole") {
+  if (::geteuid() == 0) {
+    MESSAGE("skipped: root may write everywhere");
+    return;
+  }
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "a.txt", "old"));
+  fs::permissions(folder.path, fs::perms::owner_read | fs::perms::owner_exec);
+  CHECK(!write_file(folder.path / "a.txt", "new"));
+  CHECK(*read_file(folder.path / "a.txt") == "old");
+}
+
+TEST_CASE("a file system that cannot be written to is an output problem") {
+  const auto written = write_file("/proc/ecs_test", "x");
+  REQUIRE(!written);
+  CHECK(written.error().kind == ProblemKind::output);
+}
+
+TEST_CASE("what is no file is a bad input with the file's name") {
+  const Folder folder;
+  const auto missing = read_file(folder.path / "missing");
+  REQUIRE(!missing);
+  CHECK(missing.error().kind == ProblemKind::bad_input);
+  CHECK(to_text(missing.error()) == (folder.path / "missing").string() + ": no such file");
+  CHECK(read_file(folder.path).error().message == "expected a file, found a directory");
+}
+
+TEST_CASE("a file above 256 MiB is not read, nor one that never ends") {
+  const Folder folder;
+  const fs::path file = folder.path / "huge";
+  std::ofstream(file) << "x";
+  fs::resize_file(file, (256ull << 20) + 1);  // sparse
+  CHECK(read_file(file).error().message == "larger than 256 MiB: not read");
+  CHECK(read_file("/dev/zero").error().message == "larger than 256 MiB: not read");
+}
+
+TEST_CASE("the digests are those of their standards") {
+  // FIPS 180-4 example, and the check value of CRC-32/ISO-HDLC
+  CHECK(sha256_hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  const std::string digits = "123456789";
+  CHECK(crc32_of({reinterpret_cast<const std::uint8_t*>(digits.data()), digits.size()}) == 0xCBF43926);
+}
+
+TEST_CASE("the state folder follows ECS_STATE_DIR, then XDG_STATE_HOME, then HOME") {
+  const Folder folder;
+  const std::string root = folder.path.string();
+  {
+    const Variable own("ECS_STATE_DIR", (root + "/own").c_str());
+    CHECK(*state_folder() == root + "/own");
+    CHECK(fs::is_directory(root + "/own"));
+  }
+  const Variable own("ECS_STATE_DIR", nullptr);
+  {
+    const Variable xdg("XDG_STATE_HOME", (root + "/xdg").c_str());
+    CHECK(*state_folder() == root + "/xdg/ecs");
+  }
+  const Variable xdg("XDG_STATE_HOME", nullptr);
+  {
+    const Variable home("HOME", root.c_str());
+    CHECK(*state_folder() == root + "/.local/state/ecs");
+  }
+  const Variable home("HOME", nullptr);
+  CHECK(state_folder().error().kind == ProblemKind::output);
+}
