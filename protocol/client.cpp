@@ -41,13 +41,11 @@ Result<UnitStatus> UnitClient::status() {
   return status;
 }
 
-Result<void> UnitClient::stage(std::span<const std::uint8_t> image, const UploadOptions& options,
+Result<void> UnitClient::stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
                                const ProgressCallback& progress) {
-  const auto address = begin_staging(options.copy_active);
-  if (!address) return tl::unexpected(address.error());
-  if (auto written = write_memory(*address, image, progress); !written) return written;
+  if (auto written = write_memory(address, image, progress); !written) return written;
   if (options.read_back) {
-    const auto held = read_memory(*address, image.size(), progress);
+    const auto held = read_memory(address, image.size(), progress);
     if (!held) return tl::unexpected(held.error());
     if (!std::equal(held->begin(), held->end(), image.begin(), image.end()))
       return problem(ProblemKind::link, "what was read back from the unit is not what was sent; test its memory");
@@ -57,7 +55,9 @@ Result<void> UnitClient::stage(std::span<const std::uint8_t> image, const Upload
 
 Result<void> UnitClient::upload_image(std::span<const std::uint8_t> image, const UploadOptions& options,
                                       const ProgressCallback& progress) {
-  auto staged = stage(image, options, progress);
+  const auto address = begin_staging(options.copy_active);
+  if (!address) return tl::unexpected(address.error());
+  auto staged = stage(*address, image, options, progress);
   if (staged || !link_.connected()) return staged;
   link_.heed_cancel(false);
   if (const auto abandoned = abandon_staged(); !abandoned && link_.last_failure() != LinkFailure::none)

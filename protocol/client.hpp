@@ -94,7 +94,7 @@ class UnitClient {
                                           const std::function<void(std::size_t)>& sent);
   [[nodiscard]] Result<void> send_missing(const WindowOpen& window, std::span<const std::uint8_t> bytes,
                                           std::uint64_t received, const std::function<void(std::size_t)>& sent);
-  [[nodiscard]] Result<void> stage(std::span<const std::uint8_t> image, const UploadOptions& options,
+  [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
                                    const ProgressCallback& progress);
 
   Link link_;

@@ -1,3 +1,4 @@
+// Texts, axes and reals of the two passes.
 #include "protocol/field_pass.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The CRC-16 of Modbus RTU, bit by bit: a frame is short.
 #include "protocol/frame_check.hpp"
 
 namespace ecs::protocol {

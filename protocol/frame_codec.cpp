@@ -195,12 +195,9 @@ std::vector<std::uint8_t> FrameCodec::answer(std::span<const std::uint8_t> frame
     return broadcast ? std::vector<std::uint8_t>{} : refuse(ModbusException::illegal_function);
   if (::send(library_->sockets[1], frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return {};
   const int length = modbus_receive(library_->context, query.data());
-  if (length <= 0) {
-    modbus_flush(library_->context);
-    Adu rest{};
-    while (::recv(library_->sockets[0], rest.data(), rest.size(), MSG_DONTWAIT) > 0) continue;
-    return {};
-  }
+  Adu rest{};
+  while (::recv(library_->sockets[0], rest.data(), rest.size(), MSG_DONTWAIT) > 0) continue;
+  if (length <= 0) return {};
   const auto exception = library_->serve(query, handler);
   if (broadcast) return {};
   if (exception) return refuse(*exception);

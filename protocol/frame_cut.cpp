@@ -1,3 +1,4 @@
+// Lengths of requests from their first bytes.
 #include "protocol/frame_cut.hpp"
 
 namespace ecs::protocol {

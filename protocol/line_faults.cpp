@@ -1,3 +1,4 @@
+// Which transaction meets which fault.
 #include "protocol/line_faults.hpp"
 
 namespace ecs::protocol {

@@ -1,3 +1,5 @@
+// One request and its own reply: echo, retries, silence after errors, and the words for each failure.
+// Does not live here: the descriptor and the library calls that wait (modbus_line.cpp).
 #include "protocol/link.hpp"
 
 #include <algorithm>

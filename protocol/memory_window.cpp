@@ -1,3 +1,5 @@
+// Blocks of a bulk write into the memory of a unit.
+// Does not live here: the registers around it (unit_face.cpp), the sender (client_memory.cpp).
 #include "protocol/memory_window.hpp"
 
 #include <algorithm>

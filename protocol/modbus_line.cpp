@@ -1,3 +1,5 @@
+// libmodbus on the client's side: connect, send, receive, close.
+// Does not live here: what to do about a failure (link.cpp).
 #include "protocol/modbus_line.hpp"
 
 #include <algorithm>

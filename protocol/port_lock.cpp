@@ -1,3 +1,4 @@
+// Opening and locking a serial port, and why it cannot be had.
 #include "protocol/port_lock.hpp"
 
 #include <cerrno>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 namespace ecs::protocol {
@@ -19,13 +21,13 @@ namespace {
 std::string holder_of(int fd) {
   struct stat file {};
   if (::fstat(fd, &file) != 0) return {};
-  const std::string inode = fmt::format(":{}", file.st_ino);
+  const std::string wanted = fmt::format("{:02x}:{:02x}:{}", major(file.st_dev), minor(file.st_dev), file.st_ino);
   std::ifstream locks("/proc/locks");
   for (std::string line; std::getline(locks, line);) {
     std::istringstream words(line);
     std::string number, kind, advice, mode, pid, place;
     words >> number >> kind >> advice >> mode >> pid >> place;
-    if (kind != "FLOCK" || !place.ends_with(inode)) continue;
+    if (kind != "FLOCK" || place != wanted) continue;
     std::string name;
     std::getline(std::ifstream(fmt::format("/proc/{}/comm", pid)), name);
     return name.empty() ? fmt::format("pid {}", pid) : fmt::format("pid {} ({})", pid, name);

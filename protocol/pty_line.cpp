@@ -79,14 +79,13 @@ class PtyLine : public ServerLine {
 
  private:
   void listen() {
-    std::array<std::uint8_t, 1024> bytes{};
-    ssize_t got = 0;
-    while ((got = ::read(master_.get(), bytes.data(), bytes.size())) > 0) {
-      last_heard_ = Clock::now();
-      if (heard_.empty()) first_heard_ = last_heard_;
-      heard_.insert(heard_.end(), bytes.begin(), bytes.begin() + got);
-      if (heard_.size() > kMostHeard) heard_.clear();
-    }
+    std::array<std::uint8_t, kMostHeard> bytes{};
+    const ssize_t got = ::read(master_.get(), bytes.data(), bytes.size());
+    if (got <= 0) return;
+    last_heard_ = Clock::now();
+    if (heard_.empty()) first_heard_ = last_heard_;
+    if (heard_.size() + static_cast<std::size_t>(got) > kMostHeard) heard_.clear();
+    heard_.insert(heard_.end(), bytes.begin(), bytes.begin() + got);
   }
 
   /// True when `request_` holds a whole request. What was heard and is no request is dropped after a silence.

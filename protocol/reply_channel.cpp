@@ -1,3 +1,4 @@
+// Faults that spoil a reply, and the time at which its bytes go out.
 #include "protocol/reply_channel.hpp"
 
 #include <algorithm>

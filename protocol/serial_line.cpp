@@ -1,3 +1,4 @@
+// Reading and writing link addresses; the times of a line.
 #include "protocol/serial_line.hpp"
 
 #include <algorithm>

@@ -38,6 +38,7 @@ Descriptor::~Descriptor() {
 
 void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
                            const WirePace& pace) {
+  if (framing_ == Framing::rtu && !codec_.is_for_unit(frame)) return;
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
   if (spoils && *drawn == LineFault::lost_request) return;

@@ -66,16 +66,10 @@ class TcpLine : public ServerLine {
   }
 
   static void listen(Connection& connection) {
-    std::array<std::uint8_t, 1024> bytes{};
-    while (true) {
-      const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-      if (got > 0) {
-        connection.heard.insert(connection.heard.end(), bytes.begin(), bytes.begin() + got);
-        continue;
-      }
-      if (got == 0 || (errno != EAGAIN && errno != EINTR)) connection.ended = true;
-      return;
-    }
+    std::array<std::uint8_t, 4096> bytes{};
+    const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (got > 0) connection.heard.insert(connection.heard.end(), bytes.begin(), bytes.begin() + got);
+    connection.ended = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   }
 
   std::size_t answer(Connection& connection, RegisterHandler& handler) {
@@ -94,7 +88,8 @@ class TcpLine : public ServerLine {
 
   static void speak(Connection& connection) {
     while (const auto bytes = connection.channel.take_due(Clock::now()))
-      if (::send(connection.socket.get(), bytes->data(), bytes->size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0)
+      if (::send(connection.socket.get(), bytes->data(), bytes->size(), MSG_DONTWAIT | MSG_NOSIGNAL) !=
+          static_cast<ssize_t>(bytes->size()))
         connection.ended = true;
   }
 

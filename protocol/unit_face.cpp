@@ -1,3 +1,5 @@
+// Registers read and written, as the unit understands them.
+// Does not live here: what a command does (the unit behind UnitPort).
 #include "protocol/unit_face.hpp"
 
 #include <algorithm>

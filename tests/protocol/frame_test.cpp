@@ -1,8 +1,10 @@
+// Frames byte by byte: the check, the worked example of the documentation, exceptions, nonsense.
 #include <numeric>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
+#include <rapidcheck.h>
 
 #include "base/file.hpp"
 #include "protocol/frame_check.hpp"
@@ -92,6 +94,33 @@ TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
   // writes echo 5 at 0x0000 and reads 0x0000..1 in the same request
   const Bytes request{0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 2, 0, 0, 0, 1, 2, 0, 5};
   CHECK(codec.answer(request, face) == Bytes{0, 1, 0, 0, 0, 7, 1, 23, 4, 0, 5, 0, 0});
+}
+
+TEST_CASE("no frame, however wrong, disturbs the next good one") {
+  UnitModel model;
+  UnitFace face(model);
+  auto rtu = FrameCodec::make(Framing::rtu, 1).value();
+  auto tcp = FrameCodec::make(Framing::tcp, 1).value();
+  const Bytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};
+  const Bytes good_tcp_reply{0, 7, 0, 0, 0, 5, 1, 3, 2, 0, 1};
+  CHECK(rc::check([&] {
+    auto pdu = *rc::gen::resize(240, rc::gen::arbitrary<Bytes>());
+    const auto function = *rc::gen::element<std::uint8_t>(1, 3, 4, 6, 8, 15, 16, 17, 22, 23, 43, 65);
+    pdu.insert(pdu.begin(), function);
+    Bytes frame{1};
+    frame.insert(frame.end(), pdu.begin(), pdu.end());
+    const auto crc = crc16_of(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    const auto reply = rtu.answer(frame, face);
+    RC_ASSERT(reply.empty() || crc_agrees(reply));
+    RC_ASSERT(rtu.answer(kAskIdentity, face) == kIdentityReply);
+    Bytes wrapped{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
+    wrapped.insert(wrapped.end(), pdu.begin(), pdu.end());
+    (void)tcp.answer(wrapped, face);
+    RC_ASSERT(tcp.answer(good_tcp, face) == good_tcp_reply);
+  }));
+  CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
 }
 
 TEST_CASE("the length of a request is known as soon as its header is") {

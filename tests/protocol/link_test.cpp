@@ -220,12 +220,19 @@ TEST_CASE("each way a port cannot be opened has its own message") {
   CHECK(says(problem_of("rtu:/dev/null:9600"), "not a serial port"));
   CHECK(says(problem_of("tcp:no-such-host.invalid:502"), "no such host"));
   CHECK(says(problem_of("tcp:127.0.0.1:1"), "cannot connect"));
-  if (::geteuid() != 0) {
-    auto server = ModbusServer::on_pty({}).value();
-    const auto device = std::get<SerialLine>(server.address().line).device;
-    REQUIRE(::chmod(device.c_str(), 0) == 0);
-    CHECK(says(problem_of("rtu:" + device + ":9600"), "permission"));
-  }
+}
+
+TEST_CASE("a port without permission says so") {
+  auto server = ModbusServer::on_pty({}).value();
+  const auto device = std::get<SerialLine>(server.address().line).device;
+  REQUIRE(::chmod(device.c_str(), 0) == 0);
+  const bool root = ::geteuid() == 0;
+  constexpr uid_t kNobody = 65'534;
+  if (root) REQUIRE(::seteuid(kNobody) == 0);
+  const auto link = Link::open(server.address());
+  if (root) REQUIRE(::seteuid(0) == 0);
+  REQUIRE_FALSE(link.has_value());
+  CHECK(says(link.error(), "permission"));
 }
 
 TEST_CASE("a port in use is refused and its user named; it is free again after closing") {

@@ -1,3 +1,4 @@
+// The unit's side of a bulk write.
 #include "protocol/memory_window.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// Link addresses and the times of a line.
 #include "protocol/serial_line.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// Typed values through registers and back.
 #include "protocol/unit_registers.hpp"
 
 #include <limits>
