@@ -38,18 +38,26 @@ void AxisOfMachine::watch_marker(double from_mm, double to_mm) {
   marker_mm_ = datum_marker_mm() + std::max(turn(from_mm), turn(to_mm)) * settings_.marker_pitch_mm;
 }
 
+double AxisOfMachine::asked_um(const AxisDrive& drive) const {
+  return drive.relay_closed ? drive.dac_counts * settings_.dac_um_per_count : 0.0;
+}
+
 void AxisOfMachine::step(double command_mm, const AxisDrive& drive, double period_s) {
   const double part = -std::expm1(-settings_.kv_per_s * period_s);
   const double from_mm = position_mm();
   follow(command_mm, part);
-  const double asked_um = drive.relay_closed ? drive.dac_counts * settings_.dac_um_per_count : 0.0;
-  change_um_ = (asked_um - compensation_um_) * part;
+  change_um_ = (asked_um(drive) - compensation_um_) * part;
   compensation_um_ += change_um_;
   watch_marker(from_mm, position_mm());
 }
 
 bool AxisOfMachine::settled(double command_mm) const {
   return std::abs(command_mm - servo_mm_) < kArrived_mm && std::abs(change_um_) < kStill_um;
+}
+
+void AxisOfMachine::rest(double command_mm, const AxisDrive& drive) {
+  servo_mm_ = command_mm;
+  compensation_um_ = asked_um(drive);
 }
 
 std::int64_t AxisOfMachine::counts_at(double position_mm) const {

@@ -28,6 +28,9 @@ class AxisOfMachine {
   /// Standing on the command, and the compensation no longer moves.
   [[nodiscard]] bool settled(double command_mm) const;
 
+  /// Takes away the last nanometre: what is settled stands exactly, however long it is left alone.
+  void rest(double command_mm, const AxisDrive& drive);
+
   [[nodiscard]] AxisSignals signals() const;
   [[nodiscard]] bool on_switch() const;
   /// The marker that the axis passed in the last period, if any [mm].
@@ -43,6 +46,7 @@ class AxisOfMachine {
 
  private:
   [[nodiscard]] std::int64_t counts_at(double position_mm) const;
+  [[nodiscard]] double asked_um(const AxisDrive& drive) const;
   void follow(double command_mm, double part);
   void watch_marker(double from_mm, double to_mm);
 

@@ -81,6 +81,11 @@ void MachineTool::step(const Drives& drives, double period_s) {
   time_s_ += period_s;
 }
 
+void MachineTool::rest(const Drives& drives) {
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (axes_[a]) axes_[a]->rest(command_mm_[a], drives[a]);
+}
+
 bool MachineTool::settled() const {
   if (!arrived()) return false;
   for (std::size_t a = 0; a < kAxes; ++a)

@@ -22,6 +22,8 @@ class MachineTool {
   void stop();
 
   void step(const Drives& drives, double period_s);
+  /// @pre settled(); see AxisOfMachine::rest()
+  void rest(const Drives& drives);
 
   [[nodiscard]] Signals signals() const;
   /// As its errors see it: carriages at their true places.

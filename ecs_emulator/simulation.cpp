@@ -48,12 +48,30 @@ bool Simulation::pause() {
   return go_on;
 }
 
-bool Simulation::settle(double limit_s, double& used_s) {
-  while (used_s < limit_s && !(machine_.settled() && steady_ticks_ >= kSteady)) {
+void Simulation::idle_tick() {
+  tick();
+  machine_.wait(-period_s());
+}
+
+bool Simulation::at_rest() const { return machine_.settled() && steady_ticks_ >= kSteady; }
+
+void Simulation::come_to_rest() {
+  double used_s = 0.0;
+  while (used_s < kSettle_s && !at_rest()) {
+    idle_tick();
+    used_s += period_s();
+  }
+  if (at_rest()) machine_.rest(drives_);
+}
+
+bool Simulation::settle(double limit_s, double& used_s, const std::function<void()>& each) {
+  while (used_s < limit_s && !at_rest()) {
     tick();
+    if (each) each();
     used_s += period_s();
     if (!pause()) return false;
   }
+  if (at_rest()) machine_.rest(drives_);
   return true;
 }
 
@@ -68,14 +86,7 @@ bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std
     }
   }
   double used_s = 0.0;
-  if (!each) return settle(kSettle_s, used_s);
-  while (used_s < kSettle_s && !(machine_.settled() && steady_ticks_ >= kSteady)) {
-    tick();
-    each();
-    used_s += period_s();
-    if (!pause()) return false;
-  }
-  return true;
+  return settle(kSettle_s, used_s, each);
 }
 
 bool Simulation::dwell(double seconds) {

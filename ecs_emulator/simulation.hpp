@@ -33,6 +33,11 @@ class Simulation {
 
   /// One period of the unit's loop.
   void tick();
+  /// The same while nobody works at the machine: the workshop's clock stands still, so that what is measured later
+  /// does not depend on how long the machine was left alone.
+  void idle_tick();
+  /// Idle until nothing moves any more, at most two seconds.
+  void come_to_rest();
   [[nodiscard]] double period_s() const { return unit_ == nullptr ? kPeriodAlone_s : unit_->period_s(); }
 
   /// A straight move to its end, then until nothing moves any more. `each` is called after every tick.
@@ -60,7 +65,8 @@ class Simulation {
  private:
   static constexpr double kPeriodAlone_s = 0.001;
   [[nodiscard]] bool pause();
-  [[nodiscard]] bool settle(double limit_s, double& used_s);
+  [[nodiscard]] bool at_rest() const;
+  [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
 
   WorkshopMachine description_;
   MachineTool machine_;

@@ -2,6 +2,7 @@
 // Does not live here: the line it answers on (protocol/server.hpp), the machine it stands at (machine_tool.hpp).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,6 +53,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   /// A valid request came over the link.
   void note_request();
   void sense_link(LinkSense link) { settings_.link = link; }
+  /// Called when a new map has become the active one, before the host is told.
+  void on_commit(std::function<void()> keep) { on_commit_ = std::move(keep); }
 
   [[nodiscard]] Drives tick(const Signals& signals) override;
   [[nodiscard]] double period_s() const override { return parameters_.loop_period_us * 1e-6; }
@@ -145,6 +148,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   std::optional<DatumRecorder> recorder_;
   protocol::CommandResult result_;
 
+  std::function<void()> on_commit_;
   double extra_us_ = 0.0;
   bool hung_ = false;
   double hung_s_ = 0.0;

@@ -183,7 +183,10 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   for (Origin& origin : origins_) origin.referenced = false;
   tick_ = {};
   map_test_ = {Fault::none, bank, std::nullopt, image.check(), verdict.check_found};
-  return done(active_image(memory_)->commit.sequence);
+  if (on_commit_) on_commit_();
+  const auto now_active = active_image(memory_);
+  return now_active && now_active->first == bank ? done(now_active->commit.sequence)
+                                                 : failed(UnitError::unit_fault, "the commit record does not hold");
 }
 
 protocol::CommandResult Unit::stop() {

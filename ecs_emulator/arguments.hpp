@@ -1,0 +1,43 @@
+// Arguments of a request as typed values; a wrong one is told by its name. For .cpp files of this room only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "base/result.hpp"
+#include "core/axis.hpp"
+
+namespace ecs::emulator {
+
+class Arguments {
+ public:
+  explicit Arguments(const nlohmann::json& request) : request_(request) {}
+
+  [[nodiscard]] std::optional<double> number(const char* key);
+  [[nodiscard]] double number_or(const char* key, double otherwise) { return number(key).value_or(otherwise); }
+  /// A whole number from `low` to `high`.
+  [[nodiscard]] std::optional<long long> integer(const char* key, long long low, long long high);
+  [[nodiscard]] std::string word(const char* key);  ///< empty where it is absent
+  [[nodiscard]] bool flag(const char* key);         ///< false where it is absent
+  [[nodiscard]] std::vector<double> numbers(const char* key);
+  [[nodiscard]] std::vector<std::string> words(const char* key);  ///< one text or a list of them
+  [[nodiscard]] std::optional<Axis> axis(const char* key);
+  /// Coordinates under X, Y, Z of `object` (null: of the request itself).
+  [[nodiscard]] PerAxis<std::optional<double>> coordinates(const char* object);
+
+  void complain(std::string message);
+  /// Call after every argument has been asked for: whatever was not is unknown. `usage` problem with all that is wrong.
+  [[nodiscard]] Result<void> judged();
+
+ private:
+  [[nodiscard]] const nlohmann::json* find(const char* key);
+  const nlohmann::json& request_;
+  std::vector<std::string> known_{"action"};
+  std::vector<Problem> problems_;
+};
+
+}  // namespace ecs::emulator

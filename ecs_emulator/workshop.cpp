@@ -1,0 +1,349 @@
+#include "ecs_emulator/workshop.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "ecs_emulator/arguments.hpp"
+#include "ecs_emulator/measurement.hpp"
+#include "ecs_emulator/measurement_files.hpp"
+#include "ecs_emulator/referencing.hpp"
+#include "ecs_emulator/survey.hpp"
+#include "laser/measurement_writer.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Json = nlohmann::json;
+using Told = std::function<void(const std::string&)>;
+using Answer = Result<Json>;
+
+tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "given up before its end"); }
+tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
+
+Json by_axis(const MachineTool& machine, const Vector3& values) {
+  Json object = Json::object();
+  for (const Axis a : kAllAxes)
+    if (machine.has(a)) object[std::string(1, letter_of(a))] = values[index_of(a)];
+  return object;
+}
+
+Json state_of(const Workshop& workshop) {
+  const MachineTool& machine = workshop.simulation->machine();
+  Json state{{"command_mm", by_axis(machine, machine.command_mm())},
+             {"position_mm", by_axis(machine, machine.state().position_mm)},
+             {"time_s", machine.time_s()},
+             {"unit", nullptr}};
+  if (workshop.unit != nullptr)
+    state["unit"] = {{"powered", workshop.unit->powered()},
+                     {"mode", name_of(workshop.unit->mode())},
+                     {"fault", text_of(workshop.unit->fault()).name}};
+  return state;
+}
+
+Answer show(const Workshop& workshop, Arguments& arguments) {
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  return state_of(workshop);
+}
+
+Answer jog(const Workshop& workshop, Arguments& arguments) {
+  const auto place = arguments.coordinates(nullptr);
+  const double feed = arguments.number_or("feed", 0.0);
+  Simulation& simulation = *workshop.simulation;
+  Vector3 target_mm = simulation.machine().command_mm();
+  for (const Axis a : kAllAxes) {
+    if (!place[index_of(a)]) continue;
+    if (!simulation.machine().has(a)) arguments.complain(fmt::format("this machine has no {}", letter_of(a)));
+    target_mm[index_of(a)] = *place[index_of(a)];
+  }
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (!simulation.move_to(target_mm, feed)) return given_up();
+  return state_of(workshop);
+}
+
+/// After the last axis the unit gets as long as it needs to make up its mind.
+bool wait_for_unit(const Workshop& workshop) {
+  const double end_s = workshop.simulation->machine().time_s() + kDatumGiveUp_s + 1.0;
+  const auto failed_axis = [&] {
+    for (const auto& axis : workshop.unit->status().axes)
+      if (axis.datum_stage == DatumStage::failed) return true;
+    return false;
+  };
+  while (workshop.unit->mode() == UnitMode::datuming && failed_axis() &&
+         workshop.simulation->machine().time_s() < end_s)
+    if (!workshop.simulation->run_for(0.1)) return false;
+  return true;
+}
+
+Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
+  std::vector<Axis> axes;
+  for (const std::string& name : arguments.words("axes")) {
+    const auto axis = name.size() == 1 ? axis_of(name.front()) : std::nullopt;
+    if (axis && workshop.simulation->machine().has(*axis))
+      axes.push_back(*axis);
+    else
+      arguments.complain(fmt::format("axes: expected an axis of this machine, got \"{}\"", name));
+  }
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (axes.empty())
+    for (const Axis a : kAllAxes)
+      if (workshop.simulation->machine().has(a)) axes.push_back(a);
+  if (!reference(*workshop.simulation, axes)) return given_up();
+  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return given_up();
+  return state_of(workshop);
+}
+
+std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
+  MeasurementPlan plan;
+  const auto axis = arguments.axis("axis");
+  const auto sense_name = arguments.word("sense");
+  const auto sense = sense_named(sense_name);
+  if (!axis) arguments.complain("axis: expected X, Y or Z");
+  if (!sense) arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense_name));
+  if (const std::string name = arguments.word("instrument"); !name.empty()) {
+    plan.instrument = instrument_named(name);
+    if (!plan.instrument)
+      arguments.complain(
+          fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
+  }
+  plan.targets_mm = arguments.numbers("targets");
+  const auto from = arguments.number("from");
+  const auto to = arguments.number("to");
+  const auto step = arguments.number("step");
+  if (plan.targets_mm.empty() && from && to && step) plan.targets_mm = targets_between(*from, *to, *step);
+  if (plan.targets_mm.empty()) arguments.complain("expected targets, or from, to and step (above 0)");
+  plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
+  plan.bidirectional = !arguments.flag("unidirectional");
+  plan.parked_mm = arguments.coordinates("parked");
+  plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
+  plan.dwell_s = arguments.number_or("dwell", plan.dwell_s);
+  plan.overrun_mm = arguments.number_or("overrun", plan.overrun_mm);
+  plan.on_the_fly = arguments.flag("on_the_fly");
+  plan.date = arguments.word("date");
+  plan.engineer = arguments.word("engineer");
+  plan.name = arguments.word("plan");
+  if (axis) plan.axis = *axis;
+  if (sense) plan.sense = *sense;
+  return axis && sense ? std::optional(plan) : std::nullopt;
+}
+
+Answer measure_machine(const Workshop& workshop, Arguments& arguments, const Told& told) {
+  const auto plan = plan_in(arguments);
+  const auto outputs = arguments.words("output");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  std::size_t percent = 0;
+  const auto progress = [&](const MeasurementProgress& at) {
+    const std::size_t now = at.readings_done * 100 / at.readings_total;
+    if (now == percent || !told) return;
+    percent = now;
+    told(Json{{"progress", static_cast<double>(now) / 100.0}}.dump());
+  };
+  const auto set = measure(*workshop.simulation, *plan, progress);
+  if (!set) return tl::unexpected(set.error());
+  for (const std::string& output : outputs)
+    if (auto written = write_measurement(output, *set); !written) return tl::unexpected(written.error());
+  Json answer{
+      {"readings", set->readings.size()}, {"output", outputs}, {"time_s", set->readings.back().time_s.value_or(0.0)}};
+  if (outputs.empty()) answer["csv"] = laser::to_csv(*set);
+  return answer;
+}
+
+Json point_of(const MachineTool& machine, const SurveyPoint& point) {
+  return {{"position_mm", by_axis(machine, point.position_mm)},
+          {"error_um", by_axis(machine, point.error_um)},
+          {"length_um", point.length_um()}};
+}
+
+Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
+  SurveyPlan plan;
+  plan.step_mm = arguments.number_or("step", plan.step_mm);
+  plan.scatter = arguments.flag("with_scatter");
+  const auto approach = arguments.integer("approach", -1, 1).value_or(1);
+  if (approach == 0) arguments.complain("approach: expected 1 or -1");
+  plan.approach = approach < 0 ? Approach::reverse : Approach::forward;
+  const std::string output = arguments.word("output");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  const auto found = survey(*workshop.simulation, plan);
+  if (!found) return tl::unexpected(found.error());
+  const MachineTool& machine = workshop.simulation->machine();
+  if (!output.empty()) {
+    std::string text = "x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,length_um\n";
+    for (const SurveyPoint& p : found->grid)
+      text +=
+          fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", shortest(p.position_mm[0]), shortest(p.position_mm[1]),
+                      shortest(p.position_mm[2]), p.error_um[0], p.error_um[1], p.error_um[2], p.length_um());
+    if (auto written = write_file(output, text); !written) return tl::unexpected(written.error());
+  }
+  Json corners = Json::array();
+  for (const SurveyPoint& corner : found->corners) corners.push_back(point_of(machine, corner));
+  return Json{{"approach", approach},
+              {"with_scatter", plan.scatter},
+              {"corners", {{"worst", point_of(machine, worst(found->corners))}, {"all", corners}}},
+              {"grid",
+               {{"points", found->grid.size()},
+                {"worst", point_of(machine, worst(found->grid))},
+                {"rms_um", rms_um(found->grid)}}}};
+}
+
+Answer power(const Workshop& workshop, Arguments& arguments) {
+  const std::string state = arguments.word("state");
+  if (workshop.unit == nullptr) arguments.complain("no unit stands here");
+  if (state != "on" && state != "off" && state != "cycle")
+    arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  const auto switched = [&](bool on) {
+    workshop.unit->power(on);
+    if (workshop.on_power) workshop.on_power(on);
+  };
+  if (state != "on") switched(false);
+  if (state == "cycle") workshop.simulation->come_to_rest();
+  if (state != "off" && !(state == "on" && workshop.unit->powered())) switched(true);
+  return state_of(workshop);
+}
+
+Answer wait(const Workshop& workshop, Arguments& arguments) {
+  const double seconds = arguments.number_or("seconds", 0.0);
+  if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (!workshop.simulation->dwell(seconds)) return given_up();
+  return state_of(workshop);
+}
+
+Answer tick(const Workshop& workshop, Arguments& arguments) {
+  const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
+  if (!workshop.simulation->run_for(seconds)) return given_up();
+  return state_of(workshop);
+}
+
+Answer load(const Workshop& workshop, Arguments& arguments) {
+  const double load_kg = arguments.number("kg").value_or(-1.0);
+  if (load_kg < 0.0) arguments.complain("kg: expected 0 or more");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  workshop.simulation->machine().load(load_kg);
+  return state_of(workshop);
+}
+
+// --- faults by name
+
+std::optional<Address> address_in(Arguments& arguments, const Workshop& workshop) {
+  const auto address = arguments.integer("address", 0, 0xFFFFFF);
+  if (!address || !workshop.unit->memory().exists(static_cast<Address>(*address), 1)) {
+    arguments.complain("address: expected an address of the unit's memory");
+    return std::nullopt;
+  }
+  return static_cast<Address>(*address);
+}
+
+Answer unit_fault(const Workshop& workshop, Arguments& arguments, const std::string& name) {
+  if (workshop.unit == nullptr) return wrong("no unit stands here");
+  Unit& unit = *workshop.unit;
+  if (name == "ram_stuck") {
+    const auto address = address_in(arguments, workshop);
+    const auto bit = arguments.integer("bit", 0, 7).value_or(0);
+    const auto level = arguments.integer("level", 0, 1).value_or(1);
+    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+    unit.memory().stick(*address, static_cast<int>(bit), static_cast<int>(level));
+  } else if (name == "corrupt") {
+    const auto address = address_in(arguments, workshop);
+    const auto bits = arguments.integer("bits", 1, 255).value_or(1);
+    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+    unit.memory().corrupt(*address, static_cast<std::uint8_t>(bits));
+  } else if (name == "overrun") {
+    const double extra_us = arguments.number_or("us", 1e6);
+    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+    unit.slow_down(extra_us);
+  } else {
+    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+    unit.hang();
+  }
+  return state_of(workshop);
+}
+
+Answer transducer_fault(const Workshop& workshop, Arguments& arguments) {
+  const auto axis = arguments.axis("axis");
+  const bool back = arguments.flag("back");
+  if (!axis || !workshop.simulation->machine().has(*axis)) arguments.complain("axis: expected an axis of this machine");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  workshop.simulation->machine().axis(*axis).lose_transducer(!back);
+  return state_of(workshop);
+}
+
+Answer line_fault(const Workshop& workshop, Arguments& arguments, protocol::LineFault fault) {
+  const auto count = arguments.integer("count", 0, 1'000'000);
+  const double probability = arguments.number_or("probability", 0.0);
+  const auto slow_ms = arguments.number("slow_ms");
+  if (workshop.line == nullptr) arguments.complain("no line comes here");
+  if (!(probability >= 0.0 && probability <= 1.0)) arguments.complain("probability: expected 0 to 1");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (slow_ms) workshop.line->slow_ms = *slow_ms;
+  if (count)
+    workshop.line->next(fault, static_cast<std::uint32_t>(*count));
+  else
+    workshop.line->with_probability(fault, probability);
+  return state_of(workshop);
+}
+
+Answer clear_faults(const Workshop& workshop, Arguments& arguments) {
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (workshop.line != nullptr) workshop.line->clear();
+  if (workshop.unit != nullptr) {
+    workshop.unit->memory().repair();
+    workshop.unit->slow_down(0.0);
+  }
+  for (const Axis a : kAllAxes)
+    if (workshop.simulation->machine().has(a)) workshop.simulation->machine().axis(a).lose_transducer(false);
+  return state_of(workshop);
+}
+
+Answer fault(const Workshop& workshop, Arguments& arguments) {
+  const std::string name = arguments.word("name");
+  if (name == "clear") return clear_faults(workshop, arguments);
+  if (name == "transducer") return transducer_fault(workshop, arguments);
+  if (name == "ram_stuck" || name == "corrupt" || name == "overrun" || name == "hang")
+    return unit_fault(workshop, arguments, name);
+  if (const auto line = protocol::line_fault_named(name)) return line_fault(workshop, arguments, *line);
+  return wrong(fmt::format("name: expected clear, transducer, ram_stuck, corrupt, overrun, hang, {}, got \"{}\"",
+                           fmt::join(protocol::kLineFaultNames, ", "), name));
+}
+
+Answer act(const Workshop& workshop, const Json& request, const Told& told) {
+  if (!request.is_object() || !request.contains("action") || !request["action"].is_string())
+    return wrong("expected an object with an \"action\"");
+  const auto action = request["action"].get<std::string>();
+  Arguments arguments(request);
+  workshop.simulation->come_to_rest();
+  if (action == "state") return show(workshop, arguments);
+  if (action == "jog") return jog(workshop, arguments);
+  if (action == "reference") return reference_machine(workshop, arguments);
+  if (action == "measure") return measure_machine(workshop, arguments, told);
+  if (action == "survey") return survey_machine(workshop, arguments);
+  if (action == "power") return power(workshop, arguments);
+  if (action == "wait") return wait(workshop, arguments);
+  if (action == "tick") return tick(workshop, arguments);
+  if (action == "load") return load(workshop, arguments);
+  if (action == "fault") return fault(workshop, arguments);
+  return wrong(fmt::format(
+      "action: expected state, jog, reference, measure, survey, power, wait, tick, load or fault, got \"{}\"", action));
+}
+
+}  // namespace
+
+std::string perform(const Workshop& workshop, const std::string& request, const Told& told) {
+  const Json parsed = Json::parse(request, nullptr, false);
+  const Answer answer =
+      parsed.is_discarded() ? Answer(wrong("expected one JSON object on one line")) : act(workshop, parsed, told);
+  if (!answer) {
+    const Json failure{{"ok", false},
+                       {"exit", static_cast<int>(answer.error().kind) + 1},
+                       {"error", {{"message", to_text(answer.error())}}}};
+    return failure.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  Json line = *answer;
+  line["ok"] = true;
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace ecs::emulator
