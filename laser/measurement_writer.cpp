@@ -4,6 +4,8 @@
 #include <set>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
@@ -86,12 +88,15 @@ std::string cell_of(const Reading& reading, std::string_view column) {
 std::string to_csv(const MeasurementSet& set) {
   std::string text;
   for (const MetadataEntry& entry : set.metadata)
-    text += one_line(entry.key.empty() ? "# " + entry.value : "# " + entry.key + ": " + entry.value) + '\n';
+    text += one_line(entry.key.empty() ? fmt::format("# {}", entry.value)
+                                       : fmt::format("# {}: {}", entry.key, entry.value)) +
+            "\n";
   const std::vector<std::string> columns = columns_of(set);
-  for (std::size_t i = 0; i < columns.size(); ++i) text += (i == 0 ? "" : ",") + csv_field_of(columns[i]);
+  for (std::size_t i = 0; i < columns.size(); ++i) text.append(i == 0 ? "" : ",").append(csv_field_of(columns[i]));
   text += '\n';
   for (const Reading& reading : set.readings) {
-    for (std::size_t i = 0; i < columns.size(); ++i) text += (i == 0 ? "" : ",") + cell_of(reading, columns[i]);
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      text.append(i == 0 ? "" : ",").append(cell_of(reading, columns[i]));
     text += '\n';
   }
   return text;

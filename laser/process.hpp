@@ -1,5 +1,5 @@
 // What is done to error curves before they become a map: slope, datum, smoothing, angles from two lines, squareness,
-// grids (thesis 5.4.3, 6.3.2). Does not live here: averaging readings into curves (curve.hpp), maps (error_map.hpp).
+// grids (thesis 5.3, 6.3.2). Does not live here: averaging readings into curves (curve.hpp), maps (error_map.hpp).
 #pragma once
 
 #include <optional>
