@@ -69,7 +69,7 @@ class PtyLine : public ServerLine {
     listen();
     std::size_t answered = 0;
     while (cut_request() && Clock::now() >= request_due_) {
-      carry_out(request_, handler, channel_, pace_);
+      carry_out(request_, handler, channel_, request_due_, pace_);
       request_.clear();
       ++answered;
     }

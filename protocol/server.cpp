@@ -37,7 +37,7 @@ Descriptor::~Descriptor() {
 }
 
 void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
-                           const WirePace& pace) {
+                           Clock::time_point request_end, const WirePace& pace) {
   if (framing_ == Framing::rtu && !codec_.is_for_unit(frame)) return;
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
@@ -45,7 +45,7 @@ void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler&
   if (codec_.is_for_unit(frame)) last_request = Clock::now();
   auto reply = codec_.answer(frame, handler);
   if (reply.empty()) return;
-  const auto start = Clock::now() + pace.gap;
+  const auto start = std::max(Clock::now(), request_end + pace.gap);
   if (spoils)
     channel.put_spoilt(std::move(reply), start, pace.byte_time, *drawn, faults);
   else

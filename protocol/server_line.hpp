@@ -47,9 +47,10 @@ class ServerLine {
 
  protected:
   ServerLine(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
-  /// Carries out one request and puts its reply, spoilt or not, into the channel.
+  /// Carries out one request and puts its reply, spoilt or not, into the channel. The reply begins one gap after
+  /// `request_end`, when the request's last byte had passed the wire, or now if that is over.
   void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
-                 const WirePace& pace);
+                 Clock::time_point request_end, const WirePace& pace);
 
  private:
   FrameCodec codec_;

@@ -78,7 +78,7 @@ class TcpLine : public ServerLine {
       const TcpCut cut = tcp_request_length(connection.heard);
       connection.ended = cut.broken;
       if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
-      carry_out(std::span(connection.heard).first(cut.length), handler, connection.channel, {});
+      carry_out(std::span(connection.heard).first(cut.length), handler, connection.channel, Clock::now(), {});
       connection.heard.erase(connection.heard.begin(),
                              connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
       ++answered;
