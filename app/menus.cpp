@@ -5,7 +5,10 @@ namespace ecs::app {
 void add_all_menus(Menu& root) {
   add_params_menu(root);
   add_monitor_verb(root);
+  add_laser_menu(root);
+  add_map_menu(root);
   add_utility_menu(root);
+  add_memory_menu(root);
 }
 
 }  // namespace ecs::app

@@ -1,0 +1,189 @@
+#include "app/laser_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+using laser::MeasurementSet;
+
+/// "y=-1400,z=0" into the entries it names.
+Result<Vector3> parked_in(std::string_view text) {
+  Vector3 parked{};
+  for (const std::string_view part : split(text, ',')) {
+    const auto sides = split(part, '=');
+    const std::string name = lower(trimmed(sides.front()));
+    const auto axis = name.size() == 1 ? axis_of(static_cast<char>(name[0] - 'a' + 'A')) : std::nullopt;
+    const auto value = sides.size() == 2 ? number_in(sides[1]) : std::nullopt;
+    if (!axis || !value)
+      return problem(ProblemKind::usage,
+                     fmt::format("--parked: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"", trimmed(part)));
+    parked[index_of(*axis)] = *value;
+  }
+  return parked;
+}
+
+laser::Encoding encoding_named(const std::string& name) {
+  for (const auto encoding : {laser::Encoding::utf8, laser::Encoding::windows_1252, laser::Encoding::gbk})
+    if (name == laser::name_of(encoding)) return encoding;
+  return laser::Encoding::automatic;
+}
+
+bool same_line(const laser::Group& a, const laser::Group& b) {
+  return a.axis == b.axis && a.sense == b.sense && a.parked_mm == b.parked_mm && a.compensated == b.compensated;
+}
+
+int largest_run(const MeasurementSet& set, const laser::Group& group) {
+  int largest = 0;
+  for (const std::size_t i : group.readings) largest = std::max(largest, set.readings[i].run);
+  return largest;
+}
+
+/// Numbers the runs of `more` on from those of the same line in `all`.
+void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::string>& notes) {
+  const auto known = laser::groups_of(all);
+  for (const laser::Group& group : laser::groups_of(more)) {
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return same_line(k, group); });
+    if (same == known.end()) continue;
+    const int offset = largest_run(all, *same);
+    for (const std::size_t i : group.readings) more.readings[i].run += offset;
+    notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", more.source,
+                                name_of(curve_of(group.sense, group.axis)), offset + 1));
+  }
+}
+
+std::string conflict(const MeasurementSet& a, const MeasurementSet& b, std::string_view key) {
+  const auto first = laser::metadata_value(a, key), second = laser::metadata_value(b, key);
+  if (!first || !second || first->empty() || second->empty() || *first == *second) return {};
+  return fmt::format("{}: {} is \"{}\", in {} it is \"{}\"", b.source, key, *second, a.source, *first);
+}
+
+Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
+  for (const char* key : {"machine", "serial_number"})
+    if (const std::string differs = conflict(all, more, key); !differs.empty())
+      return problem(ProblemKind::refused, differs + "; files of different machines are not joined");
+  for (const laser::MetadataEntry& entry : more.metadata) {
+    const auto known = laser::metadata_value(all, entry.key);
+    if (!known)
+      all.metadata.push_back(entry);
+    else if (*known != entry.value)
+      all.notes.push_back(fmt::format("{}: {} \"{}\" is left out, the first file says \"{}\"", more.source, entry.key,
+                                      entry.value, *known));
+  }
+  return {};
+}
+
+void join_columns(MeasurementSet& all, const MeasurementSet& more) {
+  for (const std::string& column : more.columns)
+    if (std::find(all.columns.begin(), all.columns.end(), column) == all.columns.end()) all.columns.push_back(column);
+}
+
+Result<std::vector<int>> integers_in(const std::vector<std::string>& words, const char* option) {
+  std::vector<int> numbers;
+  for (const std::string& word : words)
+    for (const std::string_view part : split(word, ',')) {
+      const auto number = integer_in(part);
+      if (!number || *number < 0 || *number > 1'000'000'000)
+        return problem(ProblemKind::usage, fmt::format("{}: expected whole numbers, got \"{}\"", option, part));
+      numbers.push_back(static_cast<int>(*number));
+    }
+  return numbers;
+}
+
+}  // namespace
+
+void take_import_options(Verb& verb, ImportArguments& arguments) {
+  verb.choice("--axis", arguments.axis, {"X", "Y", "Z"}, "the axis that was moved, where the file does not say")
+      .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "what was measured, if not in the file")
+      .text("--parked", arguments.parked, "where the other axes stood, as in y=-1400,z=0 [mm]")
+      .choice("--encoding", arguments.encoding, {"UTF-8", "Windows-1252", "GBK"}, "code page; by itself if not given")
+      .flag("--accept-truncated", arguments.accept_truncated, "take what is left of a file that ends too early")
+      .flag("--table-holds-errors", arguments.table_holds_errors, "a .REN table holds errors, not compensation");
+}
+
+Result<laser::ImportOptions> import_options(const ImportArguments& arguments) {
+  laser::ImportOptions options;
+  if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
+  if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
+  if (!arguments.parked.empty()) {
+    const auto parked = parked_in(arguments.parked);
+    if (!parked) return tl::unexpected(parked.error());
+    options.parked_mm = *parked;
+  }
+  options.encoding = encoding_named(arguments.encoding);
+  options.accept_truncated = arguments.accept_truncated;
+  options.table_holds_errors = arguments.table_holds_errors;
+  return options;
+}
+
+Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments) {
+  const auto options = import_options(arguments);
+  if (!options) return tl::unexpected(options.error());
+  auto imported = laser::read_any(file, *options);
+  if (!imported && imported.error().kind == ProblemKind::usage) imported.error().message += " (--axis X, --sense EX)";
+  if (imported && imported->set.source.empty()) imported->set.source = file;
+  return imported;
+}
+
+Result<laser::Imported> read_said(Session& session, const std::string& file, const ImportArguments& arguments) {
+  auto imported = read_measurements(file, arguments);
+  if (!imported) return imported;
+  session.face.note(fmt::format("{}: {}", file, laser::name_of(imported->format)));
+  for (const std::string& note : imported->set.notes) session.face.note(fmt::format("{}: {}", file, note));
+  return imported;
+}
+
+Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
+  if (sets.empty()) return MeasurementSet{};
+  MeasurementSet all = sets.front();
+  for (std::size_t i = 1; i < sets.size(); ++i) {
+    MeasurementSet more = sets[i];
+    if (const auto same = join_metadata(all, more); !same) return tl::unexpected(same.error());
+    renumber(more, all, all.notes);
+    join_columns(all, more);
+    all.notes.insert(all.notes.end(), more.notes.begin(), more.notes.end());
+    all.readings.insert(all.readings.end(), more.readings.begin(), more.readings.end());
+  }
+  return all;
+}
+
+Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::string>& runs,
+                                                    const std::vector<std::string>& rows) {
+  const auto run_numbers = integers_in(runs, "--exclude-run");
+  if (!run_numbers) return tl::unexpected(run_numbers.error());
+  const auto row_numbers = integers_in(rows, "--exclude-row");
+  if (!row_numbers) return tl::unexpected(row_numbers.error());
+  std::vector<laser::Exclusion> exclusions;
+  for (const int run : *run_numbers) {
+    exclusions.emplace_back();
+    exclusions.back().run = run;
+  }
+  for (const int row : *row_numbers) {
+    exclusions.emplace_back();
+    exclusions.back().row = row;
+  }
+  return exclusions;
+}
+
+Result<void> spares_inputs(const std::string& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (!output.empty() && std::filesystem::equivalent(input, output, error))
+      return problem(ProblemKind::usage, fmt::format("{} would be replaced: give another name to write to", input));
+  }
+  return {};
+}
+
+MeasurementSet set_of(const MeasurementSet& set, const laser::Group& group) {
+  MeasurementSet own = set;
+  own.readings.clear();
+  for (const std::size_t i : group.readings) own.readings.push_back(set.readings[i]);
+  return own;
+}
+
+}  // namespace ecs::app

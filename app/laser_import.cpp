@@ -1,0 +1,86 @@
+// `ecs laser import`: what an instrument wrote, as a measurement set in our CSV.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/laser_files.hpp"
+#include "app/laser_json.hpp"
+#include "app/laser_menu.hpp"
+#include "laser/measurement_writer.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string output;
+  ImportArguments import;
+};
+
+Json json_of_file(const std::string& file, const laser::Imported& imported) {
+  Json object{{"file", file}, {"format", laser::name_of(imported.format)}};
+  object.update(json_of(imported.set));
+  if (!imported.environment.empty()) object["environment_records"] = imported.environment.size();
+  return object;
+}
+
+std::string text_of_file(const std::string& file, const laser::Imported& imported) {
+  std::string text = fmt::format("{}: {}\n", file, laser::name_of(imported.format));
+  if (imported.set.readings.empty())
+    text += fmt::format("  no readings; {} records of the environment\n", imported.environment.size());
+  else
+    text += lines_table(lines_in(imported.set));
+  for (const std::string& note : imported.set.notes) text += fmt::format("  assumed: {}\n", note);
+  return text;
+}
+
+Json whole(const std::vector<Json>& files, const laser::MeasurementSet& set, const std::string& output) {
+  Json format = files.front()["format"];
+  for (const Json& file : files)
+    if (file["format"] != format) format = nullptr;
+  Json object{{"format", std::move(format)}};
+  object.update(json_of(set));
+  object["output"] = text_or_null(output);
+  object["files"] = files;
+  return object;
+}
+
+Result<Outcome> import(Session&, const Arguments& arguments) {
+  if (const auto spared = spares_inputs(arguments.output, arguments.files); !spared)
+    return tl::unexpected(spared.error());
+  std::vector<laser::MeasurementSet> sets;
+  std::vector<Json> files;
+  std::string text;
+  for (const std::string& file : arguments.files) {
+    auto imported = read_measurements(file, arguments.import);
+    if (!imported) return tl::unexpected(imported.error());
+    text += text_of_file(file, *imported);
+    files.push_back(json_of_file(file, *imported));
+    sets.push_back(std::move(imported->set));
+  }
+  auto all = joined(sets);
+  if (!all) return tl::unexpected(all.error());
+  if (arguments.output.empty()) {
+    text += "nothing written: give -o OUT.csv to keep it\n";
+  } else {
+    if (all->readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
+    if (const auto written = laser::write_measurement_set(arguments.output, *all); !written)
+      return tl::unexpected(written.error());
+    text += fmt::format("{} readings written to {}\n", all->readings.size(), arguments.output);
+  }
+  return Outcome{text, one_line(whole(files, *all, arguments.output)), kDone};
+}
+
+}  // namespace
+
+void add_laser_import(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("import", "any instrument's file as a measurement set (CSV); says what it took it for",
+                        "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0");
+  verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
+      .text("-o,--output", arguments->output, "the CSV to write");
+  take_import_options(verb, arguments->import);
+  verb.runs([arguments](Session& session) { return import(session, *arguments); });
+}
+
+}  // namespace ecs::app

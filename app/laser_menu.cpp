@@ -1,0 +1,16 @@
+#include "app/laser_menu.hpp"
+
+#include "app/menus.hpp"
+
+namespace ecs::app {
+
+void add_laser_menu(Menu& root) {
+  Menu menu = root.menu("laser", "PROCESS LASER DATA: measurements");
+  add_laser_import(menu);
+  add_laser_show(menu);
+  add_laser_stats(menu);
+  add_laser_process(menu);
+  add_laser_table(menu);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,14 @@
+// The verbs of PROCESS LASER DATA that work on measurements, a file each.
+#pragma once
+
+#include "app/verb.hpp"
+
+namespace ecs::app {
+
+void add_laser_import(Menu& menu);
+void add_laser_show(Menu& menu);
+void add_laser_stats(Menu& menu);
+void add_laser_process(Menu& menu);
+void add_laser_table(Menu& menu);
+
+}  // namespace ecs::app

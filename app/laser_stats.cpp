@@ -1,0 +1,118 @@
+// `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/laser_files.hpp"
+#include "app/laser_json.hpp"
+#include "app/laser_menu.hpp"
+#include "laser/iso230.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  ImportArguments import;
+};
+
+/// One quantity of the axis: key in JSON, symbol and name on the screen.
+struct Quantity {
+  const char* key;
+  const char* symbol;
+  const char* name;
+  std::optional<double> laser::Iso230::*value;
+};
+
+constexpr Quantity kQuantities[] = {
+    {"A", "A", "bidirectional accuracy", &laser::Iso230::A},
+    {"A_forward", "A fwd", "unidirectional accuracy, forward", &laser::Iso230::A_forward},
+    {"A_reverse", "A rev", "unidirectional accuracy, reverse", &laser::Iso230::A_reverse},
+    {"E", "E", "bidirectional systematic deviation", &laser::Iso230::E},
+    {"E_forward", "E fwd", "unidirectional systematic deviation, forward", &laser::Iso230::E_forward},
+    {"E_reverse", "E rev", "unidirectional systematic deviation, reverse", &laser::Iso230::E_reverse},
+    {"M", "M", "range of the mean bidirectional deviation", &laser::Iso230::M},
+    {"R", "R", "bidirectional repeatability", &laser::Iso230::R},
+    {"R_forward", "R fwd", "unidirectional repeatability, forward", &laser::Iso230::R_forward},
+    {"R_reverse", "R rev", "unidirectional repeatability, reverse", &laser::Iso230::R_reverse},
+    {"B", "B", "reversal error", &laser::Iso230::B},
+    {"B_mean", "B mean", "mean reversal error", &laser::Iso230::B_mean},
+    {"three_sigma_band", "3s band", "max(mean + 3s) - min(mean - 3s) (BS 4656 Pt 16)",
+     &laser::Iso230::three_sigma_band},
+    {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability},
+};
+
+std::string text_of(const laser::Iso230& iso, const std::string& file) {
+  const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
+  std::string text = fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
+                                 name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
+                                 parked_text(line), iso.targets.size(), compensated_text(line));
+  const auto unit = laser::unit_of(iso.sense);
+  for (const Quantity& q : kQuantities) {
+    const auto& value = iso.*q.value;
+    text +=
+        fmt::format("  {:<8} {:>12} {:<5} {}\n", q.symbol, value ? fmt::format("{:.3f}", *value) : "-", unit, q.name);
+  }
+  text += fmt::format("  {:<8} {:>12.3f} {:<5} largest minus smallest reading\n", "range", iso.range, unit);
+  for (const std::string& note : iso.notes) text += fmt::format("  note: {}\n", note);
+  return text;
+}
+
+Json json_of(const laser::Iso230Target& t) {
+  return {{"position_mm", number_or_null(t.position_mm)},
+          {"n_forward", t.n_forward},
+          {"n_reverse", t.n_reverse},
+          {"mean_forward", number_or_null(t.mean_forward)},
+          {"mean_reverse", number_or_null(t.mean_reverse)},
+          {"mean", number_or_null(t.mean)},
+          {"s_forward", number_or_null(t.s_forward)},
+          {"s_reverse", number_or_null(t.s_reverse)},
+          {"s_undirected", number_or_null(t.s_undirected)},
+          {"B", number_or_null(t.B)},
+          {"R_forward", number_or_null(t.R_forward)},
+          {"R_reverse", number_or_null(t.R_reverse)},
+          {"R", number_or_null(t.R)}};
+}
+
+Json json_of(const laser::Iso230& iso, const std::string& file) {
+  Json object{{"file", file}};
+  object.update(json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated));
+  for (const Quantity& q : kQuantities) object[q.key] = number_or_null(iso.*q.value);
+  object["range"] = number_or_null(iso.range);
+  object["merge_tolerance_mm"] = number_or_null(iso.merge_tolerance_mm);
+  object["targets"] = Json::array();
+  for (const laser::Iso230Target& target : iso.targets) object["targets"].push_back(json_of(target));
+  object["notes"] = iso.notes;
+  return object;
+}
+
+Result<Outcome> stats(Session& session, const Arguments& arguments) {
+  std::string text;
+  Json lines = Json::array();
+  for (const std::string& file : arguments.files) {
+    const auto imported = read_said(session, file, arguments.import);
+    if (!imported) return tl::unexpected(imported.error());
+    const auto all = laser::iso230_of(imported->set);
+    if (!all) return tl::unexpected(all.error());
+    if (all->empty())
+      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
+    for (const laser::Iso230& iso : *all) {
+      text += (text.empty() ? "" : "\n") + text_of(iso, file);
+      lines.push_back(json_of(iso, file));
+    }
+  }
+  return Outcome{text, one_line(Json{{"lines", std::move(lines)}}), kDone};
+}
+
+}  // namespace
+
+void add_laser_stats(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
+                        "ecs laser stats x_axis.csv y_axis.rtl --json");
+  verb.texts("FILE", arguments->files, "measurement files", Need::required);
+  take_import_options(verb, arguments->import);
+  verb.runs([arguments](Session& session) { return stats(session, *arguments); });
+}
+
+}  // namespace ecs::app

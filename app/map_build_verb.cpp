@@ -1,0 +1,253 @@
+// `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest.
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/laser_files.hpp"
+#include "app/map_checks.hpp"
+#include "app/map_menu.hpp"
+#include "app/map_view.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "laser/map_build.hpp"
+#include "laser/map_csv.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string params;
+  std::string output;
+  std::string params_out;
+  std::vector<std::string> zero;
+  std::string customer;
+  std::string engineer;
+  std::string date;
+};
+
+struct Recipe {
+  laser::MapRecipe recipe;
+  std::string file;  ///< empty: suggested by the files
+  std::vector<std::string> unused;
+};
+
+Result<Recipe> recipe_of(const Arguments& arguments, const UnitParameters& parameters) {
+  const bool by_recipe = lower(arguments.files.front()).ends_with(".toml");
+  if (by_recipe && arguments.files.size() > 1)
+    return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
+  if (by_recipe) {
+    auto recipe = laser::read_map_recipe(arguments.files.front());
+    if (!recipe) return tl::unexpected(recipe.error());
+    return Recipe{std::move(*recipe), arguments.files.front(), {}};
+  }
+  auto suggested = laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters);
+  if (!suggested) return tl::unexpected(suggested.error());
+  return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
+}
+
+/// `EBY=reason`
+Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    const std::size_t sign = word.find('=');
+    const auto component = component_of(trimmed(std::string_view(word).substr(0, sign)));
+    const std::string reason = sign == std::string::npos ? "" : std::string(trimmed(word.substr(sign + 1)));
+    if (!component || reason.empty())
+      return problem(
+          ProblemKind::usage,
+          fmt::format("--zero: expected CODE=\"reason\", as in EBY=\"too small to measure\", got \"{}\"", word));
+    const auto same = [&](const auto& other) { return other.component == *component; };
+    if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
+        std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
+      return problem(ProblemKind::usage,
+                     fmt::format("--zero {}: it is measured or declared zero already: keep one", name_of(*component)));
+    recipe.declared_zero.push_back({*component, reason});
+  }
+  return {};
+}
+
+Result<void> complete(laser::MapRecipe& recipe, const Arguments& arguments) {
+  if (!arguments.customer.empty()) recipe.customer = arguments.customer;
+  if (!arguments.engineer.empty()) recipe.engineer = arguments.engineer;
+  if (!arguments.date.empty()) recipe.date = arguments.date;
+  return declare_zero(recipe, arguments.zero);
+}
+
+double squareness_in(const UnitParameters& parameters, Component c) {
+  if (c == Component::C0Y) return parameters.C0Y_um_per_m;
+  return c == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
+}
+
+std::vector<std::string> files_for(const Recipe& recipe, Component component) {
+  std::vector<std::string> names;
+  for (const laser::ComponentRecipe& one : recipe.recipe.components)
+    if (one.component == component)
+      for (const auto& file : one.files) names.push_back(file.string());
+  return names;
+}
+
+/// Everything the answer tells.
+struct Built {
+  Recipe recipe;
+  laser::BuiltMap map;
+  params::Identity identity;
+  std::vector<laser::MapFinding> findings;
+  [[nodiscard]] bool complete() const {
+    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
+  }
+  [[nodiscard]] std::vector<Component> squares() const {
+    std::vector<Component> out;
+    for (const laser::ComponentOutcome& one : map.outcomes)
+      if (is_squareness(one.component)) out.push_back(one.component);
+    return out;
+  }
+};
+
+Result<Built> built(const Arguments& arguments) {
+  const auto parameters = params::read_parameters(arguments.params);
+  if (!parameters) return tl::unexpected(parameters.error());
+  auto recipe = recipe_of(arguments, parameters->parameters);
+  if (!recipe) return tl::unexpected(recipe.error());
+  if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
+  auto map = laser::build_map(recipe->recipe, parameters->parameters);
+  if (!map) return tl::unexpected(map.error());
+  laser::MapHeader& header = map->map.header;
+  if (header.machine.empty()) header.machine = parameters->identity.machine;
+  if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
+  auto findings = laser::findings_for(map->map, map->parameters);
+  return Built{std::move(*recipe), std::move(*map), parameters->identity, std::move(findings)};
+}
+
+// --- as text
+
+std::string outcomes_text(const Built& b) {
+  std::string text = fmt::format("{:<4} {:<38} {:>7} {:>7} {:>8} {:>6} {:>4}\n", "", "component", "band", "largest",
+                                 "slope/m", "smooth", "n");
+  for (const laser::ComponentOutcome& one : b.map.outcomes) {
+    text += fmt::format("{:<4} {:<38} {:>7.2f} {:>7.2f} {:>8.2f} {:>6.2f} {:>4}\n", name_of(one.component),
+                        fmt::format("{} [{}]", laser::description_of(one.component), unit_of(one.component)), one.band,
+                        one.largest, one.slope_um_per_m, one.smoothed_rms, one.points);
+    text +=
+        fmt::format("     from {} ({} readings)\n", fmt::join(files_for(b.recipe, one.component), ", "), one.readings);
+    for (const std::string& note : one.notes) text += fmt::format("     note: {}\n", note);
+  }
+  return text;
+}
+
+std::string squareness_text(const Built& b, const Arguments& arguments) {
+  std::string text;
+  for (const Component c : b.squares())
+    text +=
+        fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c), squareness_in(b.map.parameters, c));
+  if (text.empty()) return text;
+  if (!arguments.params_out.empty()) return fmt::format("squareness measured, in {}:\n{}", arguments.params_out, text);
+  return "squareness measured; no --params-out given, so these must go into the parameters by hand:\n" + text;
+}
+
+std::string findings_part(const Built& b) {
+  if (b.findings.empty()) return "nothing is missing: the map can be sent\n";
+  return findings_text(b.findings) +
+         (b.complete() ? "" : "the map is not complete: `ecs map send` will refuse it until this is mended\n");
+}
+
+std::string text_of(const Built& b, const Arguments& arguments) {
+  std::string text = outcomes_text(b);
+  for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
+    text +=
+        fmt::format("{:<4} {} declared zero: {}\n", name_of(z.component), laser::description_of(z.component), z.reason);
+  text += "band: range of the readings as measured; smooth: rms that smoothing took away\n";
+  for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
+  for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
+  text += squareness_text(b, arguments) + findings_part(b);
+  text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
+                                   : fmt::format("map written to {}\n", arguments.output);
+  if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
+  return text;
+}
+
+// --- as JSON
+
+Json outcomes_json(const Built& b) {
+  Json out = Json::array();
+  for (const laser::ComponentOutcome& one : b.map.outcomes)
+    out.push_back({{"component", name_of(one.component)},
+                   {"description", laser::description_of(one.component)},
+                   {"unit", unit_of(one.component)},
+                   {"files", files_for(b.recipe, one.component)},
+                   {"readings", one.readings},
+                   {"band", number_or_null(one.band)},
+                   {"largest", number_or_null(one.largest)},
+                   {"slope_removed_per_m", number_or_null(one.slope_um_per_m)},
+                   {"smoothed_rms", number_or_null(one.smoothed_rms)},
+                   {"points", one.points},
+                   {"notes", one.notes}});
+  return out;
+}
+
+Json json_of_built(const Built& b, const Arguments& arguments) {
+  Json squareness = Json::object();
+  for (const Component c : b.squares())
+    squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_in(b.map.parameters, c));
+  Json missing = Json::array();
+  for (const laser::MapFinding& f : b.findings)
+    if (f.objection) missing.push_back(f.message);
+  return {{"map", text_or_null(arguments.output)},
+          {"params_out", text_or_null(arguments.params_out)},
+          {"recipe", text_or_null(b.recipe.file)},
+          {"complete", b.complete()},
+          {"components", outcomes_json(b)},
+          {"squareness", std::move(squareness)},
+          {"missing", std::move(missing)},
+          {"findings", json_of(b.findings)},
+          {"unused", b.recipe.unused},
+          {"notes", b.map.notes},
+          {"header", json_of(b.map.map.header)}};
+}
+
+Result<void> write(const Built& b, const Arguments& arguments) {
+  if (!arguments.output.empty())
+    if (const auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
+  if (!arguments.params_out.empty())
+    return params::write_parameters(arguments.params_out, b.map.parameters, b.identity);
+  return {};
+}
+
+void say_what_is_odd(Session& session, const Built& b) {
+  for (const std::string& objection : other_machine(b.map.map.header, b.identity)) session.face.warn(objection);
+  const laser::MapHeader& header = b.map.map.header;
+  for (const auto& [name, value] :
+       {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
+    if (value.empty())
+      session.face.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
+}
+
+Result<Outcome> build(Session& session, const Arguments& arguments) {
+  for (const std::string& output : {arguments.output, arguments.params_out})
+    if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
+  const auto b = built(arguments);
+  if (!b) return tl::unexpected(b.error());
+  if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
+  say_what_is_odd(session, *b);
+  return Outcome{text_of(*b, arguments), one_line(json_of_built(*b, arguments)), kDone};
+}
+
+}  // namespace
+
+void add_map_build(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("build", "the error map from measured files, by a recipe or as the files suggest",
+            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml")
+      .texts("FILE", arguments->files, "a recipe (.toml), or measurement files", Need::required)
+      .text("--params", arguments->params, "parameters of the unit", Need::required)
+      .text("-o,--output", arguments->output, "map CSV to write")
+      .text("--params-out", arguments->params_out, "parameters to write, with the squareness that was measured")
+      .texts("--zero", arguments->zero, "declare a component zero: EBY=\"too small to measure\"")
+      .text("--customer", arguments->customer, "for the header")
+      .text("--engineer", arguments->engineer, "for the header")
+      .text("--date", arguments->date, "for the header, as in 2026-03-12")
+      .runs([arguments](Session& session) { return build(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,92 @@
+// `ecs map send`: a complete map of this machine, with its parameters, into the unit; read back and compared.
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/json.hpp"
+#include "app/map_checks.hpp"
+#include "app/map_menu.hpp"
+#include "app/transfer.hpp"
+#include "app/unit_link.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map_csv.hpp"
+#include "laser/map_image.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::string file;
+  std::string params;
+  bool other_machine = false;
+};
+
+/// What is to be sent, judged as far as that goes without the unit.
+struct Prepared {
+  laser::MapHeader header;
+  laser::MapImage image;
+};
+
+Result<Prepared> prepared(Session& session, const Arguments& arguments) {
+  const auto map = laser::read_map_csv(arguments.file);
+  if (!map) return tl::unexpected(map.error());
+  const auto parameters = params::read_parameters(arguments.params);
+  if (!parameters) return tl::unexpected(parameters.error());
+  if (auto wrong = objections_to(parameters->parameters, arguments.params)) return tl::unexpected(std::move(*wrong));
+  std::vector<std::string> objections = objections_to_map(*map, parameters->parameters);
+  if (!arguments.other_machine)
+    for (std::string& differs : other_machine(map->header, parameters->identity))
+      objections.push_back(std::move(differs));
+  if (auto refused = refused_map(objections, arguments.file)) return tl::unexpected(std::move(*refused));
+  auto image = laser::image_of(*map, parameters->parameters);
+  if (!image) return tl::unexpected(image.error());
+  for (const std::string& note : image->notes) session.face.note(note);
+  return Prepared{map->header, std::move(*image)};
+}
+
+Result<Outcome> send(Session& session, const Arguments& arguments) {
+  const auto ready = prepared(session, arguments);
+  if (!ready) return tl::unexpected(ready.error());
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (!arguments.other_machine)
+    if (auto refused = refused_map(other_unit(ready->header, identity->serial_number), arguments.file))
+      return tl::unexpected(std::move(*refused));
+  const auto start = std::chrono::steady_clock::now();
+  const auto report = send_image(unit->client(), ready->image.bytes, progress_bar(session, "map"));
+  session.face.end_progress();
+  if (!report) return tl::unexpected(report.error());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string check = fmt::format("{:08X}", ImageView(ready->image.bytes).check());
+  const Json object{{"map", arguments.file},
+                    {"bytes", report->bytes},
+                    {"seconds", number_or_null(seconds)},
+                    {"check", check},
+                    {"verified", true},
+                    {"commit_sequence", report->commit_sequence},
+                    {"serial_number", text_or_null(identity->serial_number)},
+                    {"notes", ready->image.notes}};
+  return Outcome{
+      fmt::format("{} sent to unit {} and verified: {} bytes in {:.1f} s, block check {}, commit {}", arguments.file,
+                  identity->serial_number, report->bytes, seconds, check, report->commit_sequence),
+      one_line(object), kDone};
+}
+
+}  // namespace
+
+void add_map_send(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
+            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200")
+      .text("FILE", arguments->file, "map CSV", Need::required)
+      .text("--params", arguments->params, "parameters of the unit, sent with the map", Need::required)
+      .flag("--other-machine", arguments->other_machine, "send although map, parameters and unit name other machines")
+      .uses_link()
+      .runs([arguments](Session& session) { return send(session, *arguments); });
+}
+
+}  // namespace ecs::app
