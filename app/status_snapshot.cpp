@@ -122,11 +122,15 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
   return snapshot;
 }
 
-Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot) {
+Json json_with_registers(const StatusSnapshot& snapshot) {
   Json object{{"ecs_status", kFormat}};
   object.update(json_of(snapshot));
   object["raw"] = raw_json(snapshot);
-  return write_file(path, object.dump(1) + "\n");
+  return object;
+}
+
+Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot) {
+  return write_file(path, json_with_registers(snapshot).dump(1) + "\n");
 }
 
 Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name) {

@@ -12,6 +12,8 @@ namespace ecs::app {
 [[nodiscard]] std::string_view name_of(Approach approach);
 
 [[nodiscard]] Json json_of(const StatusSnapshot& snapshot);
+/// The same as a status file holds it: marked as one, with the registers under "raw".
+[[nodiscard]] Json json_with_registers(const StatusSnapshot& snapshot);
 [[nodiscard]] std::string text_of(const StatusSnapshot& snapshot);
 
 /// The fault in plain words, its place if it has one, and what to do next. @pre fault is not none

@@ -1,0 +1,86 @@
+// `ecs memory show, compare`: decoding dumps, without a unit.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/memory_compare.hpp"
+#include "app/memory_menu.hpp"
+#include "app/memory_view.hpp"
+#include "app/unit_link.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kUnitWord = "unit";
+
+Result<MemoryDump> dump_of_unit(Session& session, DumpScope scope) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  return take_dump(unit->client(), unit->name(), scope, progress_bar(session, "memory"));
+}
+
+struct ShowArguments {
+  std::string file;
+  bool unit = false;
+  bool bytes = false;
+};
+
+Result<Outcome> show(Session& session, const ShowArguments& arguments) {
+  if (arguments.unit == !arguments.file.empty())
+    return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
+  const auto dump = arguments.unit ? dump_of_unit(session, DumpScope::active) : read_dump(arguments.file);
+  if (!dump) return tl::unexpected(dump.error());
+  const DecodedMemory memory = decoded(*dump);
+  for (const std::string& fault : memory.faults) session.face.warn(fault);
+  for (const DecodedImage& image : memory.images)
+    for (const std::string& fault : image.faults) session.face.warn(fmt::format("{}: {}", image.region, fault));
+  return Outcome{text_of(*dump, memory, arguments.bytes), one_line(json_of(*dump, memory)), kDone};
+}
+
+struct CompareArguments {
+  std::string a;
+  std::string b;
+};
+
+Result<MemoryDump> dump_from(Session& session, const std::string& file_or_unit) {
+  return file_or_unit == kUnitWord ? dump_of_unit(session, DumpScope::all) : read_dump(file_or_unit);
+}
+
+Result<Outcome> compare(Session& session, const CompareArguments& arguments) {
+  const auto a = dump_from(session, arguments.a);
+  if (!a) return tl::unexpected(a.error());
+  const auto b = dump_from(session, arguments.b);
+  if (!b) return tl::unexpected(b.error());
+  Json list = Json::array();
+  std::string text;
+  for (const MemoryDifference& difference : differences(*a, *b)) {
+    list.push_back({{"what", difference.what}, {"a", difference.a}, {"b", difference.b}});
+    text += fmt::format("{}: {} | {}\n", difference.what, difference.a, difference.b);
+  }
+  const bool same = list.empty();
+  return Outcome{same ? std::string("no difference") : text,
+                 one_line(Json{{"a", arguments.a}, {"b", arguments.b}, {"same", same}, {"differences", list}}),
+                 same ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_memory_decoding(Menu& menu) {
+  const auto shown = std::make_shared<ShowArguments>();
+  menu.verb("show", "what a dump holds: parameters, tables, header, checks, faults",
+            "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit")
+      .text("FILE", shown->file, "dump or memory image")
+      .flag("--unit", shown->unit, "the active image of the unit")
+      .flag("--bytes", shown->bytes, "names and meaning beside the bytes")
+      .uses_link()
+      .runs([shown](Session& session) { return show(session, *shown); });
+  const auto compared = std::make_shared<CompareArguments>();
+  menu.verb("compare", "the fields that differ between two dumps; `unit` stands for the unit",
+            "ecs memory compare before.ecsdump after.ecsdump")
+      .text("A", compared->a, "dump, memory image, or `unit`", Need::required)
+      .text("B", compared->b, "dump, memory image, or `unit`", Need::required)
+      .uses_link()
+      .runs([compared](Session& session) { return compare(session, *compared); });
+}
+
+}  // namespace ecs::app
