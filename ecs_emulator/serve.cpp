@@ -28,6 +28,25 @@ Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
       {options.pty.value_or(std::filesystem::path()), paced ? options.pace_baud : 115'200, paced, options.unit});
 }
 
+/// The unit on the line: it notices the host before it answers.
+class Socket final : public protocol::RegisterHandler {
+ public:
+  explicit Socket(Unit& unit) : unit_(unit), face_(unit) {}
+  tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
+    unit_.note_request();
+    return face_.read(first, count);
+  }
+  tl::expected<void, protocol::ModbusException> write(std::uint16_t first,
+                                                      std::span<const std::uint16_t> values) override {
+    unit_.note_request();
+    return face_.write(first, values);
+  }
+
+ private:
+  Unit& unit_;
+  protocol::UnitFace face_;
+};
+
 /// The running workshop.
 class Room {
  public:
@@ -35,7 +54,7 @@ class Room {
        protocol::ModbusServer line, const volatile std::sig_atomic_t& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
-        face_(unit_),
+        socket_(unit_),
         line_(std::move(line)),
         battery_(options.memory),
         stop_(stop),
@@ -51,6 +70,7 @@ class Room {
     if (!battery_.empty())
       if (auto restored = restore(unit_.memory(), battery_); !restored) return restored;
     unit_.power(true);
+    simulation_.idle_tick();
     last_ = Clock::now();
     return {};
   }
@@ -93,10 +113,7 @@ class Room {
 
   /// Answers what waits on the line. False once the process is to end.
   bool serve_line() {
-    line_.serve_ready(face_, std::chrono::milliseconds(0));
-    const auto request = line_.last_request();
-    if (request != last_request_) unit_.note_request();
-    last_request_ = request;
+    line_.serve_ready(socket_, std::chrono::milliseconds(0));
     return stop_ == 0;
   }
 
@@ -134,7 +151,7 @@ class Room {
 
   Simulation simulation_;
   Unit unit_;
-  protocol::UnitFace face_;
+  Socket socket_;
   protocol::ModbusServer line_;
   std::optional<WorkshopSocket> door_;
   std::filesystem::path battery_;
@@ -143,7 +160,6 @@ class Room {
   Workshop workshop_;
   Clock::time_point last_{};
   Clock::time_point kept_{};
-  std::optional<Clock::time_point> last_request_;
   double owed_s_ = 0.0;
 };
 

@@ -199,6 +199,7 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   if (state != "on") switched(false);
   if (state == "cycle") workshop.simulation->come_to_rest();
   if (state != "off" && !(state == "on" && workshop.unit->powered())) switched(true);
+  workshop.simulation->idle_tick();
   return state_of(workshop);
 }
 

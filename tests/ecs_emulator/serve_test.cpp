@@ -1,0 +1,174 @@
+#include "ecs_emulator/serve.hpp"
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "ecs_emulator/workshop_socket.hpp"
+#include "maps.hpp"
+#include "protocol/client.hpp"
+#include "workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+using Json = nlohmann::json;
+
+namespace {
+
+/// A served workshop in a thread of its own, in a folder of its own.
+class Served {
+ public:
+  explicit Served(const std::string& extra = "", bool tcp = false) {
+    std::filesystem::create_directories(folder);
+    REQUIRE(write_file(folder / "machine.toml", small_machine() + extra).has_value());
+    options.machine = folder / "machine.toml";
+    options.memory = folder / "battery";
+    options.workshop = folder / "door";
+    options.memory_modules = 1;
+    options.mode = LinkSense::integrate;
+    if (tcp)
+      options.tcp = 0;
+    else
+      options.pty = folder / "line";
+    begin();
+  }
+  ~Served() {
+    end();
+    std::filesystem::remove_all(folder);
+  }
+  void begin() {
+    stop = 0;
+    std::promise<std::string> told;
+    auto ready = told.get_future();
+    thread = std::thread([this, &told] {
+      const auto served = serve(options, stop, [&](const std::string& line) { told.set_value(line); });
+      if (!served) told.set_value(to_text(served.error()));
+    });
+    const std::string line = ready.get();
+    about = Json::parse(line, nullptr, false);
+    REQUIRE_MESSAGE(about.is_object(), line);
+  }
+  void end() {
+    stop = 1;
+    if (thread.joinable()) thread.join();
+  }
+  Json ask(const Json& request) const {
+    const auto answer = ask_workshop(options.workshop, request.dump());
+    REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : to_text(answer.error())));
+    return Json::parse(*answer);
+  }
+  protocol::UnitClient client() const {
+    auto connected = protocol::UnitClient::connect(*protocol::link_address_of(about["link"].get<std::string>()));
+    REQUIRE_MESSAGE(connected.has_value(), (connected ? "" : to_text(connected.error())));
+    return std::move(*connected);
+  }
+  std::vector<std::uint8_t> image(double exx_um) const {
+    const auto machine = load_workshop_machine(options.machine);
+    const auto parameters = params::default_parameters_for(machine->machine);
+    return image_of(parameters, machine->machine,
+                    [&](Component c, double, Approach) { return c == Component::EXX ? exx_um : 0.0; });
+  }
+
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / "ecs_serve_test";
+  ServeOptions options;
+  volatile std::sig_atomic_t stop = 0;
+  std::thread thread;
+  Json about;
+};
+
+}  // namespace
+
+TEST_CASE("a host loads a map over the line, the machine is referenced in the workshop, the unit compensates") {
+  for (const bool tcp : {false, true}) {
+    CAPTURE(tcp);
+    Served served("", tcp);
+    CHECK(served.about[tcp ? "tcp" : "pty"].is_string());
+    CHECK(served.about["serial_number"] == "EMULATOR-1");
+    auto client = served.client();
+    CHECK(client.identity()->serial_number == "EMULATOR-1");
+    const auto sent = client.upload_image(served.image(12.0));
+    REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : to_text(sent.error())));
+    REQUIRE(client.enter_compensation().has_value());
+    CHECK(client.status()->mode == UnitMode::datuming);
+    CHECK(served.ask({{"action", "reference"}})["unit"]["mode"] == "compensating");
+    const auto sample = client.monitor();
+    REQUIRE(sample.has_value());
+    CHECK(sample->axes[0].compensation_um == doctest::Approx(12.0));
+    CHECK(sample->axes[0].relay_closed);
+    const Json survey = served.ask({{"action", "survey"}, {"step", 500}});
+    CHECK(survey["ok"] == true);
+    CHECK(client.status()->mode == UnitMode::compensating);
+  }
+}
+
+TEST_CASE("the line is answered while a long measurement runs") {
+  Served served;
+  auto client = served.client();
+  auto measurement = std::async(std::launch::async, [&] {
+    return served.ask(
+        {{"action", "measure"}, {"axis", "X"}, {"sense", "EX"}, {"from", 0}, {"to", -500}, {"step", 1}, {"runs", 20}});
+  });
+  int answered = 0;
+  while (measurement.wait_for(std::chrono::milliseconds(0)) != std::future_status::ready)
+    if (client.monitor().has_value()) ++answered;
+  CHECK(measurement.get()["ok"] == true);
+  CHECK(answered > 10);
+}
+
+TEST_CASE("the battery keeps map and commit over a restart of the process") {
+  Served served;
+  const auto image = served.image(3.0);
+  {
+    auto client = served.client();
+    REQUIRE(client.upload_image(image).has_value());
+  }
+  served.end();
+  served.options.mode = LinkSense::compensate;
+  served.begin();
+  auto client = served.client();
+  CHECK(client.status()->commit_sequence == 1);
+  CHECK(client.status()->fault == Fault::none);
+  CHECK(client.status()->mode == UnitMode::datuming);
+  CHECK(client.read_memory(kBankA.first, image.size()).value() == image);
+}
+
+TEST_CASE("faults of line and unit can be provoked by name, and a unit without power is silent") {
+  Served served;
+  auto client = served.client();
+  CHECK(served.ask({{"action", "fault"}, {"name", "bad_crc"}, {"count", 2}})["ok"] == true);
+  CHECK(client.monitor().has_value());
+  CHECK(client.link().statistics().crc_errors > 0);
+  REQUIRE(served.ask({{"action", "fault"}, {"name", "ram_stuck"}, {"address", 0x100010}, {"bit", 2}})["ok"] == true);
+  CHECK(client.run_ram_test()->value == 0x100010);
+  CHECK(served.ask({{"action", "power"}, {"state", "off"}})["unit"]["powered"] == false);
+  CHECK(!client.monitor().has_value());
+  CHECK(served.ask({{"action", "power"}, {"state", "on"}})["unit"]["powered"] == true);
+  CHECK(client.monitor().has_value());
+}
+
+TEST_CASE("a wrong request is answered with what is wrong, and the exit code that goes with it") {
+  Served served;
+  const Json answer = served.ask({{"action", "jog"}, {"X", "ten"}, {"feeed", 3}});
+  CHECK(answer["ok"] == false);
+  CHECK(answer["exit"] == 2);
+  const auto message = answer["error"]["message"].get<std::string>();
+  CHECK(message.find("X: expected a number") != std::string::npos);
+  CHECK(message.find("did you mean \"feed\"") != std::string::npos);
+  CHECK(served.ask({{"action", "dance"}})["exit"] == 2);
+}
+
+TEST_CASE("how long the machine was left alone changes nothing in what is measured") {
+  const auto csv = [](int pause_ms) {
+    Served served("[emulator]\nseed = 4\n");
+    const Json plan{{"action", "measure"}, {"axis", "Z"}, {"sense", "EZ"}, {"from", 0}, {"to", -300}, {"step", 30}};
+    (void)served.ask(plan);
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+    return served.ask(plan)["csv"].get<std::string>();
+  };
+  CHECK(csv(0) == csv(130));
+}
