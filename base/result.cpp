@@ -24,7 +24,10 @@ std::string to_text(const Problem& problem) {
     text += ": ";
   }
   text += problem.message;
-  for (const Problem& other : problem.also) text += "\n" + to_text(other);
+  for (const Problem& other : problem.also) {
+    text += '\n';
+    text += to_text(other);
+  }
   return text;
 }
 
