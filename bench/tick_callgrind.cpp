@@ -1,4 +1,4 @@
-// Instructions of one tick (target: 400), counted by callgrind; scripts and docs/core.md say how to read it.
+// Instructions of one tick (target: 400), counted by callgrind; docs/core.md says how to read it.
 // Run: valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=/dev/null tick_callgrind [values]
 #include <cstdio>
 #include <cstdlib>

@@ -120,7 +120,7 @@ void walk_all(Walk& walk, Parameters& p) noexcept {
 
 /// Ranges without which the core cannot run; params/ holds the narrower ones that make sense.
 bool usable(const UnitParameters& p) noexcept {
-  if (!chain_of(p) || !terms_of(p) || p.configuration.back() != '\0') return false;
+  if (!chain_of(p) || !terms_of(p)) return false;
   if (p.memory_modules < 1 || p.memory_modules > kMostModules) return false;
   if (p.loop_period_us < 100.0 || p.loop_period_us > 20'000.0) return false;
   return std::all_of(p.axes.begin(), p.axes.end(), [](const AxisParameters& a) {

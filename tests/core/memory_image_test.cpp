@@ -1,6 +1,7 @@
 // The memory image: what goes in comes out, and nothing that is not whole gets through check_image().
 #include "core/memory_image.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,7 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <zlib.h>
 
 #include "core/address_map.hpp"
 #include "image_of.hpp"
@@ -181,6 +183,31 @@ TEST_CASE("the bytes of an image stand where the layout says, big-endian") {
   CHECK(ImageView(image).value_offset(2) == 576 + 80 + 4);
 }
 
+TEST_CASE("the block check is the CRC-32 of the whole image with its own four bytes zero") {
+  Image image = small_image();
+  const std::uint32_t stored = ImageView(image).check();
+  std::fill_n(image.begin() + prefix_at::check, 4, std::uint8_t{0});
+  CHECK(::crc32_z(0, image.data(), image.size()) == stored);
+}
+
+TEST_CASE("the parameters stand where docs/core.md says") {
+  UnitParameters p;
+  p.memory_modules = 3;
+  p.loop_period_us = 1250.0;
+  p.measurement_lines_mm[2][1] = -77.0;
+  p.axes[1].compensation_polarity = -1;
+  p.axes[2].output_slew_um_per_s = 4321.0;
+  p.axes[2].datum.reference_position_mm = -12.5;
+  const Image image = image_of(p, {});
+  CHECK(std::memcmp(image.data() + 64, "TXYZ\0\1\1\1", 8) == 0);
+  CHECK(image[73] == 3);
+  CHECK(load_double(image, 79) == 1250.0);
+  CHECK(load_double(image, 143 + 8 * (3 * 2 + 1)) == -77.0);
+  CHECK(image[286 + 25] == 0xFF);
+  CHECK(load_double(image, 357 + 34) == 4321.0);
+  CHECK(load_double(image, 357 + 63) == -12.5);
+}
+
 TEST_CASE("the bank may be longer than the image") {
   Image image = small_image();
   const auto size = static_cast<std::uint32_t>(image.size());
@@ -268,6 +295,9 @@ TEST_CASE("a table outside the value area is refused") {
   entry.first_value = 0xFFFFFFFF;
   CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
   entry.count = 6;  // first + count wraps round
+  CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
+  entry = ImageView(small_image()).entry(1);
+  entry.count = 0xFFFFFFFE;
   CHECK(fault_of(resealed_entry(1, entry)) == ImageFault::bad_entry);
   entry = ImageView(small_image()).entry(1);
   entry.count = 0;

@@ -176,6 +176,16 @@ TEST_CASE("a lathe may be configured as XTYZ with X absent, printed equations in
   CHECK(names(components_needed(lathe)) == needed("TYZ", Scope::volumetric));
 }
 
+TEST_CASE("with the printed equations, too, an axis that does not exist is no lever") {
+  UnitParameters p;
+  set_configuration(p, "XYTZ");
+  p.convention = Convention::as_printed;
+  p.axis_present = {false, true, true};
+  CHECK(names(components_needed(p)) == std::set<std::string>{"EYY", "EZY", "EAY", "EYZ", "EZZ", "A0Z"});  // not EBY·X
+  p.axis_present = {true, false, true};
+  CHECK(names(components_needed(p)) == std::set<std::string>{"EXX", "EZX", "EBX", "EXZ", "EZZ", "B0Z"});  // not C0Y·Y
+}
+
 TEST_CASE("levers count from the measurement line, squareness from zero, and the tool offset reaches angles only") {
   ComponentValues values{};
   values[index_of(Component::EBX)] = 50.0;
