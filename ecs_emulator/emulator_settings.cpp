@@ -109,12 +109,18 @@ void serial_number_into(TomlReader& reader, const toml::table& table, std::strin
 
 EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const std::filesystem::path& folder) {
   EmulatorSettings settings;
-  reader.only(table, {"serial_number", "seed", "errors", "load_kg", "axis", "laser"}, "emulator");
+  reader.only(table, {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "axis", "laser"}, "emulator");
   serial_number_into(reader, table, settings.serial_number);
   double seed = 1.0;
   number_into(reader, table, "seed", Sign::not_negative, seed);
   settings.seed = static_cast<std::uint64_t>(seed);
   number_into(reader, table, "load_kg", Sign::not_negative, settings.load_kg);
+  if (const auto* offset = reader.child(table, "tool_offset_mm")) {
+    reader.only(*offset, {"x", "y", "z"}, "tool_offset_mm");
+    number_into(reader, *offset, "x", Sign::any, settings.tool_offset_mm[0]);
+    number_into(reader, *offset, "y", Sign::any, settings.tool_offset_mm[1]);
+    number_into(reader, *offset, "z", Sign::any, settings.tool_offset_mm[2]);
+  }
   if (const auto errors = reader.word(table, "errors")) settings.errors = folder / *errors;
   if (const auto* laser = reader.child(table, "laser")) settings.laser = laser_of(reader, *laser);
   if (const auto* axes = reader.child(table, "axis")) {

@@ -51,6 +51,7 @@ struct EmulatorSettings {
   std::string serial_number = "EMULATOR-1";  ///< up to 16 characters
   std::uint64_t seed = 1;
   double load_kg = 0.0;
+  Vector3 tool_offset_mm{};      ///< from the point that the unlevered machine carries to the tool point
   std::filesystem::path errors;  ///< errors file; empty: a perfect machine
   PerAxis<AxisSettings> axes{};
   LaserSettings laser{};

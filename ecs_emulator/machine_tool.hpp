@@ -39,6 +39,7 @@ class MachineTool {
   [[nodiscard]] double time_s() const { return time_s_; }
   /// Time passes while everything stands still.
   void wait(double seconds) { time_s_ += seconds; }
+  void set_clock(double time_s) { time_s_ = time_s; }
   void load(double load_kg) { load_kg_ = load_kg; }
 
  private:

@@ -67,8 +67,11 @@ class Room {
   Room& operator=(const Room&) = delete;
 
   Result<void> switch_on() {
-    if (!battery_.empty())
+    if (!battery_.empty()) {
       if (auto restored = restore(unit_.memory(), battery_); !restored) return restored;
+      if (auto kept = keep(unit_.memory(), battery_); !kept)
+        return kept;  // a file that cannot be written shows at once
+    }
     unit_.power(true);
     simulation_.idle_tick();
     last_ = Clock::now();
@@ -179,9 +182,10 @@ std::string ready_line(const protocol::LinkAddress& address, const ServeOptions&
 }  // namespace
 
 Result<Simulation> simulation_for(const std::filesystem::path& machine, const std::filesystem::path& errors,
-                                  std::optional<std::uint64_t> seed) {
+                                  std::optional<std::uint64_t> seed, const std::string& serial_number) {
   auto description = load_workshop_machine(machine);
   if (!description) return tl::unexpected(description.error());
+  if (!serial_number.empty()) description->settings.serial_number = serial_number;
   const std::filesystem::path file = errors.empty() ? description->settings.errors : errors;
   auto true_errors = file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file);
   if (!true_errors) return tl::unexpected(true_errors.error());
@@ -190,12 +194,11 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
 
 Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
                    const std::function<void(const std::string&)>& ready) {
-  auto simulation = simulation_for(options.machine, options.errors, options.seed);
+  auto simulation = simulation_for(options.machine, options.errors, options.seed, options.serial_number);
   if (!simulation) return tl::unexpected(simulation.error());
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)
     return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));
-  const std::string serial_number =
-      options.serial_number.empty() ? simulation->description().settings.serial_number : options.serial_number;
+  const std::string serial_number = simulation->description().settings.serial_number;
   auto line = open_line(options);
   if (!line) return tl::unexpected(line.error());
   const protocol::LinkAddress address = line->address();

@@ -28,9 +28,11 @@ struct ServeOptions {
   LinkSense mode = LinkSense::automatic;
 };
 
-/// Machine and errors of the options, put together.
+/// Machine and errors, put together.
+/// @param errors, seed, serial_number  in place of what the machine file says; empty: what it says
 [[nodiscard]] Result<Simulation> simulation_for(const std::filesystem::path& machine,
-                                                const std::filesystem::path& errors, std::optional<std::uint64_t> seed);
+                                                const std::filesystem::path& errors, std::optional<std::uint64_t> seed,
+                                                const std::string& serial_number = {});
 
 /// Serves until `stop` is set.
 /// @param ready  gets one JSON object when everything answers: {"pty", "tcp", "workshop", "serial_number", "unit"}

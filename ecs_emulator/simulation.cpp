@@ -27,7 +27,8 @@ Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, st
     : description_(description),
       machine_(description),
       errors_(std::move(errors)),
-      geometry_{machine_.chain(), params::measurement_lines_of(description.machine), {}},
+      geometry_{machine_.chain(), params::measurement_lines_of(description.machine),
+                description.settings.tool_offset_mm},
       seed_(seed),
       random_(seed_of(seed, 1000, 0)) {}
 
@@ -49,8 +50,9 @@ bool Simulation::pause() {
 }
 
 void Simulation::idle_tick() {
+  const double time_s = machine_.time_s();
   tick();
-  machine_.wait(-period_s());
+  machine_.set_clock(time_s);
 }
 
 bool Simulation::at_rest() const { return machine_.settled() && steady_ticks_ >= kSteady; }

@@ -113,6 +113,13 @@ TEST_CASE("the same seed gives the same bytes, another seed other ones") {
   CHECK(csv(5) != csv(6));
 }
 
+TEST_CASE("a tool offset levers the angles of the axis that carries it") {
+  auto simulation = simulation_of("[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n",
+                                  small_machine() + "[emulator]\ntool_offset_mm = { y = 200.0 }\n");
+  const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0));
+  CHECK(reading_at(set, -500.0, Approach::reverse) == doctest::Approx(10.0).epsilon(1e-3));  // −ECX·Y
+}
+
 TEST_CASE("a plan that cannot be followed is refused with the reason") {
   auto simulation = simulation_of("", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0.0, 100.0]\n");
   auto plan = plan_for(Axis::X, Sense::EX, 0.0, 500.0, 100.0);
