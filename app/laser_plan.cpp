@@ -58,6 +58,7 @@ class PlanReader {
 
   laser::SlopeMethod slope_of(const toml::table& table, Component component) {
     const auto word = reader_.word(table, "slope");
+    if (!word && reader_.word(table, "instrument") == "square") return laser::SlopeMethod::none;
     if (!word) return laser::default_slope(component);
     const auto method = laser::slope_method_named(*word);
     if (!method)

@@ -29,8 +29,9 @@ struct PlannedMeasurement {
 };
 
 /// Reads `[[measure]]` tables: name, axis, sense, and optional title, slope, published_before, published_after, phase.
-/// Other keys belong to whoever measures and mean nothing here. Every bad entry at once: missing or unknown words, a
-/// name that is no plain file name or stands twice, no `[[measure]]` at all.
+/// Without slope: least_squares for straightness, none for the rest and for `instrument = "square"`, whose slope is the
+/// squareness itself. Other keys belong to whoever measures and mean nothing here. Every bad entry at once: missing or
+/// unknown words, a name that is no plain file name or stands twice, no `[[measure]]` at all.
 [[nodiscard]] Result<std::vector<PlannedMeasurement>> parse_plan(std::string_view text, const std::string& file_name);
 [[nodiscard]] Result<std::vector<PlannedMeasurement>> read_plan(const std::filesystem::path& path);
 

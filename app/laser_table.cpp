@@ -10,6 +10,8 @@
 namespace ecs::app {
 namespace {
 
+constexpr std::size_t kTextWidth = 80;
+
 auto unfit(const std::filesystem::path& file, std::string message) {
   return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file.string(), 0, 0, {}});
 }
@@ -75,7 +77,8 @@ std::string number(const std::optional<double>& value) { return value ? fmt::for
 
 std::string arrow(const std::optional<double>& before, const std::optional<double>& after) {
   if (!before && !after) return "-";
-  return fmt::format("{:>5}->{:<5}", number(before), number(after));
+  const auto side = [](const std::optional<double>& value) { return value ? number(value) : "?"; };
+  return fmt::format("{:>5}->{:<5}", side(before), side(after));
 }
 
 std::optional<double> band(const std::optional<MeasuredPhase>& phase) {
@@ -96,6 +99,25 @@ std::string row_text(const TableRow& row) {
                      number(shown != nullptr ? shown->iso.A : std::nullopt),
                      number(shown != nullptr ? shown->iso.E : std::nullopt), number(row.ratio()),
                      row.exceeds_published() ? "!" : "");
+}
+
+/// Which rows lost their slope by which method, within 80 columns.
+std::string slopes_text(const std::vector<TableRow>& rows) {
+  std::string text;
+  for (const auto method :
+       {laser::SlopeMethod::least_squares, laser::SlopeMethod::end_points, laser::SlopeMethod::none}) {
+    std::string line;
+    for (const TableRow& row : rows) {
+      if (row.planned.slope != method) continue;
+      if (line.empty() || line.size() + row.planned.name.size() > kTextWidth - 2) {
+        text += line + (line.empty() ? "" : "\n");
+        line = line.empty() ? fmt::format("  {}:", laser::name_of(method)) : "   ";
+      }
+      line += " " + row.planned.name;
+    }
+    text += line + (line.empty() ? "" : "\n");
+  }
+  return text;
 }
 
 }  // namespace
@@ -119,13 +141,8 @@ std::vector<TableRow> table_of(const std::vector<PlannedMeasurement>& plan, cons
 std::string table_text(const std::vector<TableRow>& rows) {
   std::string text = fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement", "unit",
                                  " published", "  measured", "A", "E", "x");
-  std::string below;
-  for (const TableRow& row : rows) {
-    text += row_text(row);
-    if (row.planned.slope != laser::SlopeMethod::none)
-      below += fmt::format("  slope of {}: {}\n", row.planned.name, laser::name_of(row.planned.slope));
-  }
-  text += fmt::format("\n{}:\n{}  of all others: none\n", kBandDefinition, below);
+  for (const TableRow& row : rows) text += row_text(row);
+  text += fmt::format("\n{}:\n{}", kBandDefinition, slopes_text(rows));
   text +=
       "A, E: ISO 230-2 of the same readings, after compensation (before, where only\n"
       "that was measured); x: measured band before over after; ! more than published.\n";

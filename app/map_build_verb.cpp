@@ -123,12 +123,12 @@ Result<Built> built(const Arguments& arguments) {
 // --- as text
 
 std::string outcomes_text(const Built& b) {
-  std::string text = fmt::format("{:<4} {:<38} {:>7} {:>7} {:>8} {:>6} {:>4}\n", "", "component", "band", "largest",
-                                 "slope/m", "smooth", "n");
+  std::string text = fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band",
+                                 "most", "slope", "smth", "n");
   for (const laser::ComponentOutcome& one : b.map.outcomes) {
-    text += fmt::format("{:<4} {:<38} {:>7.2f} {:>7.2f} {:>8.2f} {:>6.2f} {:>4}\n", name_of(one.component),
-                        fmt::format("{} [{}]", laser::description_of(one.component), unit_of(one.component)), one.band,
-                        one.largest, one.slope_um_per_m, one.smoothed_rms, one.points);
+    text += fmt::format("{:<4} {:<38} {:<4} {:>6.1f} {:>6.1f} {:>6.1f} {:>5.2f} {:>4}\n", name_of(one.component),
+                        laser::description_of(one.component), unit_of(one.component), one.band, one.largest,
+                        one.slope_um_per_m, one.smoothed_rms, one.points);
     text +=
         fmt::format("     from {} ({} readings)\n", fmt::join(files_for(b.recipe, one.component), ", "), one.readings);
     for (const std::string& note : one.notes) text += fmt::format("     note: {}\n", note);
@@ -157,7 +157,9 @@ std::string text_of(const Built& b, const Arguments& arguments) {
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
     text +=
         fmt::format("{:<4} {} declared zero: {}\n", name_of(z.component), laser::description_of(z.component), z.reason);
-  text += "band: range of the readings as measured; smooth: rms that smoothing took away\n";
+  text +=
+      "band: range of the readings as measured; most: largest compensation; slope:\n"
+      "taken away, per m; smth: rms that smoothing took away; n: points per table\n";
   for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
   for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
   text += squareness_text(b, arguments) + findings_part(b);

@@ -7,7 +7,6 @@
 
 #include "app/map_view.hpp"
 #include "base/text.hpp"
-#include "laser/findings.hpp"
 
 namespace ecs::app {
 namespace {
@@ -35,7 +34,7 @@ void compare_headers(const laser::MapHeader& expected, const laser::MapHeader& f
   const auto take = [&](const auto& lines, const auto& other, const char* where) {
     for (const std::string_view line : lines)
       if (std::find(other.begin(), other.end(), line) == other.end())
-        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} says {}", where, laser::in_quotes(line))});
+        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} says \"{}\"", where, line)});
   };
   take(lines_a, lines_b, "the file");
   take(lines_b, lines_a, "the unit");

@@ -45,22 +45,27 @@ std::string literal(std::string_view text) {
   return out + "'";
 }
 
+bool is_line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
+
+/// So many points apart stand the marks on a line, that they do not hide it.
+std::size_t mark_spacing(std::size_t points) { return 1 + points / 60; }
+
 std::string_view style_of(Mark mark) {
   switch (mark) {
     case Mark::forward:
-      return "linespoints lw 1.5 dt 1 pt 9 ps 0.8 lc rgb '#0050a0'";
+      return "linespoints lw 1.5 dt 1 pt 9 ps 0.9 lc rgb '#0050a0'";
     case Mark::reverse:
-      return "linespoints lw 1.5 dt (8,5) pt 11 ps 0.8 lc rgb '#c04000'";
+      return "linespoints lw 1.5 dt (12,6) pt 11 ps 0.9 lc rgb '#c04000'";
     case Mark::both:
       return "linespoints lw 1.5 dt 1 pt 7 ps 0.6 lc rgb '#202020'";
     case Mark::forward_reading:
-      return "points pt 8 ps 0.5 lw 0.5 lc rgb '#6090c0'";
+      return "points pt 8 ps 0.7 lw 0.7 lc rgb '#6090c0'";
     case Mark::reverse_reading:
-      return "points pt 10 ps 0.5 lw 0.5 lc rgb '#d08060'";
+      return "points pt 10 ps 0.7 lw 0.7 lc rgb '#d08060'";
     case Mark::reading:
       break;
   }
-  return "points pt 6 ps 0.4 lw 0.5 lc rgb '#808080'";
+  return "points pt 6 ps 0.6 lw 0.7 lc rgb '#808080'";
 }
 
 std::string data_blocks(const PlotFigure& figure) {
@@ -79,7 +84,10 @@ std::string plot_command(const PlotPanel& panel, std::size_t place) {
   std::vector<std::string> parts;
   for (std::size_t s = 0; s < panel.series.size(); ++s)
     if (!panel.series[s].points.empty())
-      parts.push_back(fmt::format("$data_{}_{} using 1:2 with {} title {}", place, s, style_of(panel.series[s].mark),
+      parts.push_back(fmt::format("$data_{}_{} using 1:2 with {}{} title {}", place, s, style_of(panel.series[s].mark),
+                                  is_line(panel.series[s].mark)
+                                      ? fmt::format(" pointinterval {}", mark_spacing(panel.series[s].points.size()))
+                                      : "",
                                   literal(panel.series[s].name)));
   return parts.empty() ? "plot 0 notitle lc rgb '#808080'\n" : fmt::format("plot {}\n", fmt::join(parts, ", "));
 }
@@ -109,9 +117,10 @@ std::string plot_script(const PlotFigure& figure, PlotFormat format) {
   std::string script = "set encoding utf8\n" + terminal_commands(format, columns, std::max(1, rows));
   script += data_blocks(figure);
   script +=
-      "set grid lc rgb '#d0d0d0' lw 0.5\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset mytics\n"
-      "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key outside bottom center horizontal samplen 3\n";
-  script += fmt::format("set multiplot layout {},{} title {}\n", std::max(1, rows), columns, literal(figure.title));
+      "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset "
+      "mytics\n"
+      "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key tmargin center horizontal samplen 3\n";
+  script += fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     Ranges own;
     own.take(figure.panels[i]);
