@@ -31,10 +31,14 @@ std::vector<UnitParameters> variants(const params::Field& field) {
   } else if (field.type == params::FieldType::number) {
     field.put(sets[0], std::bit_cast<double>(0x3FA5A5A5A5A5A5A5ull));
     field.put(sets[1], std::bit_cast<double>(0x405A5A5A5A5A5A5Aull));
+  } else if (field.type == params::FieldType::choice) {
+    for (std::size_t i = 0; i < field.choices.size(); ++i) {
+      sets.emplace_back();
+      field.put(sets.back(), static_cast<double>(i));
+    }
   } else {
     field.put(sets[0], field.least);
-    field.put(sets[1],
-              field.choices.empty() ? std::max(field.most, 1.0) : static_cast<double>(field.choices.size() - 1));
+    field.put(sets[1], std::max(field.most, 1.0));
   }
   return sets;
 }

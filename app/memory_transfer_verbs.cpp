@@ -86,22 +86,27 @@ std::optional<std::uint8_t> nibble(char c) {
   return std::nullopt;
 }
 
-/// "4E75", "4E 75", "0x4E 0x75"
-Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& words) {
-  std::vector<std::uint8_t> bytes;
-  for (std::string_view word : words) {
-    const std::string_view whole = word;
-    if (word.starts_with("0x") || word.starts_with("0X")) word.remove_prefix(2);
-    if (word.empty() || word.size() % 2 != 0)
-      return problem(ProblemKind::usage,
-                     fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
-    for (std::size_t i = 0; i < word.size(); i += 2) {
-      const auto high = nibble(word[i]), low = nibble(word[i + 1]);
-      if (!high || !low)
-        return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
-      bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
-    }
+/// "4E75" or "0x4E75"
+Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
+  const std::string_view whole = word;
+  if (word.starts_with("0x") || word.starts_with("0X")) word.remove_prefix(2);
+  if (word.size() % 2 != 0)
+    return problem(ProblemKind::usage, fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
+  for (std::size_t i = 0; i < word.size(); i += 2) {
+    const auto high = nibble(word[i]), low = nibble(word[i + 1]);
+    if (!high || !low)
+      return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
+    bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
   }
+  return {};
+}
+
+/// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
+Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {
+  std::vector<std::uint8_t> bytes;
+  for (const std::string& argument : arguments)
+    for (const std::string_view word : split(argument, ' '))
+      if (const auto taken = take_hex(trimmed(word), bytes); !taken) return tl::unexpected(taken.error());
   return bytes;
 }
 

@@ -59,7 +59,7 @@ Result<Outcome> receive(Session& session, const ReceiveArguments& arguments) {
   if (!identity) return tl::unexpected(identity.error());
   const auto parameters = receive_parameters(unit->client());
   if (!parameters) return tl::unexpected(parameters.error());
-  const params::Identity owner{identity->unit_name, identity->serial_number};
+  const params::Identity owner{{}, identity->serial_number};
   const Json object{{"file", text_or_null(arguments.output)},
                     {"serial_number", text_or_null(identity->serial_number)},
                     {"parameters", json_of(*parameters)}};

@@ -34,6 +34,18 @@ Json fault_json(const UnitStatus& status) {
               {"axis", status.fault_axis ? Json(std::string(1, letter_of(*status.fault_axis))) : Json(nullptr)}};
 }
 
+/// Both numbers are zero until the first check.
+bool block_check_made(const UnitStatus& status) {
+  return status.block_check_expected != 0 || status.block_check_found != 0;
+}
+
+Json block_check_json(const UnitStatus& status) {
+  if (!block_check_made(status)) return Json{{"expected", nullptr}, {"found", nullptr}, {"agrees", nullptr}};
+  return Json{{"expected", fmt::format("{:08X}", status.block_check_expected)},
+              {"found", fmt::format("{:08X}", status.block_check_found)},
+              {"agrees", status.block_check_expected == status.block_check_found}};
+}
+
 Json axis_json(const AxisStatus& axis) {
   return Json{
       {"referenced", axis.referenced},
@@ -98,9 +110,12 @@ std::string pointers_text(const StatusSnapshot& snapshot) {
 std::string memory_text(const UnitStatus& status) {
   std::string text = fmt::format("RAM test     {}", name_of_outcome(status.ram_test));
   if (status.ram_test == TestOutcome::failed) text += fmt::format(" at {}", hex_address(status.ram_test_address));
-  text += fmt::format("\nblock check  expected {:08X}, found {:08X}{}\n", status.block_check_expected,
-                      status.block_check_found,
-                      status.block_check_expected == status.block_check_found ? "" : ": they differ");
+  if (block_check_made(status))
+    text += fmt::format("\nblock check  expected {:08X}, found {:08X}{}\n", status.block_check_expected,
+                        status.block_check_found,
+                        status.block_check_expected == status.block_check_found ? "" : ": they differ");
+  else
+    text += "\nblock check  not run\n";
   return text + fmt::format("active map   bank {}, {} bytes, commit {}\n", name_of_bank(status.active_bank),
                             status.image_length_bytes, status.commit_sequence);
 }
@@ -147,10 +162,7 @@ Json json_of(const StatusSnapshot& snapshot) {
       {"ram_test",
        {{"outcome", name_of_outcome(s.ram_test)},
         {"address", failed ? Json(hex_address(s.ram_test_address)) : Json(nullptr)}}},
-      {"block_check",
-       {{"expected", fmt::format("{:08X}", s.block_check_expected)},
-        {"found", fmt::format("{:08X}", s.block_check_found)},
-        {"agrees", s.block_check_expected == s.block_check_found}}},
+      {"block_check", block_check_json(s)},
       {"map",
        {{"bank", s.active_bank == Bank::none ? Json(nullptr) : Json(name_of_bank(s.active_bank))},
         {"bytes", s.image_length_bytes},

@@ -68,8 +68,16 @@ Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
   }
 }
 
+/// The unit's own fault says more than the failed command.
+tl::unexpected<Problem> why_not(UnitLink& unit, Problem failure) {
+  if (unit.client().link().last_failure() == protocol::LinkFailure::none && !unit.client().link().cancelled())
+    if (const auto status = unit.client().status(); status && status->fault != Fault::none)
+      failure.message = "the unit cannot compensate: " + fault_sentence(*status);
+  return tl::unexpected(std::move(failure));
+}
+
 Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
-  if (const auto entered = unit.client().enter_compensation(); !entered) return tl::unexpected(entered.error());
+  if (const auto entered = unit.client().enter_compensation(); !entered) return why_not(unit, entered.error());
   session.face.note("reference every axis of the machine now: the unit watches");
   if (!unit.workshop().empty())
     session.face.note(fmt::format("the workshop of this emulator listens at {}", unit.workshop()));

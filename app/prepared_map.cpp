@@ -1,0 +1,26 @@
+#include "app/prepared_map.hpp"
+
+#include "app/map_checks.hpp"
+#include "app/transfer.hpp"
+#include "laser/map_csv.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+
+Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file, bool other) {
+  const auto map = laser::read_map_csv(map_file);
+  if (!map) return tl::unexpected(map.error());
+  const auto parameters = params::read_parameters(params_file);
+  if (!parameters) return tl::unexpected(parameters.error());
+  if (auto wrong = objections_to(parameters->parameters, params_file)) return tl::unexpected(std::move(*wrong));
+  std::vector<std::string> objections = objections_to_map(*map, parameters->parameters);
+  if (!other)
+    for (std::string& differs : other_machine(map->header, parameters->identity))
+      objections.push_back(std::move(differs));
+  if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
+  auto image = laser::image_of(*map, parameters->parameters);
+  if (!image) return tl::unexpected(image.error());
+  return PreparedMap{map->header, std::move(*image)};
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,24 @@
+// A map with the parameters it goes with, judged and turned into the bytes for the unit, without a unit.
+// Does not live here: sending it (transfer.hpp), single objections (map_checks.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "laser/error_map.hpp"
+#include "laser/map_image.hpp"
+
+namespace ecs::app {
+
+struct PreparedMap {
+  laser::MapHeader header;
+  laser::MapImage image;
+};
+
+/// Reads both files; refuses, with every reason, parameters that must not meet a machine, a map that is incomplete for
+/// them or (unless `other_machine`) one whose header names another machine.
+[[nodiscard]] Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file,
+                                               bool other_machine = false);
+
+}  // namespace ecs::app
