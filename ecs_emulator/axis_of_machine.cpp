@@ -62,7 +62,7 @@ void AxisOfMachine::rest(double command_mm, const AxisDrive& drive) {
 
 std::int64_t AxisOfMachine::counts_at(double position_mm) const {
   const double counts = position_mm * 1000.0 / facts_.resolution_um;
-  return settings_.count_polarity * static_cast<std::int64_t>(std::llround(counts));
+  return settings_.count_polarity * static_cast<std::int64_t>(std::llround(counts)) + miscounted_;
 }
 
 AxisSignals AxisOfMachine::signals() const {

@@ -37,6 +37,8 @@ class AxisOfMachine {
   [[nodiscard]] std::optional<double> marker_mm() const { return marker_mm_; }
 
   void lose_transducer(bool lost) { transducer_lost_ = lost; }
+  /// A burst of noise on the transducer's wires: so many counts too many from now on.
+  void miscount(std::int64_t counts) { miscounted_ += counts; }
 
   /// Machine coordinates of the marker that the controller's reference sequence ends at, and of the switch.
   [[nodiscard]] double datum_marker_mm() const;
@@ -60,6 +62,7 @@ class AxisOfMachine {
   std::uint64_t pass_ = 0;
   std::optional<double> marker_mm_;
   bool transducer_lost_ = false;
+  std::int64_t miscounted_ = 0;
 };
 
 }  // namespace ecs::emulator

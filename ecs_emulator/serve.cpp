@@ -117,6 +117,7 @@ class Room {
   /// Answers what waits on the line. False once the process is to end.
   bool serve_line() {
     line_.serve_ready(socket_, std::chrono::milliseconds(0));
+    if (answering_ != unit_.powered()) power(unit_.powered());
     return stop_ == 0;
   }
 
@@ -138,7 +139,10 @@ class Room {
   }
 
   /// A unit without power does not answer.
-  void power(bool on) { line_.faults().with_probability(protocol::LineFault::lost_request, on ? 0.0 : 1.0); }
+  void power(bool on) {
+    answering_ = on;
+    line_.faults().with_probability(protocol::LineFault::lost_request, on ? 0.0 : 1.0);
+  }
 
   void keep_memory() {
     kept_ = Clock::now();
@@ -164,6 +168,7 @@ class Room {
   Clock::time_point last_{};
   Clock::time_point kept_{};
   double owed_s_ = 0.0;
+  bool answering_ = true;
 };
 
 std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,

@@ -107,15 +107,23 @@ bool Simulation::run_for(double seconds) {
   return true;
 }
 
+void Simulation::draw_scatter(const MachineState& state, const Vector3& target_mm) {
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    if (stops_[a] && stops_[a]->target_mm == target_mm[a] && stops_[a]->pass == state.pass[a]) continue;
+    stops_[a] = Stop{target_mm[a], state.pass[a]};
+    for (std::size_t c = 6 * a; c < 6 * a + 6; ++c) {
+      const double deviation = errors_.reading_scatter()[c];
+      stop_scatter_[c] = deviation > 0.0 ? deviation * random_.normal() : 0.0;
+    }
+  }
+}
+
 ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm, bool scatter) {
   ComponentValues errors = errors_.at(state);
   if (scatter) {
+    draw_scatter(state, target_mm);
     const ComponentValues pass = errors_.pass_scatter(state, machine_.travel_mm(), seed_);
-    const ComponentValues& reading = errors_.reading_scatter();
-    for (std::size_t c = 0; c < kCurves; ++c) {
-      errors[c] += pass[c];
-      if (reading[c] > 0.0) errors[c] += reading[c] * random_.normal();
-    }
+    for (std::size_t c = 0; c < kCurves; ++c) errors[c] += pass[c] + stop_scatter_[c];
   }
   ToolPose pose = tool_pose(geometry_, errors, state.position_mm);
   for (const Axis a : kAllAxes)

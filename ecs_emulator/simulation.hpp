@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "base/result.hpp"
 #include "ecs_emulator/kinematics.hpp"
@@ -68,12 +69,22 @@ class Simulation {
   [[nodiscard]] bool at_rest() const;
   [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
 
+  /// What does not repeat belongs to a stop: an axis keeps it until it moves again.
+  void draw_scatter(const MachineState& state, const Vector3& target_mm);
+
+  struct Stop {
+    double target_mm = 0.0;
+    std::uint64_t pass = 0;
+  };
+
   WorkshopMachine description_;
   MachineTool machine_;
   TrueErrors errors_;
   ChainGeometry geometry_;
   std::uint64_t seed_;
   Random random_;
+  PerAxis<std::optional<Stop>> stops_{};
+  ComponentValues stop_scatter_{};
   Compensator* unit_ = nullptr;
   std::function<bool()> pause_;
   Drives drives_{};

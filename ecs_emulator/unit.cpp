@@ -10,7 +10,14 @@ Unit::Unit(const UnitSettings& settings)
 void Unit::power(bool on) {
   powered_ = on;
   isolate();
-  if (on) start_up();
+  if (!on) return;
+  memory_.power_back();
+  start_up();
+}
+
+/// The supply fails in the middle of a write to axis memory, if the workshop has arranged it so.
+void Unit::watch_supply() {
+  if (memory_.power_failed()) power(false);
 }
 
 void Unit::start_up() {

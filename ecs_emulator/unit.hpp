@@ -96,6 +96,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void enter_compensation();
   void raise(Fault fault, std::optional<Axis> axis = std::nullopt, Address address = 0);
   void isolate();
+  void watch_supply();
   void hang_step();
   void wait_for_link();
   void datum_step();

@@ -40,6 +40,7 @@ protocol::UnitError Unit::read_memory(Address address, std::span<std::uint8_t> o
 }
 
 protocol::UnitError Unit::may_write(Address address, std::uint32_t bytes) {
+  if (!powered_) return UnitError::unit_fault;
   if (mode_ != UnitMode::integration) return UnitError::not_in_integration_mode;
   if (!memory_.exists(address, bytes)) return UnitError::address_unknown;
   return memory_.writable(address, bytes) ? UnitError::none : UnitError::address_protected;
@@ -49,10 +50,12 @@ protocol::UnitError Unit::write_memory(Address address, std::span<const std::uin
   const auto size = static_cast<std::uint32_t>(bytes.size());
   if (const UnitError error = may_write(address, size); error != UnitError::none) return error;
   memory_.write(address, bytes);
+  watch_supply();
   return UnitError::none;
 }
 
 protocol::CommandResult Unit::begin(const Command& command) {
+  if (!powered_) return refused(UnitError::unit_fault, "no power");
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   if (command.code == CommandCode::stop) return stop();
   if (command.code == CommandCode::enter_integration) {
@@ -62,6 +65,8 @@ protocol::CommandResult Unit::begin(const Command& command) {
   if (mode_ != UnitMode::integration)
     return refused(UnitError::not_in_integration_mode, fmt::format("the unit is {}", name_of(mode_)));
   result_ = begin_in_integration(command);
+  watch_supply();
+  if (!powered_) return refused(UnitError::unit_fault, "no power");
   return result_;
 }
 
@@ -183,7 +188,7 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   for (Origin& origin : origins_) origin.referenced = false;
   tick_ = {};
   map_test_ = {Fault::none, bank, std::nullopt, image.check(), verdict.check_found};
-  if (on_commit_) on_commit_();
+  if (on_commit_ && !memory_.power_failed()) on_commit_();
   const auto now_active = active_image(memory_);
   return now_active && now_active->first == bank ? done(now_active->commit.sequence)
                                                  : failed(UnitError::unit_fault, "the commit record does not hold");

@@ -66,7 +66,8 @@ std::uint8_t* UnitMemory::at(Address address) {
 
 void UnitMemory::write(Address address, std::uint8_t value) {
   if (battery_backed(address)) {
-    if (writes_left_ && *writes_left_ == 0) return;
+    power_failed_ = power_failed_ || (writes_left_ && *writes_left_ == 0);
+    if (power_failed_) return;
     if (writes_left_) --*writes_left_;
     changed_ = true;
   }

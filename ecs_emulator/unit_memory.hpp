@@ -40,7 +40,12 @@ class UnitMemory {
   void repair() { stuck_.clear(); }
   /// Power fails after so many further writes to battery-backed memory.
   void power_fails_after(std::uint64_t writes) { writes_left_ = writes; }
-  void power_back() { writes_left_.reset(); }
+  void power_back() {
+    writes_left_.reset();
+    power_failed_ = false;
+  }
+  /// A write has met the power failure.
+  [[nodiscard]] bool power_failed() const { return power_failed_; }
 
   /// Changed since the battery's file was last written.
   [[nodiscard]] bool changed() const { return changed_; }
@@ -60,6 +65,7 @@ class UnitMemory {
   std::array<std::vector<std::uint8_t>, kRegions.size()> bytes_;
   std::vector<Stuck> stuck_;
   std::optional<std::uint64_t> writes_left_;
+  bool power_failed_ = false;
   bool changed_ = false;
 };
 

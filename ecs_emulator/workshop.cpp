@@ -256,6 +256,10 @@ Answer unit_fault(const Workshop& workshop, Arguments& arguments, const std::str
     const double extra_us = arguments.number_or("us", 1e6);
     if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
     unit.slow_down(extra_us);
+  } else if (name == "power_fails") {
+    const auto bytes = arguments.integer("count", 0, 100'000'000).value_or(0);
+    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+    unit.memory().power_fails_after(static_cast<std::uint64_t>(bytes));
   } else {
     if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
     unit.hang();
@@ -269,6 +273,16 @@ Answer transducer_fault(const Workshop& workshop, Arguments& arguments) {
   if (!axis || !workshop.simulation->machine().has(*axis)) arguments.complain("axis: expected an axis of this machine");
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
   workshop.simulation->machine().axis(*axis).lose_transducer(!back);
+  return state_of(workshop);
+}
+
+Answer miscount(const Workshop& workshop, Arguments& arguments) {
+  const auto axis = arguments.axis("axis");
+  const auto counts = arguments.integer("count", -1'000'000'000, 1'000'000'000).value_or(10'000);
+  if (!axis || !workshop.simulation->machine().has(*axis)) arguments.complain("axis: expected an axis of this machine");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  workshop.simulation->machine().axis(*axis).miscount(counts);
+  workshop.simulation->idle_tick();
   return state_of(workshop);
 }
 
@@ -303,11 +317,13 @@ Answer fault(const Workshop& workshop, Arguments& arguments) {
   const std::string name = arguments.word("name");
   if (name == "clear") return clear_faults(workshop, arguments);
   if (name == "transducer") return transducer_fault(workshop, arguments);
-  if (name == "ram_stuck" || name == "corrupt" || name == "overrun" || name == "hang")
+  if (name == "miscount") return miscount(workshop, arguments);
+  if (name == "ram_stuck" || name == "corrupt" || name == "overrun" || name == "hang" || name == "power_fails")
     return unit_fault(workshop, arguments, name);
   if (const auto line = protocol::line_fault_named(name)) return line_fault(workshop, arguments, *line);
-  return wrong(fmt::format("name: expected clear, transducer, ram_stuck, corrupt, overrun, hang, {}, got \"{}\"",
-                           fmt::join(protocol::kLineFaultNames, ", "), name));
+  return wrong(fmt::format(
+      "name: expected clear, transducer, miscount, ram_stuck, corrupt, overrun, hang, power_fails, {}, got \"{}\"",
+      fmt::join(protocol::kLineFaultNames, ", "), name));
 }
 
 Answer act(const Workshop& workshop, const Json& request, const Told& told) {

@@ -151,6 +151,24 @@ TEST_CASE("faults of line and unit can be provoked by name, and a unit without p
   CHECK(client.monitor().has_value());
 }
 
+TEST_CASE("power that fails during a transfer leaves the old map in force") {
+  Served served;
+  {
+    auto client = served.client();
+    REQUIRE(client.upload_image(served.image(1.0)).has_value());
+    REQUIRE(served.ask({{"action", "fault"}, {"name", "power_fails"}, {"count", 75'000}})["ok"] == true);
+    CHECK(!client.upload_image(served.image(2.0)).has_value());
+  }
+  CHECK(served.ask({{"action", "state"}})["unit"]["powered"] == false);
+  CHECK(served.ask({{"action", "power"}, {"state", "on"}})["unit"]["powered"] == true);
+  auto client = served.client();
+  CHECK(client.status()->commit_sequence == 1);
+  const auto old_image = served.image(1.0);
+  CHECK(client.read_memory(kBankA.first, old_image.size()).value() == old_image);
+  CHECK(client.upload_image(served.image(2.0)).has_value());
+  CHECK(client.status()->commit_sequence == 2);
+}
+
 TEST_CASE("a wrong request is answered with what is wrong, and the exit code that goes with it") {
   Served served;
   const Json answer = served.ask({{"action", "jog"}, {"X", "ten"}, {"feeed", 3}});
