@@ -92,10 +92,10 @@ Result<Outcome> stats(Session& session, const Arguments& arguments) {
   for (const std::string& file : arguments.files) {
     const auto imported = read_said(session, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
+    if (imported->set.readings.empty())
+      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
     const auto all = laser::iso230_of(imported->set);
     if (!all) return tl::unexpected(all.error());
-    if (all->empty())
-      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
     for (const laser::Iso230& iso : *all) {
       text += (text.empty() ? "" : "\n") + text_of(iso, file);
       lines.push_back(json_of(iso, file));

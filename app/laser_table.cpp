@@ -24,24 +24,30 @@ std::string lines_of_set(const std::vector<laser::Group>& groups) {
   return text;
 }
 
-Result<laser::Group> line_for(const PlannedMeasurement& planned, const laser::MeasurementSet& set,
+/// The one line of the planned axis and sense. Readings that say they were taken with compensation the other way than
+/// the phase has it do not fit: folders may have been exchanged.
+Result<laser::Group> line_for(const PlannedMeasurement& planned, bool compensated, const laser::MeasurementSet& set,
                               const std::filesystem::path& file) {
   const auto all = laser::groups_of(set);
   std::vector<laser::Group> fitting;
   for (const laser::Group& group : all)
-    if (group.axis == planned.axis && group.sense == planned.sense) fitting.push_back(group);
+    if (group.axis == planned.axis && group.sense == planned.sense &&
+        group.compensated.value_or(compensated) == compensated)
+      fitting.push_back(group);
   if (fitting.size() == 1) return fitting.front();
-  return unfit(file, fmt::format("expected one line of {} along {}, found {}", name_of(planned.sense),
-                                 letter_of(planned.axis), lines_of_set(fitting.empty() ? all : fitting)));
+  return unfit(file, fmt::format("expected one line of {} along {}, {} compensation, found {}", name_of(planned.sense),
+                                 letter_of(planned.axis), compensated ? "with" : "without",
+                                 lines_of_set(fitting.empty() ? all : fitting)));
 }
 
-Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::filesystem::path& folder) {
+Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::filesystem::path& folder,
+                               bool compensated) {
   const std::filesystem::path file = folder / (planned.name + ".csv");
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or take it off the plan");
   const auto set = laser::read_measurement_set(file);
   if (!set) return tl::unexpected(set.error());
-  const auto group = line_for(planned, *set, file);
+  const auto group = line_for(planned, compensated, *set, file);
   if (!group) return tl::unexpected(group.error());
   auto readings = levelled_readings(*set, *group, planned.slope);
   if (!readings) return unfit(file, readings.error().message);
@@ -55,14 +61,14 @@ TableRow row_of(const PlannedMeasurement& planned, const std::filesystem::path& 
                 const std::filesystem::path& after) {
   TableRow row{planned, {}, {}, {}};
   if (planned.phase != PlanPhase::after) {
-    auto phase = measured(planned, before);
+    auto phase = measured(planned, before, false);
     if (phase)
       row.before = std::move(*phase);
     else
       row.problems.push_back(phase.error());
   }
   if (planned.phase != PlanPhase::before) {
-    auto phase = measured(planned, after);
+    auto phase = measured(planned, after, true);
     if (phase)
       row.after = std::move(*phase);
     else

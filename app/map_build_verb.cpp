@@ -105,14 +105,22 @@ struct Built {
   }
 };
 
+/// A file that does not say its axis or sense can be made to, by importing it.
+Problem with_way_out(Problem why) {
+  if (why.kind == ProblemKind::usage && !why.file.empty())
+    why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+  for (Problem& other : why.also) other = with_way_out(std::move(other));
+  return why;
+}
+
 Result<Built> built(const Arguments& arguments) {
   const auto parameters = params::read_parameters(arguments.params);
   if (!parameters) return tl::unexpected(parameters.error());
   auto recipe = recipe_of(arguments, parameters->parameters);
-  if (!recipe) return tl::unexpected(recipe.error());
+  if (!recipe) return tl::unexpected(with_way_out(recipe.error()));
   if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
   auto map = laser::build_map(recipe->recipe, parameters->parameters);
-  if (!map) return tl::unexpected(map.error());
+  if (!map) return tl::unexpected(with_way_out(map.error()));
   laser::MapHeader& header = map->map.header;
   if (header.machine.empty()) header.machine = parameters->identity.machine;
   if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
@@ -143,7 +151,7 @@ std::string squareness_text(const Built& b, const Arguments& arguments) {
         fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c), squareness_in(b.map.parameters, c));
   if (text.empty()) return text;
   if (!arguments.params_out.empty()) return fmt::format("squareness measured, in {}:\n{}", arguments.params_out, text);
-  return "squareness measured; no --params-out given, so these must go into the parameters by hand:\n" + text;
+  return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
 }
 
 std::string findings_part(const Built& b) {
@@ -155,8 +163,8 @@ std::string findings_part(const Built& b) {
 std::string text_of(const Built& b, const Arguments& arguments) {
   std::string text = outcomes_text(b);
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
-    text +=
-        fmt::format("{:<4} {} declared zero: {}\n", name_of(z.component), laser::description_of(z.component), z.reason);
+    text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
+                        z.reason);
   text +=
       "band: range of the readings as measured; most: largest compensation; slope:\n"
       "taken away, per m; smth: rms that smoothing took away; n: points per table\n";

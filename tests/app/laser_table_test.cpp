@@ -93,7 +93,14 @@ TEST_CASE("readings of another sense are a problem of their row, which says what
   (void)w.folder.with("after/EYX.csv", line_of("EZ", 0.0, 1.0, 0.0, 1));
   const Ran r = w.table();
   CHECK(r.code == 3);
-  CHECK(r.out.find("expected one line of EY along X, found EZ along X") != std::string::npos);
+  CHECK(r.out.find("expected one line of EY along X, with compensation, found EZ along X") != std::string::npos);
+}
+
+TEST_CASE("exchanged folders are noticed by the column compensated") {
+  const Workshop w(6.0, 0.0);
+  const Ran r = ran({"laser", "table", w.plan, "--before", w.folder / "after", "--after", w.folder / "before"});
+  CHECK(r.code == 3);
+  CHECK(r.out.find("without compensation, found EX along X at Y 0, Z 0, compensated yes") != std::string::npos);
 }
 
 TEST_CASE("the table fits 80 columns and says how the band is defined") {

@@ -116,6 +116,12 @@ TEST_CASE("no spoiled file gets through any verb") {
       CHECK(ran({"laser", verb, std::string("samples/laser/") + file}).code == 3);
 }
 
+TEST_CASE("a log without readings has no statistics") {
+  const Ran r = ran({"laser", "stats", "samples/laser/environment.pos"});
+  CHECK(r.code == 3);
+  CHECK(r.messages.find("environment.pos: expected readings") != std::string::npos);
+}
+
 TEST_CASE("show gives lines, conditions and the means at every target") {
   const auto j = ran({"laser", "show", kSample, "--json"}).json();
   REQUIRE(j["lines"].size() == 1);

@@ -130,6 +130,13 @@ TEST_CASE("a recipe stands alone, and its faults are told with their lines") {
   CHECK(ran({"map", "build", recipe, desk.data, "--params", desk.params}).code == 2);
 }
 
+TEST_CASE("a file that does not say its sense is sent to import") {
+  const Desk desk;
+  const Ran r = ran({"map", "build", "samples/laser/pitch.rta", "--params", desk.params});
+  CHECK(r.code == 2);
+  CHECK(r.messages.find("ecs laser import") != std::string::npos);
+}
+
 TEST_CASE("a spoiled map is refused with line and column before any link is opened") {
   const Desk desk;
   const std::string bad = desk.folder.with("bad.csv", "axis,sense,approach,p_mm,value_um\nX,EX,1,0,nan\nX,EX,3,0,1\n");
