@@ -25,6 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kLongestSocketName = 100;  // sockaddr_un holds 107 characters
 constexpr auto kStartLimit = 15s;
 constexpr auto kStopLimit = 2s;
 constexpr auto kLockLimit = 5s;
@@ -92,9 +93,10 @@ Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {
   if (errors_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
     return problem(ProblemKind::output, fmt::format("cannot start a program: {}", std::strerror(errno)));
   output_ = ends[0];
-  std::vector<std::string> words{options.program.string(), "serve",    "--machine",
-                                 options.machine.string(), "--memory", options.memory.string(),
-                                 "--with-parent"};
+  std::vector<std::string> words{options.program.string(), "serve",  "--machine", options.machine.string(), "--memory",
+                                 options.memory.string(),  "--mode", "integrate", "--with-parent"};
+  const std::string socket = options.memory.string() + ".workshop";
+  if (socket.size() <= kLongestSocketName) words.insert(words.end(), {"--workshop", socket});
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

@@ -135,7 +135,7 @@ std::optional<PortTrouble> trouble_with(const std::string& device) {
                                      : fmt::format("serial ports are: {}", fmt::join(ports, ", "));
       break;
     case protocol::LinkFailure::port_in_use:
-      trouble.action = "end the program that holds it, then try again";
+      trouble.action = "one program at a time can use a port";
       break;
     default:
       trouble.action = "look at `dmesg` for what the system says about this port";

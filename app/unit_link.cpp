@@ -49,6 +49,12 @@ Result<UnitLink> open_unit(Session& session, Access access) {
   return open_link(*choice);
 }
 
+void ask_to_reference(Session& session, const UnitLink& unit, std::string_view axes) {
+  session.face.note(fmt::format("reference {} of the machine now: the unit watches", axes));
+  if (!unit.workshop().empty())
+    session.face.note(fmt::format("from another terminal: ecs-emulator workshop {} reference", unit.workshop()));
+}
+
 protocol::ProgressCallback progress_bar(Session& session, std::string label) {
   return [&face = session.face, label = std::move(label)](const protocol::Progress& progress) {
     const double total = static_cast<double>(progress.bytes_total);

@@ -43,6 +43,9 @@ class UnitLink {
 /// Opens the link that the session names, tells the session its name and sets its message prefix.
 [[nodiscard]] Result<UnitLink> open_unit(Session& session, Access access);
 
+/// Says that the machine must be referenced now; with a bundled emulator, how.
+void ask_to_reference(Session& session, const UnitLink& unit, std::string_view axes);
+
 /// Feeds the progress bar.
 [[nodiscard]] protocol::ProgressCallback progress_bar(Session& session, std::string label);
 

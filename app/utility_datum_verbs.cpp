@@ -35,14 +35,28 @@ Json json_of(const DatumRecording& recording) {
               {"events", events}};
 }
 
-std::string text_of(const DatumRecording& recording) {
-  std::string text = fmt::format("axis {}, {} samples every {} us\n\n{}\n", letter_of(recording.axis),
-                                 recording.samples.size(), recording.sample_period_us, graph_of(recording));
-  text += "  time/s  position/mm  speed/(mm/min)  event\n";
-  for (const DatumEvent& event : events_of(recording))
-    text += fmt::format("{:>8.3f} {:>12.4f} {:>15.1f}  {}\n", event.time_s, event.position_mm, event.speed_mm_min,
-                        event.what);
+/// The events, with a long row of markers cut to its first and last.
+std::string events_text(const std::vector<DatumEvent>& events) {
+  const auto is_marker = [&](std::size_t i) { return i < events.size() && events[i].what == "marker"; };
+  std::string text;
+  std::size_t left_out = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (i > 0 && is_marker(i - 1) && is_marker(i) && is_marker(i + 1)) {
+      ++left_out;
+      continue;
+    }
+    if (left_out > 0) text += fmt::format("{:>8} {:>12} {:>15}  {} more markers\n", "", "", "", left_out);
+    left_out = 0;
+    text += fmt::format("{:>8.3f} {:>12.4f} {:>15.1f}  {}\n", events[i].time_s, events[i].position_mm,
+                        events[i].speed_mm_min, events[i].what);
+  }
   return text;
+}
+
+std::string text_of(const DatumRecording& recording) {
+  return fmt::format("axis {}, {} samples every {} us\n\n{}\n  time/s  position/mm  speed/(mm/min)  event\n{}",
+                     letter_of(recording.axis), recording.samples.size(), recording.sample_period_us,
+                     graph_of(recording), events_text(events_of(recording)));
 }
 
 // --- record
@@ -58,7 +72,8 @@ Result<Outcome> record(Session& session, const RecordArguments& arguments) {
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
-  session.face.note(fmt::format("recording axis {} for {} s: reference it now", arguments.axis, kDatumRecord_s));
+  session.face.note(fmt::format("recording for {} s", kDatumRecord_s));
+  ask_to_reference(session, *unit, "axis " + arguments.axis);
   const auto result =
       unit->client().record_datum(*axis, in_ms(3.0 * kDatumRecord_s), [&session](const protocol::CommandResult& busy) {
         const double done = busy.per_mille / 1000.0;
@@ -109,8 +124,9 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
 }
 
 /// A failed command is the answer; a lost line is a problem.
-Result<AxisTest> tested(Session& session, protocol::UnitClient& client, Axis axis, double wait_s) {
-  session.face.note(fmt::format("reference axis {} now", letter_of(axis)));
+Result<AxisTest> tested(Session& session, UnitLink& unit, Axis axis, double wait_s) {
+  protocol::UnitClient& client = unit.client();
+  ask_to_reference(session, unit, fmt::format("axis {}", letter_of(axis)));
   const auto result = client.test_datum(axis, in_ms(wait_s));
   if (result) return AxisTest{axis, true, {}};
   const auto failure = client.link().last_failure();
@@ -135,7 +151,7 @@ Result<Outcome> test(Session& session, const TestArguments& arguments) {
   std::string text;
   bool all_passed = true;
   for (const Axis axis : *axes) {
-    const auto one = tested(session, unit->client(), axis, arguments.wait_s);
+    const auto one = tested(session, *unit, axis, arguments.wait_s);
     if (!one) return tl::unexpected(one.error());
     all_passed = all_passed && one->passed;
     text += fmt::format("axis {}: {}\n", letter_of(axis), one->passed ? "datum found" : one->message);

@@ -78,9 +78,7 @@ tl::unexpected<Problem> why_not(UnitLink& unit, Problem failure) {
 
 Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
   if (const auto entered = unit.client().enter_compensation(); !entered) return why_not(unit, entered.error());
-  session.face.note("reference every axis of the machine now: the unit watches");
-  if (!unit.workshop().empty())
-    session.face.note(fmt::format("the workshop of this emulator listens at {}", unit.workshop()));
+  ask_to_reference(session, unit, "every axis");
   return follow(session, unit, wait_s);
 }
 

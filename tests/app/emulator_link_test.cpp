@@ -1,0 +1,243 @@
+// The verbs against a unit at the far end of a line: the bundled emulator, started as a user's `ecs` starts it.
+#include <csignal>
+#include <thread>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "app/link_choice.hpp"
+#include "app/memory_dump.hpp"
+#include "laser_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+const std::string kEcs = std::string(ECS_BUILD_FOLDER) + "/app/ecs";
+const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
+
+bool built(const std::string& program) {
+  if (std::filesystem::exists(program)) return true;
+  MESSAGE("skipped: " << program << " is not built");
+  return false;
+}
+
+/// A desk with an empty battery, no stored link, and parameters with a map for the sample mill.
+class Desk {
+ public:
+  Desk() {
+    ::setenv("ECS_EMULATOR", kEmulator.c_str(), 1);
+    ::setenv("ECS_STATE_DIR", (folder / "state").c_str(), 1);
+    ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
+  }
+  Desk(const Desk&) = delete;
+  Desk& operator=(const Desk&) = delete;
+  ~Desk() {
+    for (const char* name : {"ECS_EMULATOR", "ECS_STATE_DIR", "XDG_CONFIG_HOME"}) ::unsetenv(name);
+  }
+
+  Folder folder;
+  std::string params =
+      folder.with("p.toml", "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
+  std::string map = folder.with("map.csv",
+                                "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                                "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");
+};
+
+/// The real program with its own process, so that signals can be sent to it.
+pid_t started(const std::vector<std::string>& words, const std::string& output) {
+  std::vector<std::string> all = words;
+  all.insert(all.begin(), kEcs);
+  std::vector<char*> pointers;
+  for (std::string& word : all) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  ::posix_spawn_file_actions_init(&files);
+  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0600);
+  pid_t child = -1;
+  ::posix_spawn(&child, kEcs.c_str(), &files, nullptr, pointers.data(), environ);
+  ::posix_spawn_file_actions_destroy(&files);
+  return child;
+}
+
+int exit_code_of_child(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void wait_for_bytes(const std::string& file) {
+  for (int i = 0; i < 200 && content_of(file).empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+TEST_CASE("parameters sent to the default link come back the same in a later run, and every message says EMULATOR") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const Ran sent = ran({"params", "send", desk.params});
+  CHECK(sent.code == 0);
+  CHECK(sent.out.starts_with("EMULATOR: "));
+  std::istringstream messages(sent.messages);
+  for (std::string line; std::getline(messages, line);) CHECK(line.starts_with("EMULATOR: "));
+  CHECK(ran({"params", "diff", desk.params, "unit"}).code == 0);
+  const std::string back = desk.folder / "back.toml";
+  const Ran received = ran({"params", "receive", "-o", back, "--json"});
+  CHECK(received.code == 0);
+  CHECK(received.json()["link"].get<std::string>().starts_with("emulator:"));
+  CHECK(received.json()["serial_number"] == "MCM-0107");
+  CHECK(ran({"params", "diff", desk.params, back}).code == 0);
+}
+
+TEST_CASE("a unit without parameters says so") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const Ran r = ran({"params", "receive", "--json"});
+  CHECK(r.code == 1);
+  CHECK(r.json()["error"]["message"].get<std::string>().find("holds no parameters") != std::string::npos);
+}
+
+TEST_CASE("a map stays when parameters that it fits are sent, and is dropped only by --force when they do not") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
+  REQUIRE(ran({"params", "set", desk.params, "axis.X.deadband_um=7"}).code == 0);
+  CHECK(ran({"params", "send", desk.params, "--json"}).json()["map_kept"] == true);
+  CHECK(ran({"map", "verify", desk.map, "--params", desk.params}).code == 0);
+  REQUIRE(ran({"params", "set", desk.params, "compensation.scope=volumetric"}).code == 0);
+  const Ran refused = ran({"params", "send", desk.params, "--json"});
+  CHECK(refused.code == 1);
+  CHECK(refused.json()["error"]["also"].size() > 5);
+  CHECK(ran({"memory", "show", "--unit", "--json"}).json()["images"][0]["tables"].size() == 3);
+  CHECK(ran({"params", "send", desk.params, "--force", "--json"}).json()["map_dropped"] == true);
+  CHECK(ran({"memory", "show", "--unit", "--json"}).json()["images"][0]["tables"].empty());
+}
+
+TEST_CASE("parameters that must not meet a machine are refused before any link is opened") {
+  const Folder folder;
+  const std::string file =
+      folder.with("p.toml", "[configuration]\nchain = \"TX\"\naxes = \"X\"\n[compensation]\nscope = \"planar\"\n");
+  const Ran r = ran({"params", "send", file, "--link", "rtu:/dev/no-such-port:9600", "--json"});
+  CHECK(r.code == 1);
+  CHECK(r.json()["error"]["file"] == file);
+  CHECK_FALSE(r.json().contains("link"));
+}
+
+TEST_CASE("a dump of the unit loads back into it, and compares equal in its image") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
+  const std::string before = desk.folder / "before.ecsdump";
+  const std::string after = desk.folder / "after.ecsdump";
+  REQUIRE(ran({"memory", "dump", "--active", "-o", before, "--json"}).code == 0);
+  REQUIRE(ran({"params", "send", desk.params}).code == 0);
+  CHECK(ran({"memory", "load", before}).code == 2);
+  CHECK(ran({"memory", "load", before, "--yes", "--json"}).json()["verified"] == true);
+  REQUIRE(ran({"memory", "dump", "-o", after}).code == 0);
+  const auto dump = read_dump(after);
+  REQUIRE(dump);
+  CHECK(dump->regions.size() == 5);
+  CHECK(dump->damage.empty());
+  for (const auto& difference : ran({"memory", "compare", before, after, "--json"}).json()["differences"]) {
+    const auto what = difference["what"].get<std::string>();
+    CHECK_FALSE(what.starts_with("parameter"));
+    CHECK_FALSE(what.starts_with("table"));
+  }
+}
+
+TEST_CASE("memory is written and read, and where it is protected it is refused") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  CHECK(ran({"memory", "write", "0x048000", "4E75", "0x1234", "--yes", "--json"}).json()["length"] == 4);
+  CHECK(ran({"memory", "write", "0x10", "00", "--yes"}).code == 1);
+  const auto read = ran({"memory", "read", "0x0F0000", "0x80", "--json"}).json();
+  CHECK(read["bytes"].get<std::string>().size() == 256);
+  CHECK(ran({"memory", "read", "0x900000", "4"}).code != 0);
+}
+
+TEST_CASE("monitor answers one JSON object a line and records the samples") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const std::string record = desk.folder / "m.csv";
+  const Ran r = ran({"monitor", "--count", "3", "--interval", "5", "--json", "--record", record});
+  CHECK(r.code == 0);
+  std::istringstream lines(r.out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const auto sample = nlohmann::json::parse(line);
+    CHECK(sample["axes"].size() == 3);
+    CHECK(sample["axes"]["X"]["position_mm"].is_number());
+    CHECK(sample["link"].is_string());
+  }
+  CHECK(count == 3);
+  const std::string csv = content_of(record);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 10);
+}
+
+TEST_CASE("position, output and its end are carried out") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  CHECK(ran({"utility", "position", "X", "-38.8", "--json"}).json()["position_mm"] == -38.8);
+  CHECK(ran({"utility", "output", "X", "5", "--relay", "--yes", "--json"}).json()["relay_closed"] == true);
+  CHECK(ran({"utility", "output", "--off"}).code == 0);
+  CHECK(ran({"utility", "ramtest", "--json"}).json()["passed"] == true);
+  CHECK(ran({"utility", "clear"}).code == 0);
+}
+
+TEST_CASE("a unit that cannot compensate says why, and one that waits for its referencing says how far it is") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const Ran empty = ran({"utility", "mode", "compensate", "--wait", "1", "--json"});
+  CHECK(empty.code != 0);
+  CHECK(empty.json()["error"]["message"].get<std::string>().find("no_map") != std::string::npos);
+  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
+  const Ran waits = ran({"utility", "mode", "compensate", "--wait", "0.3", "--json"});
+  CHECK(waits.code == 1);
+  CHECK(waits.json()["mode"] == "datuming");
+  CHECK(waits.json()["axes"]["X"]["datum_stage"] == "waiting");
+}
+
+TEST_CASE("a batch of one emulator and one wrong serial number sends to the first and skips the second") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"p.toml\"\nmap = \"map.csv\"\nserial_number = ";
+  const std::string plan = desk.folder.with("plan.toml", unit + "\"MCM-0107\"\n" + unit + "\"other\"\n");
+  const Ran dry = ran({"batch", plan, "--dry-run", "--json"});
+  CHECK(dry.json()["units"][0]["state"] == "ready");
+  CHECK(ran({"params", "receive"}).code == 1);  // still nothing in the unit
+  const Ran r = ran({"batch", plan, "--json"});
+  CHECK(r.code == 1);
+  CHECK(r.json()["units"][0]["state"] == "sent");
+  CHECK(r.json()["units"][1]["state"] == "skipped");
+  CHECK(ran({"map", "verify", desk.map, "--params", desk.params}).code == 0);
+}
+
+TEST_CASE("the doctor finds nothing wrong with the bundled emulator, and stores a link that works") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const Ran r = ran({"doctor", "--link", "emulator", "--save", "--json"});
+  CHECK(r.code == 0);
+  CHECK(r.json()["works"] == true);
+  CHECK(r.json()["statistics"]["worst_round_trip_ms"].is_number());
+  CHECK(chosen_link("")->origin == "configuration");
+}
+
+TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what it recorded") {
+  if (!built(kEmulator) || !built(kEcs)) return;
+  const Desk desk;
+  const std::string output = desk.folder / "out";
+  const std::string record = desk.folder / "m.csv";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
+    wait_for_bytes(output);
+    ::kill(child, signal);
+    CHECK(exit_code_of_child(child) == 128 + signal);
+    CHECK(content_of(record).starts_with("time_s,"));
+    std::filesystem::remove(record);
+    std::filesystem::remove(output);
+  }
+}
+
+}  // namespace
+}  // namespace ecs::app
