@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map_image.hpp"
 
@@ -42,6 +43,36 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
     if (finding.objection) kept.objections.push_back(finding.message);
   if (kept.objections.empty()) kept.image = active;
   return kept;
+}
+
+/// What is staged is given up, even after a cancel, as far as the line allows.
+void abandon(protocol::UnitClient& client) {
+  if (!client.link().connected()) return;
+  client.link().heed_cancel(false);
+  static_cast<void>(client.abandon_staged());
+  client.link().heed_cancel(true);
+}
+
+/// Prefix and parameters alone travel: the unit copies its active bank, and its CRC over the whole must agree.
+Result<SendReport> send_head(protocol::UnitClient& client, Image image, const UnitParameters& parameters) {
+  const auto changed = laser::with_parameters(std::move(image), parameters);
+  if (!changed) return tl::unexpected(changed.error());
+  const auto bank = client.begin_staging(true);
+  if (!bank) return tl::unexpected(bank.error());
+  const auto head = std::span(*changed).first(kPrefixBytes + kParameterBytes);
+  auto done = client.write_memory(*bank, head);
+  if (done) done = client.commit_staged(static_cast<std::uint32_t>(changed->size()), crc32_of(*changed));
+  if (!done) {
+    abandon(client);
+    return tl::unexpected(done.error());
+  }
+  const auto held = receive_parameters(client);
+  if (!held) return tl::unexpected(held.error());
+  if (*held != parameters)
+    return problem(ProblemKind::link, "the parameters read back from the unit are not those sent; test its memory");
+  const auto status = client.status();
+  if (!status) return tl::unexpected(status.error());
+  return SendReport{changed->size(), status->commit_sequence, false, false, {}};
 }
 
 tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
@@ -130,10 +161,8 @@ Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParam
   if (!active) return tl::unexpected(active.error());
   KeptMap kept = map_to_keep(*active, parameters);
   if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
-  auto image = kept.image ? laser::with_parameters(std::move(*kept.image), parameters)
-                          : Result<Image>(laser::image_of(parameters));
-  if (!image) return tl::unexpected(image.error());
-  auto report = send_image(client, *image, progress);
+  auto report = kept.image ? send_head(client, std::move(*kept.image), parameters)
+                           : send_image(client, laser::image_of(parameters), progress);
   if (!report) return report;
   report->map_kept = kept.had_one && kept.objections.empty();
   report->map_dropped = kept.had_one && !report->map_kept;

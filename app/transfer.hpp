@@ -44,6 +44,7 @@ struct SendReport {
 [[nodiscard]] std::optional<Problem> objections_to(const UnitParameters& parameters, const std::string& file);
 
 /// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit), then reads back and compares.
+/// The map is read to judge it, but not sent again.
 /// @pre objections_to(parameters) is empty
 [[nodiscard]] Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
                                                  UnfitMap unfit = UnfitMap::refuse,
