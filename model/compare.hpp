@@ -62,6 +62,10 @@ struct Comparison {
 
 [[nodiscard]] Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_count = 10);
 
+/// The residuals against one variable, in bins of about equal counts, one per value where there are few values.
+[[nodiscard]] ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
+                                         const std::string& variable, std::size_t most_bins = 16);
+
 /// One effect's share at one place.
 struct ShareAtPoint {
   std::string effect;

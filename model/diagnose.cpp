@@ -1,0 +1,501 @@
+#include "model/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "model/candidates.hpp"
+#include "model/compare.hpp"
+#include "model/fit_core.hpp"
+#include "model/fit_report.hpp"
+#include "model/held_out.hpp"
+#include "model/outliers.hpp"
+#include "model/statistics.hpp"
+#include "model/stepwise.hpp"
+#include "model/structure.hpp"
+#include "model/words.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+/// The model as it stands: what it absorbs and what it leaves.
+struct Base {
+  MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
+  VectorXd target;    ///< readings less the part held
+  VectorXd residual;  ///< of the fit
+  CoreFit core;
+};
+
+double rms_of(const VectorXd& r) {
+  return r.size() == 0 ? 0.0 : std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
+}
+
+Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* told_fit) {
+  auto assembly = Assembly::of(model, regressors);
+  if (!assembly) return tl::unexpected(assembly.error());
+  Base base;
+  base.core = fitted(*assembly, regressors, {plain, true});
+  base.columns = assembly->columns();
+  const Observations& data = regressors.data();
+  base.target =
+      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly->fixed(data.size());
+  base.residual = base.core.residual;
+  for (std::size_t s = 0; s < assembly->slots.size(); ++s)  // a small error of a fitted period is absorbed too
+    for (std::size_t j = 0; j < assembly->slots[s].nonlinear.size(); ++j) {
+      if (!assembly->slots[s].nonlinear_free[j] || assembly->slots[s].effect.id == EffectId::step) continue;
+      const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), assembly->slots[s].columns.cols());
+      base.columns.conservativeResize(Eigen::NoChange, base.columns.cols() + 1);
+      base.columns.rightCols(1) = assembly->slope(s, j, sizes, regressors);
+    }
+  if (told_fit != nullptr) *told_fit = told(*assembly, regressors, base.core);
+  return base;
+}
+
+/// An even choice of readings, the same whatever the file's order: every reading of rare kinds is likely to stay.
+std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
+  std::vector<std::size_t> chosen;
+  std::mt19937_64 random(20261120);
+  const double step = static_cast<double>(n) / static_cast<double>(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
+    const auto k = std::min(static_cast<std::size_t>(place), n - 1);
+    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
+  }
+  return chosen;
+}
+
+/// Independent noise of size one, 0 in rows left out, each column widened by how little the noise is known.
+MatrixXf blanks_for(std::size_t n, std::size_t count, const std::vector<bool>& left_out, double noise_freedom) {
+  MatrixXf blanks(static_cast<Index>(n), static_cast<Index>(count));
+  std::mt19937_64 random(7);
+  std::normal_distribution<float> normal;
+  std::chi_squared_distribution<double> spread(std::max(noise_freedom, 1.0));
+  for (Index b = 0; b < blanks.cols(); ++b) {
+    const auto widen = static_cast<float>(std::sqrt(std::max(noise_freedom, 1.0) / spread(random)));
+    for (Index k = 0; k < blanks.rows(); ++k)
+      blanks(k, b) = left_out[static_cast<std::size_t>(k)] ? 0.0F : widen * normal(random);
+  }
+  return blanks;
+}
+
+MatrixXf without_absorbed(const MatrixXd& q, MatrixXf blanks) {
+  if (q.cols() == 0) return blanks;
+  const MatrixXf qf = q.cast<float>();
+  const MatrixXf products = qf.transpose() * blanks;
+  blanks.noalias() -= qf * products;
+  return blanks;
+}
+
+/// Least score that noise alone reaches with at most the given chance.
+double score_at(const std::vector<double>& blank_scores, double chance) {
+  double low = -50.0, high = 1000.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (tail_probability(blank_scores, middle) > chance ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Everything found on one choice of readings.
+struct Found {
+  Solution solution;
+  std::vector<Group> groups;
+  std::vector<Family> families;
+  std::vector<double> blank_scores;
+  std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
+  double structure_p_before = 1.0, structure_p_after = 1.0;
+  double entry_score = 0.0;
+  NoiseModel noise;
+  std::vector<bool> left_out;
+};
+
+/// Target less the fixed parts, and columns, of base and chosen effects.
+struct LinearProblem {
+  MatrixXd columns;
+  VectorXd target;
+};
+LinearProblem joined(const Base& base, const Search& search, const std::vector<Choice>& chosen) {
+  LinearProblem all{base.columns, base.target};
+  for (const Choice& choice : chosen) {
+    const Columns columns = search.columns_of(choice);
+    if (columns.fixed.size() > 0) all.target -= columns.fixed;
+    const Index had = all.columns.cols();
+    all.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
+    all.columns.rightCols(columns.of.cols()) = columns.of;
+  }
+  return all;
+}
+
+VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
+  if (problem.columns.cols() == 0) return problem.target;
+  return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
+}
+
+double chance_of_largest(const std::vector<StructureTest>& tests, const std::vector<double>& blanks) {
+  double largest = 0.0;
+  for (const StructureTest& test : tests) largest = std::max(largest, test.minus_log_p);
+  return tail_probability(blanks, largest);
+}
+
+/// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
+bool changed(const NoiseModel& a, const NoiseModel& b) {
+  for (std::size_t g = 0; g < a.groups.size(); ++g) {
+    const double ratio = b.groups[g].sigma() / std::max(a.groups[g].sigma(), 1e-300);
+    if (ratio < 0.85 || ratio > 1.15) return true;
+  }
+  return false;
+}
+
+Found searched(const Regressors& regressors, const Base& base, const std::vector<EffectInstance>& candidates,
+               const DiagnoseOptions& options) {
+  const Observations& data = regressors.data();
+  const MatrixXd smooth = smooth_columns(data);
+  Found found;
+  found.left_out = base.core.left_out;
+  found.noise = noise_of(data, base.residual, smooth, found.left_out);
+  for (int round = 0;; ++round) {
+    const Whitener whitener(data, found.noise, found.left_out);
+    const double noise_freedom = std::max(4.0, 0.6 * found.noise.pure.dof);
+    const Search search(regressors, whitener, base.columns, base.target, candidates);
+    found.families = search.families();
+    const MatrixXf blanks =
+        without_absorbed(search.base().q, blanks_for(data.size(), options.blanks, found.left_out, noise_freedom));
+    if (found.blank_scores.empty()) {
+      found.blank_scores = search.best_scores(blanks);
+      found.entry_score = std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
+    }
+    found.solution = best_solution(search, {options.most_effects, found.entry_score});
+    const VectorXd residual = residual_of(joined(base, search, found.solution.chosen), whitener);
+    if (round < 2) {
+      const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
+      const NoiseModel noise = noise_of(data, residual, smooth, outliers);
+      if (outliers != found.left_out || changed(found.noise, noise)) {
+        found.left_out = outliers;
+        found.noise = noise;
+        continue;
+      }
+    }
+    found.groups = groups_of(search, found.solution, found.entry_score);
+    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
+    found.solution = search.refined(found.solution.chosen);
+    const Structure structure(data, whitener, noise_freedom);
+    found.before = structure.tests(search.base());
+    found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
+    if (found.solution.chosen.empty()) {
+      found.after = found.before;
+      found.structure_p_after = found.structure_p_before;
+    } else {
+      found.after = structure.tests(found.solution.space);
+      found.structure_p_after = chance_of_largest(
+          found.after,
+          structure.largest_of_blanks(found.solution.space, without_absorbed(found.solution.space.q, blanks)));
+    }
+    return found;
+  }
+}
+
+/// The instance as it enters a model: unused columns held at zero, the nonlinear value as a start.
+EffectInstance as_effect(const Family& family, const Choice& choice) {
+  EffectInstance effect = family.effect;
+  const std::string nonlinear(nonlinear_parameter_of(effect.id));
+  if (!nonlinear.empty()) effect.fitted[nonlinear] = choice.nonlinear;
+  const auto uses = [&](Index column) {
+    return std::find(choice.columns.begin(), choice.columns.end(), column) != choice.columns.end();
+  };
+  if (effect.id == EffectId::cyclic && !uses(2)) effect.parameters["amplitude2_um"] = 0.0;
+  const auto hold = [&](Index column, const char* name) {
+    if (!uses(column)) effect.parameters[name] = 0.0;
+  };
+  if (effect.id == EffectId::sag) {
+    hold(0, "k2");
+    hold(1, "k3");
+  }
+  if (effect.id == EffectId::warm_up) {
+    hold(0, "c_um");
+    hold(1, "c_um_per_m");
+  }
+  if (effect.id == EffectId::load) {
+    hold(0, "um_per_kg");
+    hold(1, "um_per_kg_m");
+  }
+  return effect;
+}
+
+bool noise_left(const Found& found, const DiagnoseOptions& options) {
+  if (found.structure_p_after > options.false_naming_limit) return true;
+  const double n = static_cast<double>(found.left_out.size());
+  const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
+  double excess = 0.0;
+  for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
+  return excess < 0.01 + 0.002 * explained;
+}
+
+/// The candidates in the order in which they are told, each with its part in the answer.
+struct Told {
+  EffectInstance effect;
+  Choice choice;
+  bool named = false;
+  std::vector<EffectInstance> rivals;
+};
+
+std::vector<Told> told_order(const Found& found, bool named) {
+  std::vector<Told> list;
+  const auto instance = [&](const Choice& choice) { return as_effect(found.families[choice.family], choice); };
+  std::vector<const Group*> groups;
+  for (const Group& group : found.groups) groups.push_back(&group);
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group* a, const Group* b) { return a->member.gain > b->member.gain; });
+  const auto listed = [&](const EffectInstance& effect) {
+    return std::any_of(list.begin(), list.end(), [&](const Told& t) {
+      return same_place(t.effect, effect) && t.effect.sensor == effect.sensor && t.effect.approach == effect.approach;
+    });
+  };
+  for (const Group* group : groups) {
+    Told one{instance(group->member), group->member, named, {}};
+    for (const Choice& rival : group->rivals) one.rivals.push_back(instance(rival));
+    list.push_back(one);
+  }
+  const std::size_t members = list.size();
+  for (std::size_t g = 0; g < members; ++g)
+    for (const Choice& rival : groups[g]->rivals) {
+      if (listed(instance(rival))) continue;
+      Told one{instance(rival), rival, false, {list[g].effect}};
+      for (const Choice& other : groups[g]->rivals)
+        if (other.family != rival.family) one.rivals.push_back(instance(other));
+      list.push_back(one);
+    }
+  for (const Group* group : groups)
+    for (const Choice& weaker : group->weaker)
+      if (!listed(instance(weaker)) && list.size() < 12) list.push_back({instance(weaker), weaker, false, {}});
+  return list;
+}
+
+/// Columns of a told effect on all readings, at the values found.
+Columns columns_on(const Regressors& regressors, const Told& told) {
+  EffectInstance plain = told.effect;
+  const Columns all = regressors.columns(plain, told.choice.nonlinear);
+  if (all.fixed.size() > 0) return all;
+  Columns chosen;
+  std::vector<Index> kept;
+  for (const Index j : told.choice.columns)
+    if (j < all.of.cols()) kept.push_back(j);
+  chosen.of.resize(all.of.rows(), static_cast<Index>(kept.size()));
+  for (std::size_t j = 0; j < kept.size(); ++j) chosen.of.col(static_cast<Index>(j)) = all.of.col(kept[j]);
+  return chosen;
+}
+
+LinearProblem joined_with(const MatrixXd& columns, const VectorXd& target, const Columns& more) {
+  LinearProblem all{columns, target};
+  if (more.fixed.size() > 0) all.target -= more.fixed;
+  const Index had = all.columns.cols();
+  all.columns.conservativeResize(Eigen::NoChange, had + more.of.cols());
+  all.columns.rightCols(more.of.cols()) = more.of;
+  return all;
+}
+
+/// Sizes of an effect alone beside the model, as parameters without sigma.
+std::vector<ParameterEstimate> quick_parameters(const Told& told, const LinearProblem& problem,
+                                                const Whitener& whitener, const Regressors& regressors, Index first) {
+  const VectorXd sizes = least_squares(whitener(problem.columns), whitener(problem.target));
+  const Columns all = regressors.columns(told.effect, told.choice.nonlinear);
+  VectorXd every = VectorXd::Zero(all.of.cols());
+  std::size_t j = 0;
+  for (const Index column : told.choice.columns)
+    if (column < every.size()) every(column) = sizes(first + static_cast<Index>(j++));
+  std::optional<double> nonlinear;
+  if (!nonlinear_parameter_of(told.effect.id).empty()) nonlinear = told.choice.nonlinear;
+  if (!is_curve(told.effect.id)) return parameters_from(told.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
+  const VectorXd curve = all.of * every;
+  return {{"rms_um", std::string(info_of(told.effect.id).parameters.front().unit), rms_of(curve), {}, false, false}};
+}
+
+struct ReportInput {
+  const Model& model;
+  const Regressors& regressors;
+  const Base& base;
+  const Found& found;
+  const DiagnoseOptions& options;
+};
+
+Candidate candidate_of(const ReportInput& in, const Told& told, const Whitener& whitener, const Parts& parts,
+                       const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
+                       double held_out_before, bool prove) {
+  Candidate candidate;
+  candidate.effect = told.effect;
+  candidate.named = told.named;
+  const Columns columns = columns_on(in.regressors, told);
+  const LinearProblem problem = joined_with(in.base.columns, in.base.target, columns);
+  const VectorXd residual = residual_of(problem, whitener);
+  candidate.rms_after_um = rms_of(residual);
+  candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
+  const double above_noise = rms_um * rms_um - noise.pure.noise_um * noise.pure.noise_um;
+  if (above_noise > 0.0)
+    candidate.explainable_share =
+        std::clamp((rms_um * rms_um - candidate.rms_after_um * candidate.rms_after_um) / above_noise, 0.0, 1.0);
+  const double freedom = std::max<double>(1.0, static_cast<double>(told.choice.parameters));
+  candidate.p_value =
+      std::pow(10.0, -std::min(300.0, minus_log_p(told.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
+  candidate.false_naming = tail_probability(in.found.blank_scores, told.choice.score());
+  candidate.skipped = in.regressors.acting(told.effect).skipped;
+  candidate.parameters = quick_parameters(told, problem, whitener, in.regressors, in.base.columns.cols());
+  if (prove) {
+    candidate.held_out_rms_before_um = held_out_before;
+    candidate.held_out_rms_um =
+        held_out_rms(in.regressors.data(), noise, left_out, parts, problem.columns, problem.target);
+  }
+  for (const EffectInstance& rival : told.rivals) {
+    const std::string name = to_text(rival);
+    auto& list = candidate.indistinguishable_from;
+    if (name != to_text(told.effect) || rival.sensor != told.effect.sensor || rival.approach != told.effect.approach)
+      if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  }
+  return candidate;
+}
+
+void take_parameters(Candidate& candidate, const Fit& after) {
+  for (const EffectFit& effect : after.effects) {
+    if (!same_place(effect.effect, candidate.effect) || effect.effect.sensor != candidate.effect.sensor ||
+        effect.effect.approach != candidate.effect.approach)
+      continue;
+    candidate.parameters = effect.parameters;
+    candidate.effect.curve = effect.effect.curve;
+    candidate.effect.fitted = effect.effect.fitted;
+  }
+}
+
+std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
+                                    const std::vector<StructureTest>& tests) {
+  std::vector<Dependence> list;
+  for (const Variable& variable : variables_of(data)) {
+    Dependence one;
+    one.variable = variable.name;
+    one.strength = share_of(variable, residual, noise.pure.noise_um);
+    for (const StructureTest& test : tests)
+      if (test.variable == variable.name) one.p_value = std::pow(10.0, -std::min(300.0, test.minus_log_p));
+    const ResidualView view =
+        residual_view(data, std::vector<double>(residual.data(), residual.data() + residual.size()),
+                      noise.pure.noise_um, variable.name, 24);
+    for (const ResidualBin& bin : view.bins) {
+      one.at.push_back(0.5 * (bin.from + bin.to));
+      one.mean_um.push_back(bin.mean_um);
+    }
+    if (one.strength > 0.01) list.push_back(std::move(one));
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Dependence& a, const Dependence& b) { return a.strength > b.strength; });
+  return list;
+}
+
+Diagnosis too_few(const Observations& data, const Base& base) {
+  Diagnosis diagnosis;
+  diagnosis.observations = data.size();
+  diagnosis.rms_um = diagnosis.rms_after_um = rms_of(base.residual);
+  diagnosis.noise = base.core.noise.pure;
+  diagnosis.notes.push_back(
+      fmt::format("{} readings against {} fitted parameters: too few to say whether anything is missing; measure more "
+                  "targets and repeats",
+                  data.size(), base.core.rank));
+  return diagnosis;
+}
+
+Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
+  const bool noise = noise_left(found, options);
+  if (found.solution.chosen.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
+  return noise ? Verdict::missing_effect : Verdict::unexplained_structure;
+}
+
+std::vector<EffectInstance> all_candidates(const Model& model, const Observations& data) {
+  std::vector<EffectInstance> all = candidate_instances(data);
+  all.insert(all.end(), model.candidates.begin(), model.candidates.end());
+  return all;
+}
+
+Result<Diagnosis> reported(const ReportInput& in) {
+  const Observations& data = in.regressors.data();
+  Diagnosis diagnosis;
+  diagnosis.observations = data.size();
+  diagnosis.rms_um = rms_of(in.base.residual);
+  diagnosis.verdict = verdict_of(in.found, in.options);
+  diagnosis.candidates_tried = in.found.families.size();
+  diagnosis.blanks = in.found.blank_scores.size();
+
+  Model with = in.model;
+  const std::vector<Told> order = told_order(in.found, diagnosis.verdict == Verdict::missing_effect);
+  for (const Told& told : order)
+    if (told.named) with.effects.push_back(told.effect);
+  Fit after;
+  auto again = base_of(with, in.regressors, in.options.plain, &after);
+  if (!again) return tl::unexpected(again.error());
+  const NoiseModel noise = noise_of(data, again->residual, smooth_columns(data), again->core.left_out);
+  const std::vector<bool>& left_out = again->core.left_out;
+  const Whitener whitener(data, noise, left_out);
+  diagnosis.rms_after_um = after.rms_um;
+  diagnosis.noise = noise.pure;
+  diagnosis.outliers = after.outliers;
+  diagnosis.lack_of_fit =
+      lack_of_fit_of(data, in.base.residual, noise, left_out, static_cast<double>(in.base.core.rank));
+  diagnosis.lack_of_fit_after = after.lack_of_fit;
+
+  const Parts parts = parts_of(data);
+  const double held_out_before =
+      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.base.columns, in.base.target);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    Candidate candidate =
+        candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um, held_out_before, i < 4);
+    if (candidate.named) take_parameters(candidate, after);
+    for (const ParameterEstimate& parameter : candidate.parameters)
+      if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
+    candidate.because = reason_for(candidate, diagnosis.rms_um, diagnosis.noise.noise_um, data);
+    candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals, data);
+    diagnosis.candidates.push_back(std::move(candidate));
+  }
+  if (diagnosis.verdict == Verdict::adequate) diagnosis.candidates.clear();
+  diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
+  diagnosis.notes = untried_effects(data);
+  for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
+  return diagnosis;
+}
+
+}  // namespace
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::missing_effect:
+      return "missing_effect";
+    default:
+      return "unexplained_structure";
+  }
+}
+
+Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
+  const Regressors regressors(data);
+  const auto base = base_of(model, regressors, options.plain, nullptr);
+  if (!base) return tl::unexpected(base.error());
+  if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + 6.0) return too_few(data, *base);
+  const auto candidates = all_candidates(model, data);
+  if (data.size() <= options.largest_search)
+    return reported({model, regressors, *base, searched(regressors, *base, candidates, options), options});
+
+  const Observations part = subset(data, even_choice(data.size(), options.largest_search));
+  const Regressors part_regressors(part);
+  const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
+  if (!part_base) return tl::unexpected(part_base.error());
+  const Found found = searched(part_regressors, *part_base, candidates, options);
+  auto diagnosis = reported({model, regressors, *base, found, options});
+  if (diagnosis)
+    diagnosis->notes.push_back(
+        fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}", part.size(), data.size()));
+  return diagnosis;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,26 @@
+// Proof on readings that a term was not fitted to. Internal (Eigen).
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "model/noise.hpp"
+
+namespace ecs::model {
+
+/// Number of the part (0 … parts − 1) of each reading: whole runs where there are three or more, else blocks of
+/// neighbouring readings.
+struct Parts {
+  std::vector<std::size_t> of;
+  std::size_t count = 0;
+  bool by_run = false;
+};
+[[nodiscard]] Parts parts_of(const Observations& data);
+
+/// √(mean r²) over all readings but the outliers, each predicted from the fit to the other parts.
+[[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                  const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// Least squares in the whitened space by pivoted QR; columns that depend on others get size 0.
+[[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
+
+}  // namespace ecs::model

@@ -1,0 +1,129 @@
+#include "model/stepwise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace ecs::model {
+namespace {
+
+/// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
+constexpr double kIndistinguishable = 9.0;
+/// Fits that differ by less than this are the same fit.
+constexpr double kSame = 0.05;
+constexpr std::size_t kFirstBranches = 6;
+constexpr std::size_t kLaterBranches = 3;
+constexpr std::size_t kBeam = 4;
+constexpr double kWorthFollowing = 0.2;  ///< of the best score
+
+std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
+  std::vector<std::size_t> key;
+  for (const Choice& choice : chosen) key.push_back(choice.family);
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+std::vector<Choice> with(std::vector<Choice> chosen, const Choice& one) {
+  chosen.push_back(one);
+  return chosen;
+}
+
+std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
+  chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
+  return chosen;
+}
+
+double worth(const Solution& solution, double entry_score) {
+  return solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
+}
+
+/// Tries to put another effect in the place of each, and to do without it.
+Solution exchanged(const Search& search, Solution best, double entry_score) {
+  for (int round = 0; round < 3; ++round) {
+    bool changed = false;
+    for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
+      const Solution rest = search.solution(without_member(best.chosen, i));
+      if (worth(rest, entry_score) >= worth(best, entry_score)) {
+        best = rest;
+        changed = true;
+        break;
+      }
+      for (const Choice& other : search.expand(rest.space, 5)) {
+        if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
+        if (other.family == best.chosen[i].family) continue;
+        Solution tried = search.refined(with(rest.chosen, other));
+        if (worth(tried, entry_score) > worth(best, entry_score) + 0.01) {
+          best = std::move(tried);
+          changed = true;
+          break;
+        }
+      }
+      if (changed) break;
+    }
+    if (!changed) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+Solution best_solution(const Search& search, const StepwiseOptions& options) {
+  Solution best = search.solution({});
+  std::vector<Solution> beam{best};
+  std::set<std::vector<std::size_t>> seen;
+  for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
+    std::vector<Solution> next;
+    for (const Solution& state : beam) {
+      const auto list = search.expand(state.space, depth == 0 ? 10 : 5);
+      const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
+      for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
+        if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
+        const auto chosen = with(state.chosen, list[i]);
+        if (!seen.insert(key_of(chosen)).second) continue;
+        next.push_back(search.refined(chosen));
+      }
+    }
+    std::stable_sort(next.begin(), next.end(),
+                     [&](const Solution& a, const Solution& b) { return a.score() > b.score(); });
+    if (next.size() > kBeam) next.resize(kBeam);
+    for (const Solution& solution : next)
+      if (worth(solution, options.entry_score) > worth(best, options.entry_score)) best = solution;
+    beam = std::move(next);
+  }
+  return exchanged(search, std::move(best), options.entry_score);
+}
+
+std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < solution.chosen.size(); ++i) {
+    const Solution rest = search.solution(without_member(solution.chosen, i));
+    Group group;
+    group.member = search.choice_at(rest.space, solution.chosen[i].family, solution.chosen[i].nonlinear);
+    group.member.columns = solution.chosen[i].columns;
+    std::vector<Choice> all = search.expand(rest.space, 4);
+    for (Choice& other : all) {
+      if (other.family == group.member.family) continue;
+      if (other.gain < 0.8 * group.member.gain - kIndistinguishable) {
+        if (other.score() >= entry_score && group.weaker.size() < 6) group.weaker.push_back(other);
+        continue;
+      }
+      const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
+      if (exactly.score() > other.score()) other = exactly;
+      if (other.gain >= group.member.gain - kIndistinguishable && other.parameters <= group.member.parameters + 1)
+        group.rivals.push_back(other);
+      else if (other.score() >= entry_score && group.weaker.size() < 6)
+        group.weaker.push_back(other);
+    }
+    // of equals the one with fewer parameters, then the one that stands first in the library
+    for (Choice& rival : group.rivals) {
+      if (std::abs(rival.gain - group.member.gain) > kSame) continue;
+      const bool simpler = rival.parameters < group.member.parameters ||
+                           (rival.parameters == group.member.parameters && rival.family < group.member.family);
+      if (simpler) std::swap(rival, group.member);
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+}  // namespace ecs::model
