@@ -87,6 +87,8 @@ void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
     to.deadband_mm = from.deadband_um / 1000.0 + std::abs(to.mm_per_count) * 1e-3;
     to.counts_per_um = to.present ? from.output_scale_counts_per_um * from.compensation_polarity : 0.0;
     to.limit_counts = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
+    to.mm_per_output = to.present ? 1e-3 / to.counts_per_um : 0.0;
+    to.follow_part = 1.0 - std::exp(-from.position_loop_gain_per_s * map.period_s);
     to.slew_counts = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
   }
 }

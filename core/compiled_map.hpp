@@ -45,6 +45,8 @@ struct AxisWorking {
   double counts_per_um = 0.0;  ///< D/A counts per um of compensation, polarity inside; 0: axis absent
   double limit_counts = 0.0;   ///< at most 32,767
   double slew_counts = 0.0;    ///< per tick
+  double mm_per_output = 0.0;  ///< how far one D/A count moves the axis, in the end
+  double follow_part = 0.0;    ///< part of what is left of that way which the axis covers in one tick
 };
 
 /// Index of an approach in per-approach tables.

@@ -93,6 +93,7 @@ void walk_axis(Walk& walk, AxisValues& a) noexcept {
   walk.sign(a.compensation_polarity);
   walk.number(a.output_limit_um);
   walk.number(a.output_slew_um_per_s);
+  walk.number(a.position_loop_gain_per_s);
   walk_datum(walk, a.datum);
 }
 
@@ -125,7 +126,8 @@ bool usable(const UnitParameters& p) noexcept {
   if (p.loop_period_us < 100.0 || p.loop_period_us > 20'000.0) return false;
   return std::all_of(p.axes.begin(), p.axes.end(), [](const AxisParameters& a) {
     return a.position_scale_um_per_count != 0.0 && a.deadband_um >= 0.0 && a.output_scale_counts_per_um > 0.0 &&
-           a.output_limit_um >= 0.0 && a.output_slew_um_per_s > 0.0 && a.datum.approach_speed_mm_min > 0.0;
+           a.output_limit_um >= 0.0 && a.output_slew_um_per_s > 0.0 && a.position_loop_gain_per_s > 0.0 &&
+           a.datum.approach_speed_mm_min > 0.0;
   });
 }
 

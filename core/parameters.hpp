@@ -48,11 +48,12 @@ struct DatumParameters {
 struct AxisParameters {
   Transducer transducer = Transducer::encoder;
   double position_scale_um_per_count = 1.0;  ///< position feedback scaling factor; sign = wiring polarity; not 0
-  double deadband_um = 2.0;                  ///< minimum distance to qualify as a move
+  double deadband_um = 5.0;                  ///< minimum distance to qualify as a move
   double output_scale_counts_per_um = 10.0;  ///< compensation output value scaling factor; above 0
   std::int8_t compensation_polarity = 1;     ///< +1: the map's values (compensation = −error) are added
   double output_limit_um = 500.0;          ///< size limit of the compensation; beyond it the value is held and flagged
   double output_slew_um_per_s = 10'000.0;  ///< slew limit of the compensation
+  double position_loop_gain_per_s = 30.0;  ///< velocity per distance of the CNC's position loop (Kv), above 0
   DatumParameters datum{};
   friend bool operator==(const AxisParameters&, const AxisParameters&) = default;
 };

@@ -84,6 +84,7 @@ inline void put_out(const AxisWorking& axis, double compensation_um, TickState& 
   const double before = state.output_counts[a];
   const double output = std::min(std::max(sized, before - axis.slew_counts), before + axis.slew_counts);
   state.output_counts[a] = output;
+  state.own_motion_mm[a] += (output * axis.mm_per_output - state.own_motion_mm[a]) * axis.follow_part;
   state.dac_counts[a] = rounded(output);
 }
 
@@ -93,7 +94,8 @@ inline CurveValues read_axis(const CompiledMap& map, TickState& state, const Per
   const AxisWorking& axis = map.axes[a];
   const double position_mm = state.datum_mm[a] + travelled_counts(counts[a], state.datum_counts[a]) * axis.mm_per_count;
   state.position_mm[a] = position_mm;
-  state.approach[a] = sensed_approach(state.approach[a], position_mm, axis.deadband_mm, state.extreme_mm[a]);
+  state.approach[a] =
+      sensed_approach(state.approach[a], position_mm - state.own_motion_mm[a], axis.deadband_mm, state.extreme_mm[a]);
   return look_up(map, map.curves[a][side_of(state.approach[a])], position_mm);
 }
 

@@ -15,7 +15,8 @@ struct TickState {
   PerAxis<std::int64_t> datum_counts{};  ///< transducer counts at the datum
   Vector3 datum_mm{};                    ///< machine coordinate there
   Vector3 position_mm{};
-  Vector3 extreme_mm{};                ///< furthest point in the present direction of motion
+  Vector3 own_motion_mm{};             ///< part of the position that the unit's own output has brought about
+  Vector3 extreme_mm{};                ///< furthest point in the present direction of motion, own motion taken off
   PerAxis<Approach> approach{};        ///< forward or reverse, never unknown after start()
   Vector3 compensation_um{};           ///< what the model asks for, before scaling and limits
   PerAxis<double> output_counts{};     ///< D/A value, polarity and limits applied
@@ -30,6 +31,9 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
            const PerAxis<Approach>& approach) noexcept;
 
 /// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
+/// The transducers see what the unit adds: an axis that stands while another moves drifts by its own compensation. The
+/// approach is therefore sensed on the position less the motion that the output has brought about, which follows the
+/// output as the CNC's position loop does (first order, gain Kv); else a standing axis would seem to turn.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
 
 /// Address pointer of one curve ("last geometric error values selected", thesis 5.3).

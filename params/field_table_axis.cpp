@@ -70,6 +70,13 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
             "follow the map at the highest feed.",
             ""},
            "um/s", {0.0, 10'000'000.0, false}, [i](auto& p) -> auto& { return p.axes[i].output_slew_um_per_s; }));
+  push(table, axis,
+       number(
+           {"position_loop_gain_per_s", group,
+            "Gain of the control's position loop (Kv), feed divided by following error: 1 m/min per mm is 16.7. By it "
+            "the unit tells its own motion from the control's, so that a standing axis does not seem to turn.",
+            ""},
+           "1/s", {1.0, 1'000.0}, [i](auto& p) -> auto& { return p.axes[i].position_loop_gain_per_s; }));
   for (const Axis lever : kAllAxes) {
     if (lever == axis) continue;
     const auto l = index_of(lever);

@@ -272,7 +272,7 @@ UnitParameters default_parameters_for(const Machine& machine) {
     AxisParameters& unit = parameters.axes[index_of(a)];
     unit.transducer = axis->transducer;
     unit.position_scale_um_per_count = axis->resolution_um;
-    unit.deadband_um = 2.0 * axis->resolution_um;
+    unit.deadband_um = 5.0 * axis->resolution_um;
     unit.datum.reference_position_mm = axis->datum_mm;
   }
   parameters.scope = widest_scope(parameters.axis_present);

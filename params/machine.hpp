@@ -53,7 +53,7 @@ struct MachineFile {
 [[nodiscard]] MeasurementLines measurement_lines_of(const Machine& machine);
 
 /// Parameters that fit the machine to start from: its chain, axes and transducers, position scale = resolution,
-/// deadband = two counts, measurement lines, reference position at the datum, and the widest scope its axes allow.
+/// deadband = five counts, measurement lines, reference position at the datum, and the widest scope its axes allow.
 /// What only the control knows (datum kind, output scale, polarity) keeps the default.
 [[nodiscard]] UnitParameters default_parameters_for(const Machine& machine);
 

@@ -203,9 +203,9 @@ TEST_CASE("the parameters stand where docs/core.md says") {
   CHECK(image[73] == 3);
   CHECK(load_double(image, 79) == 1250.0);
   CHECK(load_double(image, 143 + 8 * (3 * 2 + 1)) == -77.0);
-  CHECK(image[286 + 25] == 0xFF);
-  CHECK(load_double(image, 357 + 34) == 4321.0);
-  CHECK(load_double(image, 357 + 63) == -12.5);
+  CHECK(image[294 + 25] == 0xFF);
+  CHECK(load_double(image, 373 + 34) == 4321.0);
+  CHECK(load_double(image, 373 + 71) == -12.5);
 }
 
 TEST_CASE("the bank may be longer than the image") {

@@ -15,7 +15,8 @@ using namespace ecs::test;
 
 namespace {
 
-/// A single axis X with one map, ready to run: 1 um a count, 10 D/A counts a um, no slew limit to speak of.
+/// A single axis X with one map, ready to run: 1 um a count, 10 D/A counts a um, no slew limit to speak of, and no
+/// drive: the counts are given, the output moves nothing.
 struct Bench {
   UnitParameters parameters;
   std::unique_ptr<CompiledMap> map = std::make_unique<CompiledMap>();
@@ -24,6 +25,7 @@ struct Bench {
   Bench() {
     set_configuration(parameters, "TX");
     parameters.axes[0].output_slew_um_per_s = 1e8;
+    parameters.axes[0].position_loop_gain_per_s = 1e-9;
   }
   void begin(std::vector<PlannedTable> tables, double datum_mm = 0.0, std::int64_t datum_counts = 0,
              Approach approach = Approach::forward) {

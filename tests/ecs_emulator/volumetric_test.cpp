@@ -39,8 +39,6 @@ TEST_CASE("measured along the axes and compensated with measured curves, any mac
     bench.parameters.C0Y_um_per_m = 40.0;
     bench.parameters.B0Z_um_per_m = -50.0;
     bench.parameters.A0Z_um_per_m = 60.0;
-    for (AxisParameters& axis : bench.parameters.axes)
-      axis.deadband_um = 200.0;  // above what the unit itself moves an axis
     const ComponentSet needed = components_needed(bench.parameters);
     std::map<std::pair<Component, Approach>, std::map<long, double>> measured;
     for (std::size_t c = 0; c < kCurves; ++c) {

@@ -109,7 +109,7 @@ TEST_CASE("the printed equations are refused for chains they do not know") {
 }
 
 TEST_CASE("a deadband below one position count is an error, above 1 mm a warning") {
-  expect(kError, {{"axis.Y.position_scale_um_per_count", "-5"}}, "axis.Y.deadband_um", "less than one position count");
+  expect(kError, {{"axis.Y.position_scale_um_per_count", "-6"}}, "axis.Y.deadband_um", "less than one position count");
   expect(kWarning, {{"axis.Y.deadband_um", "1000.5"}}, "axis.Y.deadband_um", "more than 1 mm");
 }
 

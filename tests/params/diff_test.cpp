@@ -19,12 +19,12 @@ TEST_CASE("differences name key, unit and both values in full") {
   b.axes[1].deadband_um = 0.1 + 0.2;
   b.scope = Scope::linear;
   const std::vector<Difference> expected{{"compensation.scope", "", "volumetric", "linear"},
-                                         {"axis.Y.deadband_um", "um", "2", "0.30000000000000004"}};
+                                         {"axis.Y.deadband_um", "um", "5", "0.30000000000000004"}};
   CHECK(diff(a, b) == expected);
   CHECK(to_text(diff(a, b), "disc", "unit") ==
         "                    disc        unit\n"
         "compensation.scope  volumetric  linear\n"
-        "axis.Y.deadband_um  2 um        0.30000000000000004 um\n");
+        "axis.Y.deadband_um  5 um        0.30000000000000004 um\n");
 }
 
 TEST_CASE("a change of any one field is found, and only that") {

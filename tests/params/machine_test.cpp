@@ -75,7 +75,7 @@ TEST_CASE("default parameters of the mill are volumetric, those of the lathe pla
   CHECK(lathe.plane == Plane{Axis::Y, Axis::Z});
   CHECK(lathe.axes[1].transducer == Transducer::resolver);
   CHECK(lathe.axes[1].position_scale_um_per_count == 0.5);
-  CHECK(lathe.axes[1].deadband_um == 1.0);
+  CHECK(lathe.axes[1].deadband_um == 2.5);
   CHECK(lathe.axes[2].datum.reference_position_mm == -10.0);
   CHECK(lathe.measurement_lines_mm[2] == Vector3{0.0, 120.0, 0.0});
 }
