@@ -15,6 +15,7 @@ namespace {
 UnitParameters linear_parameters() {
   UnitParameters p;
   p.scope = Scope::linear;
+  p.axes[0].deadband_um = 2.0;
   return p;
 }
 
