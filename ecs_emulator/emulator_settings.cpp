@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "ecs_emulator/toml_reader.hpp"
+#include "base/toml_reader.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -11,6 +11,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include "ecs_emulator/plan_file.hpp"
 #include "ecs_emulator/serve.hpp"
 #include "ecs_emulator/workshop.hpp"
 #include "ecs_emulator/workshop_socket.hpp"
@@ -195,6 +196,18 @@ int ask(const std::string& socket, const Json& request) {
   return answer ? shown(*answer) : told(answer.error());
 }
 
+/// Every measurement of a plan, one after the other; the first that fails ends it.
+int follow_plan(const std::string& socket, const std::string& plan, PlanChoice choice) {
+  choice.folder = std::filesystem::absolute(choice.folder);
+  std::error_code error;
+  std::filesystem::create_directories(choice.folder, error);
+  const auto requests = requests_of(plan, choice);
+  if (!requests) return told(requests.error());
+  for (const std::string& request : *requests)
+    if (const int code = ask(socket, Json::parse(request)); code != 0) return code;
+  return 0;
+}
+
 /// A machine without a unit, for one action.
 int act_alone(const std::string& machine, const std::string& errors, std::optional<std::uint64_t> seed,
               const Json& request) {
@@ -255,6 +268,17 @@ int main(int argc, char** argv) {
   CLI::App* workshop = app.add_subcommand("workshop", "what a person in the workshop does, at a running server");
   workshop->add_option("socket", socket, "the server's --workshop socket")->required();
   verbs.add_all(*workshop);
+  std::string plan_path;
+  PlanChoice choice;
+  CLI::App* plan =
+      workshop->add_subcommand("plan", "every measurement of a plan: plan PLAN.toml --phase before -o DIR");
+  plan->add_option("PLAN", plan_path, "plan file (TOML)")->required();
+  plan->add_option("--phase", choice.phase, "rows of this phase, and of both")
+      ->required()
+      ->check(CLI::IsMember({"before", "after"}));
+  plan->add_option("-o,--output", choice.folder, "folder for the files")->required();
+  plan->add_option("--date", choice.date);
+  plan->add_option("--engineer", choice.engineer);
   workshop->require_subcommand(1);
   CLI::App* measure = verbs.add(app, "measure", "measure a machine without a unit");
   add_machine(measure);
@@ -268,6 +292,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (plan->parsed()) return follow_plan(socket, plan_path, choice);
   if (workshop->parsed()) return ask(socket, request);
   if (measure->parsed() || survey->parsed()) return act_alone(machine, errors, seed, request);
   return exit_code;

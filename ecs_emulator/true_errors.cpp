@@ -8,9 +8,9 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/toml_reader.hpp"
 #include "ecs_emulator/formula.hpp"
 #include "ecs_emulator/random.hpp"
-#include "ecs_emulator/toml_reader.hpp"
 
 namespace ecs::emulator {
 namespace {
