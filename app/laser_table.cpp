@@ -83,8 +83,7 @@ std::string number(const std::optional<double>& value) { return value ? fmt::for
 
 std::string arrow(const std::optional<double>& before, const std::optional<double>& after) {
   if (!before && !after) return "-";
-  const auto side = [](const std::optional<double>& value) { return value ? number(value) : "?"; };
-  return fmt::format("{:>5}->{:<5}", side(before), side(after));
+  return fmt::format("{:>5}->{:<5}", number(before), number(after));
 }
 
 std::optional<double> band(const std::optional<MeasuredPhase>& phase) {

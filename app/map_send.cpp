@@ -7,12 +7,10 @@
 #include "app/json.hpp"
 #include "app/map_checks.hpp"
 #include "app/map_menu.hpp"
+#include "app/prepared_map.hpp"
 #include "app/transfer.hpp"
 #include "app/unit_link.hpp"
 #include "core/memory_image.hpp"
-#include "laser/map_csv.hpp"
-#include "laser/map_image.hpp"
-#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 namespace {
@@ -23,32 +21,10 @@ struct Arguments {
   bool other_machine = false;
 };
 
-/// What is to be sent, judged as far as that goes without the unit.
-struct Prepared {
-  laser::MapHeader header;
-  laser::MapImage image;
-};
-
-Result<Prepared> prepared(Session& session, const Arguments& arguments) {
-  const auto map = laser::read_map_csv(arguments.file);
-  if (!map) return tl::unexpected(map.error());
-  const auto parameters = params::read_parameters(arguments.params);
-  if (!parameters) return tl::unexpected(parameters.error());
-  if (auto wrong = objections_to(parameters->parameters, arguments.params)) return tl::unexpected(std::move(*wrong));
-  std::vector<std::string> objections = objections_to_map(*map, parameters->parameters);
-  if (!arguments.other_machine)
-    for (std::string& differs : other_machine(map->header, parameters->identity))
-      objections.push_back(std::move(differs));
-  if (auto refused = refused_map(objections, arguments.file)) return tl::unexpected(std::move(*refused));
-  auto image = laser::image_of(*map, parameters->parameters);
-  if (!image) return tl::unexpected(image.error());
-  for (const std::string& note : image->notes) session.face.note(note);
-  return Prepared{map->header, std::move(*image)};
-}
-
 Result<Outcome> send(Session& session, const Arguments& arguments) {
-  const auto ready = prepared(session, arguments);
+  const auto ready = prepared_map(arguments.file, arguments.params, arguments.other_machine);
   if (!ready) return tl::unexpected(ready.error());
+  for (const std::string& note : ready->image.notes) session.face.note(note);
   auto unit = open_unit(session, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();

@@ -11,7 +11,7 @@ namespace ecs::emulator {
 namespace {
 
 constexpr double kOvertravel_mm = 25.0;  ///< how far beyond its travel an axis can go before its buffers
-constexpr int kNullingStops = 11;        ///< along the first leg of a square
+constexpr int kNullingStops = 101;        ///< along the first leg of a square
 
 tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
