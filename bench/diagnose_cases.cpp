@@ -511,7 +511,8 @@ Hidden foreign(const Context& c, std::vector<std::string>& variables) {
     default: {  // wandering in time, slower than a run
       const double last = *c.set.readings.back().time_s;
       std::vector<std::array<double, 3>> waves;
-      for (int i = 0; i < 5; ++i) waves.push_back({dice.normal(), dice.between(1.0, 6.0), dice.between(0.0, 6.28)});
+      const double fastest = 0.8 * c.shop.runs;  // no wave shorter than a run
+      for (int i = 0; i < 5; ++i) waves.push_back({dice.normal(), dice.between(0.8, fastest), dice.between(0.0, 6.28)});
       variables = {"time_s", "run"};
       return {"wander", of([&](const Reading& r) {
                 double sum = 0.0;
@@ -571,10 +572,15 @@ VectorXd beyond(const MatrixXd& base, const VectorXd& v) {
 }
 
 /// White, turbulent, heavy-tailed, rounded; now and then a gross outlier. Size one before rounding.
-VectorXd noise(const laser::MeasurementSet& set, Dice& dice) {
+VectorXd noise(const laser::MeasurementSet& set, Dice& dice, std::string& words) {
   const int kind = dice.whole(0, 3);
   const double tau = dice.between(5.0, 40.0), share = kind == 1 ? dice.between(0.3, 0.8) : 0.0;
   const bool outliers = dice.chance(0.4);
+  words = fmt::format("{}{}",
+                      kind == 1   ? fmt::format("turbulence {:.0f} s {:.0f} %", tau, 100.0 * share)
+                      : kind == 2 ? "heavy tails"
+                                  : "white",
+                      outliers ? ", outliers" : "");
   VectorXd out(static_cast<Index>(set.readings.size()));
   double state = dice.normal(), before = 0.0;
   for (std::size_t k = 0; k < set.readings.size(); ++k) {
@@ -692,7 +698,7 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
     if (!good) continue;
     if (out.name.empty())
       out.name = out.truth.effects.empty() ? "blank" : fmt::format("{}", fmt::join(out.truth.effects, " + "));
-    const VectorXd scatter = noise(out.data, dice) * sigma;
+    const VectorXd scatter = noise(out.data, dice, out.truth.noise) * sigma;
     const double resolution = dice.chance(0.5) ? 0.1 * sigma : 0.5 * sigma;
     for (std::size_t k = 0; k < out.data.readings.size(); ++k) {
       const auto i = static_cast<Index>(k);

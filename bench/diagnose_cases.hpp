@@ -22,6 +22,7 @@ struct Truth {
   std::vector<std::string> variables;  ///< of structure outside the library: what it depends on
   std::optional<double> parameter;     ///< of the first effect, where it has a single one
   std::string parameter_name;
+  std::string noise;         ///< its kind, in words
   double sigma_um = 0.0;     ///< of one reading
   double true_rms_um = 0.0;  ///< of the readings less base and hidden effects as they are
 };

@@ -58,7 +58,8 @@ bool right(const bench::Case& one, const model::Diagnosis& d) {
 }
 
 void tell(const bench::Case& one, const model::Diagnosis& d, std::uint64_t seed) {
-  fmt::print("  seed {} n {} truth {} -> {}", seed, one.data.readings.size(), one.name, name_of(d.verdict));
+  fmt::print("  seed {} n {} truth {} ({}) -> {}", seed, one.data.readings.size(), one.name, one.truth.noise,
+             name_of(d.verdict));
   for (const model::Candidate& c : d.candidates)
     if (c.named || &c == &d.candidates.front())
       fmt::print(" [{}{} {:.2f}->{:.3f} {}]", to_text(c.effect),

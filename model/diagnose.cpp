@@ -71,20 +71,6 @@ std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
   return chosen;
 }
 
-/// Independent noise of size one, 0 in rows left out, each column widened by how little the noise is known.
-MatrixXf blanks_for(std::size_t n, std::size_t count, const std::vector<bool>& left_out, double noise_freedom) {
-  MatrixXf blanks(static_cast<Index>(n), static_cast<Index>(count));
-  std::mt19937_64 random(7);
-  std::normal_distribution<float> normal;
-  std::chi_squared_distribution<double> spread(std::max(noise_freedom, 1.0));
-  for (Index b = 0; b < blanks.cols(); ++b) {
-    const auto widen = static_cast<float>(std::sqrt(std::max(noise_freedom, 1.0) / spread(random)));
-    for (Index k = 0; k < blanks.rows(); ++k)
-      blanks(k, b) = left_out[static_cast<std::size_t>(k)] ? 0.0F : widen * normal(random);
-  }
-  return blanks;
-}
-
 MatrixXf without_absorbed(const MatrixXd& q, MatrixXf blanks) {
   if (q.cols() == 0) return blanks;
   const MatrixXf qf = q.cast<float>();
@@ -112,6 +98,7 @@ struct Found {
   std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
   double structure_p_before = 1.0, structure_p_after = 1.0;
   double entry_score = 0.0;
+  double foreseen = 1.0;  ///< share of what is above noise that is predicted at targets not fitted to
   NoiseModel noise;
   std::vector<bool> left_out;
 };
@@ -153,6 +140,17 @@ bool changed(const NoiseModel& a, const NoiseModel& b) {
   return false;
 }
 
+/// Share of what is above noise that the effects predict at targets they were not fitted to.
+double foreseen_share(const Observations& data, const Base& base, const Search& search, const Found& found) {
+  const Parts parts = parts_by_target(data);
+  const LinearProblem with = joined(base, search, found.solution.chosen);
+  const double n = static_cast<double>(data.size());
+  const double most = 9.0 * std::max(1.0, found.solution.chi2_before / n);
+  const double before = held_out_squares(data, found.noise, found.left_out, parts, base.columns, base.target, most);
+  const double after = held_out_squares(data, found.noise, found.left_out, parts, with.columns, with.target, most);
+  return (before - after) / std::max(before - n, 0.05 * n);
+}
+
 Found searched(const Regressors& regressors, const Base& base, const std::vector<EffectInstance>& candidates,
                const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
@@ -165,8 +163,8 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     const double noise_freedom = std::max(4.0, 0.6 * found.noise.pure.dof);
     const Search search(regressors, whitener, base.columns, base.target, candidates);
     found.families = search.families();
-    const MatrixXf blanks =
-        without_absorbed(search.base().q, blanks_for(data.size(), options.blanks, found.left_out, noise_freedom));
+    const MatrixXf blanks = without_absorbed(
+        search.base().q, whitener(simulated_noise(data, found.noise, options.blanks, found.left_out)).cast<float>());
     if (found.blank_scores.empty()) {
       found.blank_scores = search.best_scores(blanks);
       found.entry_score = std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
@@ -185,6 +183,7 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     found.groups = groups_of(search, found.solution, found.entry_score);
     for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
     found.solution = search.refined(found.solution.chosen);
+    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, base, search, found);
     const Structure structure(data, whitener, noise_freedom);
     found.before = structure.tests(search.base());
     found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
@@ -229,6 +228,8 @@ EffectInstance as_effect(const Family& family, const Choice& choice) {
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
+  constexpr double kForeseen = 0.5;
+  if (found.foreseen < kForeseen) return false;
   if (found.structure_p_after > options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;

@@ -1,7 +1,11 @@
 #include "model/held_out.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+
+#include "model/curve_basis.hpp"
 
 namespace ecs::model {
 
@@ -24,6 +28,23 @@ Parts parts_of(const Observations& data) {
   return parts;
 }
 
+Parts parts_by_target(const Observations& data) {
+  Parts parts;
+  parts.count = 5;
+  parts.of.assign(data.size(), 0);
+  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  for (auto& each : targets) each.second = distinct(std::move(each.second), 1e-4);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto& list = targets[{data.sense[k], data.axis[k]}];
+    const double p = data.p_mm(k, data.axis[k]);
+    const auto rank = std::upper_bound(list.begin(), list.end(), p + 1e-5) - list.begin();
+    parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
+  }
+  return parts;
+}
+
 VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
   if (white.cols() == 0) return VectorXd(0);
   VectorXd norm = white.colwise().norm();
@@ -34,9 +55,12 @@ VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
   return norm.asDiagonal() * VectorXd(qr.solve(target));
 }
 
-double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                    const Parts& parts, const MatrixXd& columns, const VectorXd& target) {
-  double sum = 0.0, count = 0.0;
+namespace {
+
+/// Calls `tell` with the place and the residual of every reading, predicted from the other parts.
+template <class Tell>
+void predict_parts(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                   const Parts& parts, const MatrixXd& columns, const VectorXd& target, const Tell& tell) {
   for (std::size_t part = 0; part < parts.count; ++part) {
     std::vector<bool> hidden = left_out;
     for (std::size_t k = 0; k < hidden.size(); ++k)
@@ -46,11 +70,29 @@ double held_out_rms(const Observations& data, const NoiseModel& noise, const std
     for (std::size_t k = 0; k < hidden.size(); ++k) {
       if (parts.of[k] != part || left_out[k]) continue;
       const auto at = static_cast<Index>(k);
-      const double r = target(at) - (sizes.size() > 0 ? columns.row(at).dot(sizes) : 0.0);
-      sum += r * r;
-      count += 1.0;
+      tell(k, target(at) - (sizes.size() > 0 ? columns.row(at).dot(sizes) : 0.0));
     }
   }
+}
+
+}  // namespace
+
+double held_out_squares(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                        const Parts& parts, const MatrixXd& columns, const VectorXd& target, double most) {
+  const std::vector<double> sigma = noise.sigma_by_row(data.size());
+  double sum = 0.0;
+  predict_parts(data, noise, left_out, parts, columns, target,
+                [&](std::size_t k, double r) { sum += std::min(r * r / (sigma[k] * sigma[k]), most); });
+  return sum;
+}
+
+double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                    const Parts& parts, const MatrixXd& columns, const VectorXd& target) {
+  double sum = 0.0, count = 0.0;
+  predict_parts(data, noise, left_out, parts, columns, target, [&](std::size_t, double r) {
+    sum += r * r;
+    count += 1.0;
+  });
   return std::sqrt(sum / std::max(count, 1.0));
 }
 

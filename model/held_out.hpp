@@ -16,6 +16,15 @@ struct Parts {
 };
 [[nodiscard]] Parts parts_of(const Observations& data);
 
+/// Every fifth target of a line together, so that a prediction has to bridge places it has not seen.
+[[nodiscard]] Parts parts_by_target(const Observations& data);
+
+/// Σ r² over all readings but the outliers in units of the noise, each predicted from the fit to the other parts; a
+/// reading counts at most `most`.
+[[nodiscard]] double held_out_squares(const Observations& data, const NoiseModel& noise,
+                                      const std::vector<bool>& left_out, const Parts& parts,
+                                      const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, double most);
+
 /// √(mean r²) over all readings but the outliers, each predicted from the fit to the other parts.
 [[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                   const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <random>
 #include <tuple>
 
 namespace ecs::model {
 namespace {
-
-constexpr double kLongestLag_s = 150.0;
-constexpr std::size_t kFewestPairs = 12;
 
 double rounded(double value, double step) { return std::isnan(value) ? -1e300 : std::round(value / step) * step; }
 double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
@@ -30,94 +29,6 @@ double robust_mean_square(std::vector<double> squares) {
   return sum / std::max(count, 1.0);
 }
 
-struct LagClass {
-  double lag = 0.0;
-  double gamma = 0.0;  ///< half the mean squared difference
-  double pairs = 0.0;
-};
-
-/// Half squared differences of deviations within passes, by lag.
-std::vector<LagClass> variogram(const Observations& data, const NoiseGroup& group, const std::vector<std::size_t>& pass,
-                                const std::vector<double>& deviation) {
-  constexpr std::array<std::size_t, 14> kSteps{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128};
-  const bool by_time = !data.time_s.empty();
-  std::vector<std::size_t> usable;
-  for (const std::size_t k : group.rows)
-    if (!std::isnan(deviation[k])) usable.push_back(k);
-  std::vector<LagClass> classes;
-  for (const std::size_t steps : kSteps) {
-    if (!by_time && steps > 6) break;
-    std::vector<double> squares;
-    double lag_sum = 0.0;
-    for (std::size_t i = 0; i + steps < usable.size(); ++i) {
-      const std::size_t a = usable[i], b = usable[i + steps];
-      if (pass[a] != pass[b]) continue;
-      const double lag = by_time ? cell(data.time_s, b) - cell(data.time_s, a) : static_cast<double>(steps);
-      if (std::isnan(lag) || (by_time && lag > kLongestLag_s && steps > 1)) continue;
-      const double d = deviation[a] - deviation[b];
-      squares.push_back(0.5 * d * d);
-      lag_sum += lag;
-    }
-    if (squares.size() < kFewestPairs) continue;
-    const double pairs = static_cast<double>(squares.size());
-    classes.push_back({lag_sum / pairs, robust_mean_square(std::move(squares)), pairs});
-  }
-  return classes;
-}
-
-/// White and correlated variance with γ(lag) = white + correlated·(1 − exp(−lag/time)), none below 0.
-struct Split {
-  double white = 0.0, correlated = 0.0, time = 0.0, misfit = 1e300;
-};
-Split split_at(const std::vector<LagClass>& classes, double time) {
-  double s11 = 0, s12 = 0, s22 = 0, r1 = 0, r2 = 0, rr = 0;
-  for (const LagClass& c : classes) {
-    const double w = c.pairs, f = -std::expm1(-c.lag / time);
-    s11 += w;
-    s12 += w * f;
-    s22 += w * f * f;
-    r1 += w * c.gamma;
-    r2 += w * f * c.gamma;
-    rr += w * c.gamma * c.gamma;
-  }
-  const double determinant = s11 * s22 - s12 * s12;
-  Split best{r1 / s11, 0.0, time, 0.0};
-  if (determinant > 1e-9 * s11 * s22) {
-    const double white = (s22 * r1 - s12 * r2) / determinant;
-    const double correlated = (s11 * r2 - s12 * r1) / determinant;
-    if (white >= 0.0 && correlated >= 0.0)
-      best = {white, correlated, time, 0.0};
-    else if (white < 0.0 && r2 > 0.0)
-      best = {0.0, r2 / s22, time, 0.0};
-  }
-  best.misfit = rr - 2.0 * (best.white * r1 + best.correlated * r2) + best.white * best.white * s11 +
-                2.0 * best.white * best.correlated * s12 + best.correlated * best.correlated * s22;
-  return best;
-}
-
-Split split_of(const std::vector<LagClass>& classes, bool by_time) {
-  static constexpr std::array<double, 7> kTimes_s{3, 6, 10, 16, 25, 40, 60};
-  static constexpr std::array<double, 3> kTimes_readings{1.0, 2.0, 4.0};
-  Split best;
-  const auto try_one = [&](double time) {
-    const Split split = split_at(classes, time);
-    if (split.misfit < best.misfit) best = split;
-  };
-  if (by_time)
-    for (const double time : kTimes_s) try_one(time);
-  else
-    for (const double time : kTimes_readings) try_one(time);
-  if (classes.size() < 3 || best.correlated < 0.1 * (best.white + best.correlated)) {
-    double sum = 0.0, pairs = 0.0;
-    for (const LagClass& c : classes) {
-      sum += c.pairs * c.gamma;
-      pairs += c.pairs;
-    }
-    return {sum / pairs, 0.0, 0.0, best.misfit};
-  }
-  return best;
-}
-
 /// Deviations from the mean of the repeats, widened for the mean that was taken off; NaN where there is no repeat.
 std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen::VectorXd& residual,
                                             const std::vector<bool>& left_out) {
@@ -135,6 +46,49 @@ std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen:
     deviation[k] = (residual(static_cast<Eigen::Index>(k)) - sum[repeats.node_of[k]] / c) * std::sqrt(c / (c - 1.0));
   }
   return deviation;
+}
+
+/// Half the difference of both approaches at a place in a run, so that what the run has in common drops out, at the
+/// rows of the forward passes; and half the sum. Empty where too few places have both.
+struct Halves {
+  std::vector<double> difference, sum;
+};
+Halves halves_of(const Observations& data, const std::vector<double>& deviation) {
+  using Key = std::tuple<Sense, Axis, int, double, double, double>;
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::map<Key, std::pair<std::size_t, std::size_t>> places;
+  std::size_t complete = 0, usable = 0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (std::isnan(deviation[k]) || data.approach[k] == 0) continue;
+    ++usable;
+    const Vector3& p = data.position_mm[k];
+    const Key key{data.sense[k],       data.axis[k],        data.run[k],
+                  rounded(p[0], 1e-4), rounded(p[1], 1e-4), rounded(p[2], 1e-4)};
+    auto& place = places.try_emplace(key, kNone, kNone).first->second;
+    std::size_t& side = data.approach[k] > 0 ? place.first : place.second;
+    if (side == kNone) side = k;
+    if (place.first != kNone && place.second != kNone) ++complete;
+  }
+  Halves halves;
+  if (complete * 3 < usable || complete < 20) return halves;
+  halves.difference.assign(data.size(), kNotMeasured);
+  for (const auto& each : places) {
+    const auto [forward, reverse] = each.second;
+    if (forward == kNone || reverse == kNone) continue;
+    halves.difference[forward] = (deviation[forward] - deviation[reverse]) / std::numbers::sqrt2;
+    halves.sum.push_back((deviation[forward] + deviation[reverse]) / std::numbers::sqrt2);
+  }
+  return halves;
+}
+
+/// True where runs differ in a way that both approaches share, far beyond what noise does.
+bool runs_differ(const Halves& halves) {
+  std::vector<double> d, s;
+  for (const double v : halves.difference)
+    if (!std::isnan(v)) d.push_back(v * v);
+  for (const double v : halves.sum) s.push_back(v * v);
+  constexpr double kFar = 1.8;
+  return robust_mean_square(std::move(s)) > kFar * robust_mean_square(std::move(d));
 }
 
 /// Deviations from what the smooth columns can produce.
@@ -197,11 +151,143 @@ std::vector<NoiseGroup> groups_of(const Observations& data) {
   return list;
 }
 
-double mean_square(const std::vector<double>& deviation, const std::vector<std::size_t>& rows) {
-  std::vector<double> squares;
-  for (const std::size_t k : rows)
-    if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
-  return squares.size() < 4 ? kNotMeasured : robust_mean_square(std::move(squares));
+/// Readings of one pass in order, with the time of each.
+struct Pass {
+  std::size_t group = 0;
+  std::vector<std::size_t> rows;
+  std::vector<double> time;  ///< s, or readings
+};
+
+std::vector<Pass> usable_passes(const Observations& data, const std::vector<NoiseGroup>& groups,
+                                const std::vector<double>& deviation) {
+  const std::vector<std::size_t> number = passes_of(data);
+  std::vector<Pass> passes;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::map<std::size_t, Pass> of_group;
+    for (const std::size_t k : groups[g].rows) {
+      if (std::isnan(deviation[k]) || (!data.time_s.empty() && std::isnan(data.time_s[k]))) continue;
+      Pass& pass = of_group[number[k]];
+      pass.group = g;
+      pass.time.push_back(data.time_s.empty() ? static_cast<double>(pass.rows.size()) : data.time_s[k]);
+      pass.rows.push_back(k);
+    }
+    for (auto& each : of_group) passes.push_back(std::move(each.second));
+  }
+  return passes;
+}
+
+/// A pass made independent under one shape of noise, a low polynomial in time taken off (what wanders for minutes is no
+/// noise): the residuals left, ln of the determinants, degrees of freedom.
+struct PassFit {
+  std::vector<double> residual;
+  double ln_determinant = 0.0;
+  double freedom = 0.0;
+};
+PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, double share, double time,
+                    double slowest_noise) {
+  const auto n = static_cast<Eigen::Index>(pass.rows.size());
+  const double first = pass.time.front(), width = std::max(pass.time.back() - first, 1e-9);
+  const auto by_length = static_cast<Eigen::Index>(width / slowest_noise);
+  const Eigen::Index degree = std::min<Eigen::Index>({5, n / 6, by_length});
+  Eigen::MatrixXd columns(n, degree + 2);  // the polynomial, then the deviations
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double u = 2.0 * (pass.time[static_cast<std::size_t>(i)] - first) / width - 1.0;
+    for (Eigen::Index j = 0; j <= degree; ++j)
+      columns(i, j) = std::cos(static_cast<double>(j) * std::acos(std::clamp(u, -1.0, 1.0)));
+    columns(i, degree + 1) = deviation[pass.rows[static_cast<std::size_t>(i)]];
+  }
+  PassFit fit;
+  double variance = share;
+  Eigen::RowVectorXd state = Eigen::RowVectorXd::Zero(columns.cols());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i > 0) {
+      const double memory =
+          std::exp(-(pass.time[static_cast<std::size_t>(i)] - pass.time[static_cast<std::size_t>(i - 1)]) / time);
+      variance = memory * memory * (variance - share) + share;
+      state *= memory;
+    }
+    const double innovation = variance + 1.0 - share;
+    const Eigen::RowVectorXd fresh = columns.row(i) - state;
+    state += variance / innovation * fresh;
+    variance *= 1.0 - variance / innovation;
+    columns.row(i) = fresh / std::sqrt(innovation);
+    fit.ln_determinant += std::log(innovation);
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns.leftCols(degree + 1));
+  Eigen::VectorXd y = columns.col(degree + 1);
+  y -= columns.leftCols(degree + 1) * qr.solve(y);
+  for (Eigen::Index j = 0; j <= degree; ++j)
+    fit.ln_determinant += 2.0 * std::log(std::max(std::abs(qr.matrixQR()(j, j)), 1e-12));
+  fit.residual.assign(y.data(), y.data() + n);
+  fit.freedom = static_cast<double>(n - degree - 1);
+  return fit;
+}
+
+/// Shapes of noise on a grid with their likelihoods (restricted maximum likelihood over all passes together).
+/// @param information  independent deviations per deviation
+std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vector<NoiseGroup>& groups,
+                                      const std::vector<double>& deviation, double information) {
+  const std::vector<Pass> passes = usable_passes(data, groups, deviation);
+  const std::vector<double> times =
+      data.time_s.empty() ? std::vector<double>{1.0, 2.0, 4.0} : std::vector<double>{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
+  std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
+  for (const double time : times)
+    for (const double share : {0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97}) shapes.push_back({share, time, 0.0, {}});
+  double most = -1e300;
+  std::vector<double> scatter;
+  for (const NoiseGroup& group : groups) {
+    std::vector<double> squares;
+    for (const std::size_t k : group.rows)
+      if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
+    scatter.push_back(squares.size() < 4 ? kNotMeasured : robust_mean_square(std::move(squares)));
+  }
+  for (NoiseShape& shape : shapes) {
+    std::vector<std::vector<double>> squares(groups.size());
+    std::vector<double> freedom(groups.size(), 0.0), count(groups.size(), 0.0);
+    double ln_determinant = 0.0;
+    for (const Pass& pass : passes) {
+      const PassFit fit = fitted_pass(pass, deviation, shape.share, shape.time, data.time_s.empty() ? 20.0 : 200.0);
+      for (const double r : fit.residual) squares[pass.group].push_back(r * r);
+      freedom[pass.group] += fit.freedom;
+      count[pass.group] += static_cast<double>(fit.residual.size());
+      ln_determinant += fit.ln_determinant;
+    }
+    shape.weight = -0.5 * ln_determinant;
+    double all = 0.0, all_freedom = 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      shape.variance.push_back(kNotMeasured);
+      if (freedom[g] < 1.0) continue;
+      const double mean = robust_mean_square(squares[g]) * count[g] / freedom[g];
+      shape.weight -= 0.5 * freedom[g] * std::log(std::max(mean, 1e-300));
+      all += mean * freedom[g];
+      all_freedom += freedom[g];
+      if (freedom[g] >= 6.0) shape.variance[g] = mean;
+    }
+    if (all_freedom > 0.0)
+      for (double& variance : shape.variance)
+        if (std::isnan(variance)) variance = all / all_freedom;
+    shape.weight *= information;
+    // the scatter of the deviations themselves holds all of the noise: more than that is not possible
+    double claimed = 0.0, there = 0.0, rows = 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (std::isnan(shape.variance[g]) || std::isnan(scatter[g])) continue;
+      const double n = static_cast<double>(groups[g].rows.size());
+      claimed += n * shape.variance[g];
+      there += n * scatter[g];
+      rows += n;
+    }
+    if (there > 0.0 && claimed > there) shape.weight -= 0.1 * rows * information * std::pow(claimed / there - 1.0, 2);
+    most = std::max(most, shape.weight);
+  }
+  double sum = 0.0;
+  for (NoiseShape& shape : shapes) {
+    // white noise is one shape, the correlated ones are many: each half of the belief beforehand
+    const double belief = shape.share == 0.0 ? 1.0 : 1.0 / static_cast<double>(shapes.size() - 1);
+    shape.weight = belief * std::exp(shape.weight - most);
+    sum += shape.weight;
+  }
+  for (NoiseShape& shape : shapes) shape.weight /= sum;
+  return shapes;
 }
 
 }  // namespace
@@ -249,6 +335,7 @@ NoiseModel plain_noise(const Observations& data, double sigma_um) {
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
   for (NoiseGroup& group : noise.groups) group.white = sigma_um;
+  noise.shapes = {{0.0, 1.0, 1.0, std::vector<double>(noise.groups.size(), sigma_um * sigma_um)}};
   return noise;
 }
 
@@ -258,46 +345,84 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
   const Repeats repeats = repeats_of(data);
-  const std::vector<std::size_t> pass = passes_of(data);
   std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
   const auto repeated = static_cast<std::size_t>(
       std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
   noise.pure.from_repeats = repeated >= 8 && repeated * 2 >= data.size();
-  if (!noise.pure.from_repeats) deviation = deviations_from_smooth(residual, smooth, left_out);
-
-  const double largest =
-      residual.size() > 0 ? std::sqrt(residual.squaredNorm() / static_cast<double>(residual.size())) : 0.0;
-  std::vector<std::size_t> all(data.size());
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
-  const double everywhere = mean_square(deviation, all);
-  double sum = 0.0, count = 0.0;
-  for (NoiseGroup& group : noise.groups) {
-    const auto classes = variogram(data, group, pass, deviation);
-    Split split;
-    if (!classes.empty()) {
-      split = split_of(classes, noise.has_time);
-    } else {
-      const double own = mean_square(deviation, group.rows);
-      split.white = std::isnan(own) ? (std::isnan(everywhere) ? largest * largest : everywhere) : own;
+  if (!noise.pure.from_repeats) {
+    deviation = deviations_from_smooth(residual, smooth, left_out);
+  } else if (Halves halves = halves_of(data, deviation); !halves.sum.empty() && runs_differ(halves)) {
+    deviation = std::move(halves.difference);
+  }
+  std::vector<bool> seen(repeats.nodes, false);
+  double nodes = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k] && !seen[repeats.node_of[k]]) {
+      seen[repeats.node_of[k]] = true;
+      nodes += 1.0;
     }
-    const double step = resolution_of(data, group);
+  const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
+  noise.pure.dof = noise.pure.from_repeats ? size - nodes : size - static_cast<double>(smooth.cols());
+  noise.pure.dof = std::max(noise.pure.dof, 1.0);
+
+  noise.shapes = likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, 0.05, 1.0));
+  const NoiseShape& best =
+      *std::max_element(noise.shapes.begin(), noise.shapes.end(),
+                        [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
+  double sum = 0.0;
+  for (std::size_t g = 0; g < noise.groups.size(); ++g) {
+    NoiseGroup& group = noise.groups[g];
     double group_square = 0.0;
     for (const std::size_t k : group.rows)
       group_square += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
-    const double floor =
-        std::max({0.25 * step, 2e-3 * std::sqrt(group_square / static_cast<double>(group.rows.size())), 1e-9});
-    group.white = std::sqrt(std::max(split.white, split.correlated > 0 ? 0.02 * split.correlated : 0.0));
-    group.correlated = std::sqrt(split.correlated);
-    group.time = split.time;
-    if (group.sigma() < floor) group.white = floor;
+    group_square /= static_cast<double>(group.rows.size());
+    const double floor = std::max({0.25 * resolution_of(data, group), 2e-3 * std::sqrt(group_square), 1e-9});
+    for (NoiseShape& shape : noise.shapes) {
+      if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
+      shape.variance[g] = std::max(shape.variance[g], floor * floor);
+    }
+    group.white = std::sqrt(std::max(1.0 - best.share, 0.02) * best.variance[g]);
+    group.correlated = std::sqrt(best.share * best.variance[g]);
+    group.time = best.time;
     sum += group.sigma() * group.sigma() * static_cast<double>(group.rows.size());
-    count += static_cast<double>(group.rows.size());
   }
-  noise.pure.noise_um = std::sqrt(sum / std::max(count, 1.0));
-  noise.pure.dof = noise.pure.from_repeats ? static_cast<double>(repeated) - static_cast<double>(repeats.nodes)
-                                           : static_cast<double>(data.size()) - static_cast<double>(smooth.cols());
-  noise.pure.dof = std::max(noise.pure.dof, 1.0);
+  noise.pure.noise_um = std::sqrt(sum / size);
   return noise;
+}
+
+Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
+                                const std::vector<bool>& left_out) {
+  Eigen::MatrixXd sets =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(count));
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<double> weights;
+  for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
+  std::discrete_distribution<std::size_t> any(weights.begin(), weights.end());
+  const std::vector<std::size_t> pass = passes_of(data);
+  const double freedom = std::max(4.0, 0.7 * noise.pure.dof);
+  std::chi_squared_distribution<double> spread(freedom);
+  for (Eigen::Index b = 0; b < sets.cols(); ++b) {
+    const NoiseShape& shape = noise.shapes[any(random)];
+    const double widen = std::sqrt(freedom / spread(random));
+    for (std::size_t g = 0; g < noise.groups.size(); ++g) {
+      const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
+      const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
+      double state = normal(random);
+      std::size_t before = noise.groups[g].rows.front();
+      for (const std::size_t k : noise.groups[g].rows) {
+        double memory = 0.0;
+        if (noise.has_time && !std::isnan(data.time_s[k]) && !std::isnan(data.time_s[before]))
+          memory = std::exp(-std::max(0.0, data.time_s[k] - data.time_s[before]) / shape.time);
+        else if (!noise.has_time && pass[k] == pass[before])
+          memory = std::exp(-1.0 / shape.time);
+        before = k;
+        state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal(random);
+        if (!left_out[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal(random) + correlated * state;
+      }
+    }
+  }
+  return sets;
 }
 
 Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out) {

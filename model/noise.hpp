@@ -24,9 +24,18 @@ struct NoiseGroup {
   [[nodiscard]] double sigma() const;
 };
 
+/// One way in which the noise may be made, and how likely the data make it.
+struct NoiseShape {
+  double share = 0.0;            ///< of the correlated part in the variance
+  double time = 1.0;             ///< correlation time: s, or readings where there is no time
+  double weight = 1.0;           ///< all weights add up to 1
+  std::vector<double> variance;  ///< of one reading, per group
+};
+
 struct NoiseModel {
   std::vector<NoiseGroup> groups;
-  PureError pure;  ///< over all groups
+  PureError pure;                  ///< over all groups
+  std::vector<NoiseShape> shapes;  ///< what the data leave possible; the groups hold the likeliest
   bool has_time = false;
   [[nodiscard]] std::vector<double> sigma_by_row(std::size_t n) const;
 };
@@ -47,6 +56,10 @@ struct Repeats {
 /// @param left_out  outliers
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
+
+/// Data sets of noise alone, one per column, each made in one of the ways that the data leave possible.
+[[nodiscard]] Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
+                                              const std::vector<bool>& left_out);
 
 /// The same noise everywhere, independent: ordinary least squares.
 [[nodiscard]] NoiseModel plain_noise(const Observations& data, double sigma_um);

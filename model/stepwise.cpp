@@ -33,6 +33,29 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
   return chosen;
 }
 
+bool is_shape_of_position(EffectId id) { return is_curve(id) || id == EffectId::cyclic || id == EffectId::step; }
+
+/// Whether effects may be missing together: one cause does not stand twice in one place, and three free shapes over the
+/// same axis explain anything.
+bool plausible(const Search& search, const std::vector<Choice>& chosen) {
+  constexpr std::size_t kMostShapes = 2;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const EffectInstance& one = search.families()[chosen[i].family].effect;
+    std::size_t shapes = 0;
+    for (std::size_t j = 0; j < chosen.size(); ++j) {
+      const EffectInstance& other = search.families()[chosen[j].family].effect;
+      if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) ++shapes;
+      if (j >= i || one.id != other.id || one.id == EffectId::user) continue;
+      const bool twice = one.sense == other.sense && one.code == other.code;
+      if (twice && one.id != EffectId::cyclic && !(one.id == EffectId::thermal_drift && one.sensor != other.sensor) &&
+          !(one.id < EffectId::warm_up && one.axis != other.axis))
+        return false;
+    }
+    if (shapes > kMostShapes) return false;
+  }
+  return true;
+}
+
 double worth(const Solution& solution, double entry_score) {
   return solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
 }
@@ -50,7 +73,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
       }
       for (const Choice& other : search.expand(rest.space, 5)) {
         if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
-        if (other.family == best.chosen[i].family) continue;
+        if (other.family == best.chosen[i].family || !plausible(search, with(rest.chosen, other))) continue;
         Solution tried = search.refined(with(rest.chosen, other));
         if (worth(tried, entry_score) > worth(best, entry_score) + 0.01) {
           best = std::move(tried);
@@ -79,7 +102,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
         if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
         const auto chosen = with(state.chosen, list[i]);
-        if (!seen.insert(key_of(chosen)).second) continue;
+        if (!plausible(search, chosen) || !seen.insert(key_of(chosen)).second) continue;
         next.push_back(search.refined(chosen));
       }
     }
