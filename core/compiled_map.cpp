@@ -78,18 +78,19 @@ void compile_terms(const TermTable& terms, const UnitParameters& p, CompiledMap&
 
 void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
   map.period_s = p.loop_period_us * 1e-6;
-  for (const Axis a : kAllAxes) {
-    const AxisParameters& from = p.axes[index_of(a)];
-    AxisWorking& to = map.axes[index_of(a)];
-    to.present = p.axis_present[index_of(a)];
-    to.mm_per_count = from.position_scale_um_per_count / 1000.0;
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    const AxisParameters& from = p.axes[a];
+    AxisWorking& axis = map.axes[a];
+    axis.mm_per_count = from.position_scale_um_per_count / 1000.0;
     // a thousandth of a count more: travel of exactly the deadband is within it, whatever the rounding
-    to.deadband_mm = from.deadband_um / 1000.0 + std::abs(to.mm_per_count) * 1e-3;
-    to.counts_per_um = to.present ? from.output_scale_counts_per_um * from.compensation_polarity : 0.0;
-    to.limit_counts = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
-    to.mm_per_output = to.present ? 1e-3 / to.counts_per_um : 0.0;
-    to.follow_part = 1.0 - std::exp(-from.position_loop_gain_per_s * map.period_s);
-    to.slew_counts = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
+    axis.deadband_mm = from.deadband_um / 1000.0 + std::abs(axis.mm_per_count) * 1e-3;
+    if (!p.axis_present[a]) continue;
+    OutputWorking& output = map.output;
+    output.counts_per_um[a] = from.output_scale_counts_per_um * from.compensation_polarity;
+    output.limit_counts[a] = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
+    output.slew_counts[a] = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
+    output.mm_per_output[a] = 1e-3 / output.counts_per_um[a];
+    output.follow_part[a] = 1.0 - std::exp(-from.position_loop_gain_per_s * map.period_s);
   }
 }
 
@@ -115,6 +116,7 @@ void clear_working(CompiledMap& map) noexcept {
   map.angular = {};
   map.squareness = {};
   map.axes = {};
+  map.output = {};
   map.value[0] = 0.0;
   map.slope[0] = 0.0;
 }

@@ -39,14 +39,20 @@ struct SquarenessAction {
 
 /// One axis as the tick needs it.
 struct AxisWorking {
-  bool present = false;
   double mm_per_count = 0.001;
   double deadband_mm = 0.0;
-  double counts_per_um = 0.0;  ///< D/A counts per um of compensation, polarity inside; 0: axis absent
-  double limit_counts = 0.0;   ///< at most 32,767
-  double slew_counts = 0.0;    ///< per tick
-  double mm_per_output = 0.0;  ///< how far one D/A count moves the axis, in the end
-  double follow_part = 0.0;    ///< part of what is left of that way which the axis covers in one tick
+};
+
+/// X, Y, Z and one lane unused, so that the compiler makes vector instructions of the output stage.
+using Lanes = std::array<double, 4>;
+
+/// From compensation to D/A counts, and back to the motion they bring about; absent axes have zeros.
+struct alignas(16) OutputWorking {
+  Lanes counts_per_um{};  ///< polarity inside
+  Lanes limit_counts{};   ///< at most 32,767
+  Lanes slew_counts{};    ///< per tick
+  Lanes mm_per_output{};  ///< how far one D/A count moves the axis, in the end
+  Lanes follow_part{};    ///< part of what is left of that way which the axis covers in one tick
 };
 
 /// Index of an approach in per-approach tables.
@@ -62,6 +68,7 @@ struct CompiledMap {
   PerAxis<AngularAction> angular{};
   SquarenessAction squareness{};
   PerAxis<AxisWorking> axes{};
+  OutputWorking output{};
   double period_s = 0.001;
   std::array<double, kCells> value{};
   std::array<double, kCells> slope{};

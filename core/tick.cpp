@@ -76,16 +76,28 @@ inline double travelled_counts(std::int64_t counts, std::int64_t datum_counts) n
 /// Nearest integer; @pre |value| <= 32,767.5
 inline std::int32_t rounded(double value) noexcept { return static_cast<std::int32_t>(value + 32768.5) - 32768; }
 
-/// Scaling, size limit, slew limit, rounding.
-inline void put_out(const AxisWorking& axis, double compensation_um, TickState& state, std::size_t a) noexcept {
-  const double asked = compensation_um * axis.counts_per_um;
-  const double sized = std::min(std::max(asked, -axis.limit_counts), axis.limit_counts);
-  state.at_limit[a] = std::abs(asked) > axis.limit_counts;
-  const double before = state.output_counts[a];
-  const double output = std::min(std::max(sized, before - axis.slew_counts), before + axis.slew_counts);
-  state.output_counts[a] = output;
-  state.own_motion_mm[a] += (output * axis.mm_per_output - state.own_motion_mm[a]) * axis.follow_part;
-  state.dac_counts[a] = rounded(output);
+/// Scaling, size limit, slew limit, rounding; and how the axes follow. Plain arithmetic in lanes, as above.
+inline void put_out(const OutputWorking& to, TickState& state) noexcept {
+  const Lanes wanted_um{state.compensation_um[0], state.compensation_um[1], state.compensation_um[2], 0.0};
+  const Lanes before = state.output_counts;
+  const Lanes own_mm = state.own_motion_mm;
+  Lanes asked, output, followed;
+  for (std::size_t a = 0; a < 4; ++a) {
+    asked[a] = wanted_um[a] * to.counts_per_um[a];
+    const double least = before[a] - to.slew_counts[a];
+    const double most = before[a] + to.slew_counts[a];
+    const double above = asked[a] > -to.limit_counts[a] ? asked[a] : -to.limit_counts[a];
+    const double sized = above < to.limit_counts[a] ? above : to.limit_counts[a];
+    const double rising = sized > least ? sized : least;
+    output[a] = rising < most ? rising : most;
+    followed[a] = own_mm[a] + (output[a] * to.mm_per_output[a] - own_mm[a]) * to.follow_part[a];
+  }
+  state.output_counts = output;
+  state.own_motion_mm = followed;
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    state.at_limit[a] = std::abs(asked[a]) > to.limit_counts[a];
+    state.dac_counts[a] = rounded(output[a]);
+  }
 }
 
 /// Position and approach of one axis, and its curves there.
@@ -116,7 +128,7 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
   const PerAxis<CurveValues> values{read_axis(map, state, counts, 0), read_axis(map, state, counts, 1),
                                     read_axis(map, state, counts, 2)};
   state.compensation_um = combine(map, values, state.position_mm);
-  for (std::size_t a = 0; a < kAxes; ++a) put_out(map.axes[a], state.compensation_um[a], state, a);
+  put_out(map.output, state);
   ++state.ticks;
 }
 

@@ -15,11 +15,11 @@ struct TickState {
   PerAxis<std::int64_t> datum_counts{};  ///< transducer counts at the datum
   Vector3 datum_mm{};                    ///< machine coordinate there
   Vector3 position_mm{};
-  Vector3 own_motion_mm{};             ///< part of the position that the unit's own output has brought about
+  alignas(16) Lanes own_motion_mm{};   ///< part of the position that the unit's own output has brought about
   Vector3 extreme_mm{};                ///< furthest point in the present direction of motion, own motion taken off
   PerAxis<Approach> approach{};        ///< forward or reverse, never unknown after start()
   Vector3 compensation_um{};           ///< what the model asks for, before scaling and limits
-  PerAxis<double> output_counts{};     ///< D/A value, polarity and limits applied
+  alignas(16) Lanes output_counts{};   ///< D/A value, polarity and limits applied
   PerAxis<std::int32_t> dac_counts{};  ///< the same rounded: what leaves the unit
   PerAxis<bool> at_limit{};            ///< the size limit holds the value back
   std::uint64_t ticks = 0;
