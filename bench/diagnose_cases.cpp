@@ -466,8 +466,8 @@ Hidden foreign(const Context& c, std::vector<std::string>& variables) {
     return shape_of(c, [&](const Reading& r) { return r.sense == s && r.axis == a ? f(r) : 0.0; });
   };
   const auto d = [](const Reading& r) { return static_cast<double>(static_cast<int>(r.approach)); };
-  switch (dice.whole(0, 5)) {
-    case 0: {  // one bad run
+  switch (dice.whole(c.shop.runs < 3 ? 2 : 0, 5)) {  // which of two runs is the bad one nobody can say
+    case 0: {                                        // one bad run
       const int bad = dice.whole(1, c.shop.runs);
       variables = {"run"};
       return {"bad run", of([&](const Reading& r) { return r.run == bad ? 1.0 : 0.0; }), ""};

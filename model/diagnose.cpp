@@ -25,6 +25,11 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
+/// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well.
+constexpr double kLeastShare = 0.05;
+/// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
+constexpr double kLateShare = 0.3;
+
 /// The model as it stands: what it absorbs and what it leaves.
 struct Base {
   MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
@@ -169,7 +174,8 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
       found.blank_scores = search.best_scores(blanks);
       found.entry_score = std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
     }
-    found.solution = best_solution(search, {options.most_effects, found.entry_score});
+    const double n = static_cast<double>(data.size());
+    found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
     const VectorXd residual = residual_of(joined(base, search, found.solution.chosen), whitener);
     if (round < 2) {
       const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
@@ -235,7 +241,7 @@ bool noise_left(const Found& found, const DiagnoseOptions& options) {
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess < 0.01 + 0.002 * explained;
+  return excess < kLeastShare + 0.002 * explained;
 }
 
 /// The candidates in the order in which they are told, each with its part in the answer.

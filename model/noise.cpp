@@ -70,7 +70,7 @@ Halves halves_of(const Observations& data, const std::vector<double>& deviation)
     if (place.first != kNone && place.second != kNone) ++complete;
   }
   Halves halves;
-  if (complete * 3 < usable || complete < 20) return halves;
+  if (complete * 3 < usable || complete < 10) return halves;
   halves.difference.assign(data.size(), kNotMeasured);
   for (const auto& each : places) {
     const auto [forward, reverse] = each.second;
@@ -87,8 +87,24 @@ bool runs_differ(const Halves& halves) {
   for (const double v : halves.difference)
     if (!std::isnan(v)) d.push_back(v * v);
   for (const double v : halves.sum) s.push_back(v * v);
-  constexpr double kFar = 1.8;
-  return robust_mean_square(std::move(s)) > kFar * robust_mean_square(std::move(d));
+  const double far = 1.5 + 4.0 / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
+  return robust_mean_square(std::move(s)) > far * robust_mean_square(std::move(d));
+}
+
+/// Enough of them to judge the noise by.
+bool many(const std::vector<double>& deviation) {
+  const auto there = static_cast<std::size_t>(
+      std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
+  return there >= 8 && there * 2 >= deviation.size();
+}
+
+/// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
+void without_strange_runs(const Observations& data, const NoiseGroup& group, std::vector<double>& deviation) {
+  std::vector<double> own(data.size(), kNotMeasured);
+  for (const std::size_t k : group.rows) own[k] = deviation[k];
+  const Halves halves = halves_of(data, own);
+  if (halves.sum.empty() || !runs_differ(halves)) return;
+  for (const std::size_t k : group.rows) deviation[k] = halves.difference[k];
 }
 
 /// Deviations from what the smooth columns can produce.
@@ -301,20 +317,30 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
   return sigma;
 }
 
-Repeats repeats_of(const Observations& data) {
+namespace {
+
+Repeats numbered(const Observations& data, bool conditions) {
   using Key = std::tuple<Sense, Axis, int, std::array<double, 6>>;
   std::map<Key, std::size_t> nodes;
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::array<double, 6> place{rounded(data.position_mm[k][0], 1e-4), rounded(data.position_mm[k][1], 1e-4),
-                                      rounded(data.position_mm[k][2], 1e-4), rounded(cell(data.feed_mm_min, k), 1e-3),
-                                      rounded(cell(data.load_kg, k), 1e-3),  data.compensated[k] ? 1.0 : 0.0};
+    const std::array<double, 6> place{rounded(data.position_mm[k][0], 1e-4),
+                                      rounded(data.position_mm[k][1], 1e-4),
+                                      rounded(data.position_mm[k][2], 1e-4),
+                                      conditions ? rounded(cell(data.feed_mm_min, k), 1e-3) : 0.0,
+                                      conditions ? rounded(cell(data.load_kg, k), 1e-3) : 0.0,
+                                      data.compensated[k] ? 1.0 : 0.0};
     const Key key{data.sense[k], data.axis[k], data.approach[k], place};
     repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
   }
   repeats.nodes = nodes.size();
   return repeats;
 }
+
+}  // namespace
+
+Repeats repeats_of(const Observations& data) { return numbered(data, true); }
+Repeats places_of(const Observations& data) { return numbered(data, false); }
 
 std::vector<std::size_t> passes_of(const Observations& data) {
   using Key = std::tuple<Sense, Axis, int, int, Vector3>;
@@ -344,15 +370,19 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   NoiseModel noise;
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
-  const Repeats repeats = repeats_of(data);
+  Repeats repeats = repeats_of(data);
   std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
-  const auto repeated = static_cast<std::size_t>(
-      std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
-  noise.pure.from_repeats = repeated >= 8 && repeated * 2 >= data.size();
-  if (!noise.pure.from_repeats) {
+  noise.pure.from_repeats = many(deviation);
+  bool from_places = noise.pure.from_repeats;
+  if (!from_places) {
+    repeats = places_of(data);
+    deviation = deviations_from_repeats(repeats, residual, left_out);
+    from_places = many(deviation);
+  }
+  if (!from_places) {
     deviation = deviations_from_smooth(residual, smooth, left_out);
-  } else if (Halves halves = halves_of(data, deviation); !halves.sum.empty() && runs_differ(halves)) {
-    deviation = std::move(halves.difference);
+  } else {
+    for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
   }
   std::vector<bool> seen(repeats.nodes, false);
   double nodes = 0.0;
@@ -362,7 +392,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       nodes += 1.0;
     }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
-  noise.pure.dof = noise.pure.from_repeats ? size - nodes : size - static_cast<double>(smooth.cols());
+  noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth.cols());
   noise.pure.dof = std::max(noise.pure.dof, 1.0);
 
   noise.shapes = likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, 0.05, 1.0));

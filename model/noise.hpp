@@ -47,6 +47,8 @@ struct Repeats {
 };
 /// Same axis, sense, position, approach and conditions (feed, load, compensated).
 [[nodiscard]] Repeats repeats_of(const Observations& data);
+/// The same whatever feed and load were: good for the noise, not for what these do.
+[[nodiscard]] Repeats places_of(const Observations& data);
 
 /// Number of the pass of each reading: same run, approach, axis, sense and parked place.
 [[nodiscard]] std::vector<std::size_t> passes_of(const Observations& data);

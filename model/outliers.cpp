@@ -45,7 +45,7 @@ std::vector<double> from_neighbours(const Observations& data, const Eigen::Vecto
 
 /// Distance of each reading from the median of the other repeats; NaN below three repeats.
 std::vector<double> from_repeats(const Observations& data, const Eigen::VectorXd& residual) {
-  const Repeats repeats = repeats_of(data);
+  const Repeats repeats = places_of(data);
   std::vector<std::vector<std::size_t>> nodes(repeats.nodes);
   for (std::size_t k = 0; k < data.size(); ++k) nodes[repeats.node_of[k]].push_back(k);
   std::vector<double> distance(data.size(), kNotMeasured);

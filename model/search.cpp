@@ -120,6 +120,13 @@ Search::Search(const Regressors& regressors, const Whitener& whitener, const Mat
   base_.y = whitener(residual);
   base_.q.resize(base_.y.size(), 0);
   absorb(base_, whitener(base));
+  const Observations& data = regressors.data();
+  for (const Axis a : kAllAxes) {
+    std::vector<double> p;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.axis[k] == a) p.push_back(data.p_mm(k, a));
+    targets_[index_of(a)] = distinct(std::move(p), 1e-4).size();
+  }
   build_families(candidates);
   build_bank();
 }

@@ -65,6 +65,8 @@ class Search {
 
   [[nodiscard]] const std::vector<Family>& families() const { return families_; }
   [[nodiscard]] const Space& base() const { return base_; }
+  /// Number of different targets of an axis while it moves.
+  [[nodiscard]] std::size_t targets(Axis axis) const { return targets_[index_of(axis)]; }
 
   /// The problem with these effects added, sizes fitted together, nonlinear parameters as they are.
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const;
@@ -104,6 +106,7 @@ class Search {
   const Whitener& whitener_;
   Space base_;
   std::vector<Family> families_;
+  PerAxis<std::size_t> targets_{};
   std::vector<Item> items_;
   Eigen::MatrixXf bank_;                ///< (readings × columns), whitened, base removed
   std::vector<Eigen::MatrixXf> grams_;  ///< per item

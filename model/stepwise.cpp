@@ -41,10 +41,13 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
-    std::size_t shapes = 0;
+    std::size_t shapes = 0, functions = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
-      if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) ++shapes;
+      if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) {
+        ++shapes;
+        functions += chosen[j].parameters;
+      }
       if (j >= i || one.id != other.id || one.id == EffectId::user) continue;
       const bool twice = one.sense == other.sense && one.code == other.code;
       if (twice && one.id != EffectId::cyclic && !(one.id == EffectId::thermal_drift && one.sensor != other.sensor) &&
@@ -52,6 +55,9 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
         return false;
     }
     if (shapes > kMostShapes) return false;
+    // more functions than this share of the targets follow any values at all
+    if (shapes > 1 && static_cast<double>(functions) > 2.0 + 0.7 * static_cast<double>(search.targets(*one.axis)))
+      return false;
   }
   return true;
 }
@@ -101,6 +107,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
       for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
         if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
+        if (list[i].gain < (depth < 2 ? options.entry_gain : options.late_gain)) continue;
         const auto chosen = with(state.chosen, list[i]);
         if (!plausible(search, chosen) || !seen.insert(key_of(chosen)).second) continue;
         next.push_back(search.refined(chosen));

@@ -12,6 +12,8 @@ namespace ecs::model {
 struct StepwiseOptions {
   std::size_t most_effects = 3;
   double entry_score = 10.0;  ///< least score of an effect that may be added
+  double entry_gain = 0.0;    ///< least fall of χ² of the first two: what noise known imperfectly may fake
+  double late_gain = 0.0;     ///< least fall of χ² of any further one
 };
 
 /// The best set of effects; empty where none reaches the entry score. Does not depend on the order of the families.
