@@ -27,6 +27,9 @@ using Eigen::VectorXd;
 
 /// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well.
 constexpr double kLeastShare = 0.05;
+/// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be.
+constexpr double kLeastStructure = 0.08;
+constexpr double kStructureChance = 0.4;
 /// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
 constexpr double kLateShare = 0.3;
 
@@ -206,42 +209,15 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
   }
 }
 
-/// The instance as it enters a model: unused columns held at zero, the nonlinear value as a start.
-EffectInstance as_effect(const Family& family, const Choice& choice) {
-  EffectInstance effect = family.effect;
-  const std::string nonlinear(nonlinear_parameter_of(effect.id));
-  if (!nonlinear.empty()) effect.fitted[nonlinear] = choice.nonlinear;
-  const auto uses = [&](Index column) {
-    return std::find(choice.columns.begin(), choice.columns.end(), column) != choice.columns.end();
-  };
-  if (effect.id == EffectId::cyclic && !uses(2)) effect.parameters["amplitude2_um"] = 0.0;
-  const auto hold = [&](Index column, const char* name) {
-    if (!uses(column)) effect.parameters[name] = 0.0;
-  };
-  if (effect.id == EffectId::sag) {
-    hold(0, "k2");
-    hold(1, "k3");
-  }
-  if (effect.id == EffectId::warm_up) {
-    hold(0, "c_um");
-    hold(1, "c_um_per_m");
-  }
-  if (effect.id == EffectId::load) {
-    hold(0, "um_per_kg");
-    hold(1, "um_per_kg_m");
-  }
-  return effect;
-}
-
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
   constexpr double kForeseen = 0.5;
   if (found.foreseen < kForeseen) return false;
-  if (found.structure_p_after > options.false_naming_limit) return true;
+  if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess < kLeastShare + 0.002 * explained;
+  return excess < kLeastStructure + 0.002 * explained;
 }
 
 /// The candidates in the order in which they are told, each with its part in the answer.
@@ -254,7 +230,7 @@ struct Told {
 
 std::vector<Told> told_order(const Found& found, bool named) {
   std::vector<Told> list;
-  const auto instance = [&](const Choice& choice) { return as_effect(found.families[choice.family], choice); };
+  const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
   std::vector<const Group*> groups;
   for (const Group& group : found.groups) groups.push_back(&group);
   std::stable_sort(groups.begin(), groups.end(),

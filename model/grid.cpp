@@ -47,7 +47,7 @@ Grid periods(const Observations& data, const Acting& acting, Axis axis, std::siz
   const double step = common_step(p, 0.02 * mean_step);
   double highest = step > 0.0 ? 0.5 / step : 5.0 / mean_step;
   highest = std::min(highest, 5.0 / mean_step);
-  const double lowest = 1.0 / travel;
+  const double lowest = 1.5 / travel;  // fewer turns than that are a curve, not a period
   constexpr double kOversampling = 3.0;
   const auto wanted = static_cast<std::size_t>(std::max(1.0, kOversampling * travel * (highest - lowest)));
   const std::size_t count = std::min(wanted, most);
@@ -62,7 +62,7 @@ Grid periods(const Observations& data, const Acting& acting, Axis axis, std::siz
     for (const auto& pitch : {machine_axis->screw_pitch_mm, machine_axis->scale_pitch_mm}) {
       if (!pitch) continue;
       for (const double part : {1.0, 0.5, 2.0, 1.0 / 3.0, 0.25, 0.2, 3.0, 4.0, 5.0, 0.1})
-        if (*pitch * part < travel) grid.facts.push_back(*pitch * part);
+        if (*pitch * part * 1.5 < travel) grid.facts.push_back(*pitch * part);
     }
   }
   return grid;

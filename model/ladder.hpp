@@ -19,8 +19,9 @@ struct AddRequest {
   std::optional<Component> code;
   std::optional<ApproachMode> approach;
   std::string sensor;
+  std::string name;  ///< of a user effect
 };
-/// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale".
+/// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
 [[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);
 
 struct Added {

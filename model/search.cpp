@@ -574,4 +574,29 @@ std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
   return best;
 }
 
+EffectInstance effect_of(EffectInstance effect, const Choice& choice) {
+  const std::string nonlinear(nonlinear_parameter_of(effect.id));
+  if (!nonlinear.empty()) effect.fitted[nonlinear] = choice.nonlinear;
+  const auto uses = [&](Index column) {
+    return std::find(choice.columns.begin(), choice.columns.end(), column) != choice.columns.end();
+  };
+  if (effect.id == EffectId::cyclic && !uses(2)) effect.parameters["amplitude2_um"] = 0.0;
+  const auto hold = [&](Index column, const char* name) {
+    if (!uses(column)) effect.parameters[name] = 0.0;
+  };
+  if (effect.id == EffectId::sag) {
+    hold(0, "k2");
+    hold(1, "k3");
+  }
+  if (effect.id == EffectId::warm_up) {
+    hold(0, "c_um");
+    hold(1, "c_um_per_m");
+  }
+  if (effect.id == EffectId::load) {
+    hold(0, "um_per_kg");
+    hold(1, "um_per_kg_m");
+  }
+  return effect;
+}
+
 }  // namespace ecs::model

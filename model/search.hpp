@@ -116,6 +116,9 @@ class Search {
 [[nodiscard]] std::vector<std::vector<Eigen::Index>> variants_of(const EffectInstance& effect, const Columns& columns,
                                                                  bool natural);
 
+/// A choice as it enters a model: columns not used held at zero, the nonlinear value as a start.
+[[nodiscard]] EffectInstance effect_of(EffectInstance effect, const Choice& choice);
+
 /// Values at which to try a nonlinear parameter, and those that the machine's facts suggest.
 struct Grid {
   std::vector<double> values;

@@ -9,6 +9,8 @@ namespace {
 
 /// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
 constexpr double kIndistinguishable = 9.0;
+/// A rival that needs more parameters for the same fit stays one while its score is at most this much lower.
+constexpr double kPriceOfRival = 15.0;
 /// Fits that differ by less than this are the same fit.
 constexpr double kSame = 0.05;
 constexpr std::size_t kFirstBranches = 6;
@@ -139,7 +141,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       }
       const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
       if (exactly.score() > other.score()) other = exactly;
-      if (other.gain >= group.member.gain - kIndistinguishable && other.parameters <= group.member.parameters + 1)
+      if (other.gain >= group.member.gain - kIndistinguishable && other.score() >= group.member.score() - kPriceOfRival)
         group.rivals.push_back(other);
       else if (other.score() >= entry_score && group.weaker.size() < 6)
         group.weaker.push_back(other);

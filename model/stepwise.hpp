@@ -22,7 +22,7 @@ struct StepwiseOptions {
 /// A member of a solution and those who could stand in its place.
 struct Group {
   Choice member;
-  std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with no more than one parameter more
+  std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more
   std::vector<Choice> weaker;  ///< the next best, best first
 };
 /// One group per effect of the solution, in its order.
