@@ -60,19 +60,53 @@ Result<std::string> read_file(const std::filesystem::path& path) {
   return content;
 }
 
-Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
-  std::string beside = path.string() + ".XXXXXX";
-  const int handle = ::mkstemp(beside.data());
+namespace {
+
+/// A device, FIFO or socket is written into, never replaced.
+Result<void> write_into(const std::filesystem::path& path, std::string_view content) {
+  const int handle = ::open(path.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
   if (handle < 0) return tl::unexpected(write_problem(path, errno));
+  const bool written = write_all(handle, content);
+  const int error = errno;
+  ::close(handle);
+  if (!written) return tl::unexpected(write_problem(path, error));
+  return {};
+}
+
+/// Mode of the file that is replaced, or what the process gives to new files.
+mode_t mode_for(const std::filesystem::path& path) {
+  struct stat old {};
+  if (::stat(path.c_str(), &old) == 0) return old.st_mode & 07777;
   const mode_t mask = ::umask(0);
   ::umask(mask);
-  const bool written = write_all(handle, content) && ::fchmod(handle, 0666 & ~mask) == 0 && ::fsync(handle) == 0;
+  return 0666 & ~mask;
+}
+
+/// Where a name leads: a symbolic link stays one, its target is replaced.
+std::filesystem::path led_to(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const auto target = std::filesystem::weakly_canonical(path, error);
+  return error ? path : target;
+}
+
+}  // namespace
+
+Result<void> write_file(const std::filesystem::path& name, std::string_view content) {
+  const std::filesystem::path path = led_to(name);
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_other(status)) return write_into(path, content);
+  std::string beside = path.string() + ".XXXXXX";
+  const int handle = ::mkstemp(beside.data());
+  if (handle < 0) return tl::unexpected(write_problem(name, errno));
+  const bool written = write_all(handle, content) && ::fchmod(handle, mode_for(path)) == 0 && ::fsync(handle) == 0;
   const int write_error = errno;
   ::close(handle);
   if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
     const int error = written ? errno : write_error;
     ::unlink(beside.c_str());
-    return tl::unexpected(write_problem(path, error));
+    return tl::unexpected(write_problem(name, error));
   }
   return {};
 }

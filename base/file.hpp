@@ -14,7 +14,8 @@ namespace ecs {
 /// The whole file. A directory, a missing or an unreadable file is a `bad_input` problem; above 256 MiB too.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path);
 
-/// Replaces `path` by `content`: the old file stays whole until the new one is safely on disc. `output` problem if not.
+/// Replaces `path` by `content`: the old file stays whole until the new one is safely on disc. A symbolic link stays a
+/// link, its target is replaced and keeps its mode; a device or FIFO is written into. `output` problem if not possible.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
 /// SHA-256 as 64 hexadecimal digits.

@@ -7,6 +7,8 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 using namespace ecs;
@@ -161,4 +163,27 @@ TEST_CASE("the state folder follows ECS_STATE_DIR, then XDG_STATE_HOME, then HOM
   }
   const Variable home("HOME", nullptr);
   CHECK(state_folder().error().kind == ProblemKind::output);
+}
+
+TEST_CASE("a symbolic link stays a link, and the file behind it keeps its mode") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "target.txt", "old"));
+  std::filesystem::permissions(folder.path / "target.txt", std::filesystem::perms(0640));
+  std::filesystem::create_symlink("target.txt", folder.path / "link.txt");
+  REQUIRE(write_file(folder.path / "link.txt", "new"));
+  CHECK(std::filesystem::is_symlink(folder.path / "link.txt"));
+  CHECK(read_file(folder.path / "target.txt").value() == "new");
+  CHECK(std::filesystem::status(folder.path / "target.txt").permissions() == std::filesystem::perms(0640));
+}
+
+TEST_CASE("a FIFO is written into, not replaced") {
+  const Folder folder;
+  const auto fifo = folder.path / "fifo";
+  REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
+  const int reader = ::open(fifo.c_str(), O_RDONLY | O_NONBLOCK);
+  REQUIRE(write_file(fifo, "through"));
+  char text[16] = {};
+  CHECK(::read(reader, text, sizeof text) == 7);
+  ::close(reader);
+  CHECK(std::filesystem::is_fifo(fifo));
 }
