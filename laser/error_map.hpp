@@ -65,9 +65,11 @@ struct ErrorMap {
 [[nodiscard]] std::string header_text(const MapHeader& header);
 [[nodiscard]] Result<MapHeader> parse_header(std::string_view text, const std::string& source_name);
 
-/// What stands against sending this map to a unit with these parameters; empty: nothing.
-/// Missing components (named with what they are), a chain or machine that differs, components the scope does not use
-/// (as a note, not an objection), tables that end before the travel.
+/// What stands against sending this map to a unit with these parameters; empty: nothing. Objections: a missing
+/// component (named with what it is) or approach, a squareness that nobody measured, another chain, a component
+/// declared zero that has values, a translation beyond the output limit, a table of one point, tables that do not reach
+/// the reference position, forward and reverse of different extent. Worth knowing: components the scope does not use, a
+/// value that jumps.
 struct MapFinding {
   bool objection = true;  ///< false: worth knowing, no reason to refuse
   std::string message;

@@ -110,12 +110,32 @@ void refuse_mixed_approaches(const Points& points, Findings& findings) {
   }
 }
 
+/// `rows: N` of a header line; it belongs to the file, not to the map.
+std::optional<long long> rows_stated(std::string_view header_line) {
+  if (!header_line.starts_with("rows:")) return std::nullopt;
+  return integer_in(header_line.substr(5));
+}
+
+/// What is left of a file that lost its end.
+void refuse_cut_file(long long stated, long long found, bool whole_line, Findings& findings) {
+  if (stated != found)
+    findings.add(0, 0,
+                 fmt::format("the header says {} rows, the file has {}: was it cut short? If you added or removed rows "
+                             "yourself, correct or delete the line \"# rows\"",
+                             stated, found));
+  else if (!whole_line)
+    findings.add(0, 0, "the last row does not end with a line end: the file was cut short");
+}
+
 }  // namespace
 
 std::string to_map_csv(const ErrorMap& map) {
   std::string text;
   const std::string header = header_text(map.header);
   for (const std::string_view line : lines_of(header)) text += fmt::format("# {}\n", line);
+  std::size_t rows = 0;
+  for (const MapTable& table : map.tables) rows += table.position_mm.size();
+  text += fmt::format("# rows: {}\n", rows);
   text += "axis,sense,approach,p_mm,value_um\n";
   for (const MapTable& table : map.tables)
     for (std::size_t i = 0; i < table.position_mm.size(); ++i)
@@ -130,13 +150,19 @@ Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_na
   std::string header;
   std::optional<std::array<std::size_t, 5>> place;
   Points points;
+  std::optional<long long> stated_rows;
+  long long rows_found = 0;
   int line = 0;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   for (const std::string_view row : lines_of(text)) {
     ++line;
     const std::string_view content = trimmed(row);
     if (content.starts_with('#')) {
-      header += std::string(trimmed(content.substr(1)));
+      const std::string_view entry = trimmed(content.substr(1));
+      if (const auto stated = rows_stated(entry))
+        stated_rows = stated;
+      else
+        header += entry;
     } else if (!content.empty()) {
       const CsvLine fields = csv_fields(row);
       if (!fields.fault.empty()) {
@@ -147,6 +173,7 @@ Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_na
       } else if (fields.fields.size() != kColumns.size()) {
         findings.add(line, 1, fmt::format("expected {} fields, found {}", kColumns.size(), fields.fields.size()));
       } else {
+        ++rows_found;
         take_row(fields, *place, line, points, findings);
       }
     }
@@ -157,6 +184,7 @@ Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_na
   else if (points.empty() && findings.empty())
     findings.add(0, 0, "the map has no rows");
   refuse_mixed_approaches(points, findings);
+  if (stated_rows && findings.empty()) refuse_cut_file(*stated_rows, rows_found, text.ends_with('\n'), findings);
 
   ErrorMap map;
   for (auto& [key, rows] : points) map.tables.push_back(table_from(key, std::move(rows), findings));

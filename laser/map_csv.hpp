@@ -14,7 +14,8 @@ namespace ecs::laser {
 
 /// Reads a map. Columns by name in any order; an unknown column is refused. Every bad row at once: unknown axis or
 /// sense, approach not 1, -1 or 0, NaN or infinity, values no machine can need (beyond ±32 mm), a position given twice,
-/// approach 0 beside 1 or -1 of the same component, no rows at all. Rows may stand in any order.
+/// approach 0 beside 1 or -1 of the same component, no rows at all; with a line `# rows: N`, as to_map_csv writes it,
+/// another number of rows and a last row without its line end. Rows may stand in any order.
 [[nodiscard]] Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_name);
 [[nodiscard]] Result<ErrorMap> read_map_csv(const std::filesystem::path& path);
 

@@ -129,7 +129,9 @@ TEST_CASE("the bytes of a map give back parameters, header and tables to the tab
 TEST_CASE("values too large for hundredths of a micrometre are stored in tenths") {
   ErrorMap map = small_map();
   map.tables[0].compensation[2] = -1234.5;
-  const auto image = image_of(map, one_axis());
+  UnitParameters p = one_axis();
+  p.axes[0].output_limit_um = 2000.0;
+  const auto image = image_of(map, p);
   REQUIRE(image);
   const auto back = content_of(image->bytes);
   REQUIRE(back);
@@ -222,4 +224,63 @@ TEST_CASE("a changed byte anywhere in an image is noticed") {
     damaged[i] ^= 0x10;
     CHECK_FALSE(content_of(damaged));
   }
+}
+
+TEST_CASE("a map file that lost its end is noticed, at every byte of its rows") {
+  const std::string text = to_map_csv(small_map());
+  const std::size_t first_row = text.find("value_um\n") + 9;
+  for (std::size_t length = first_row; length < text.size(); ++length)
+    CHECK_FALSE(parse_map_csv(text.substr(0, length), "map.csv"));
+  CHECK(parse_map_csv(text, "map.csv"));
+}
+
+TEST_CASE("a hand-written map needs no row count and no last line end") {
+  CHECK(parse_map_csv("axis,sense,approach,p_mm,value_um\nX,EX,0,0,1\nX,EX,0,5,2", "map.csv"));
+}
+
+TEST_CASE("a value that the output limit can never put out is refused with its place") {
+  ErrorMap map = small_map();
+  map.tables[1].compensation[1] = 31000.0;
+  const auto image = image_of(map, one_axis());
+  REQUIRE_FALSE(image);
+  CHECK(image.error().message.find("EXX reverse asks for 31000 um at 50 mm, but axis.X.output_limit_um is 500") == 0);
+}
+
+TEST_CASE("tables that do not reach the reference position, or end at different places, are refused") {
+  ErrorMap shifted = small_map();
+  for (MapTable& table : shifted.tables)
+    for (double& p : table.position_mm) p += 50'000.0;
+  const auto displaced = image_of(shifted, one_axis());
+  REQUIRE_FALSE(displaced);
+  CHECK(displaced.error().message.find("does not reach the reference position 0 mm") != std::string::npos);
+
+  ErrorMap cut = small_map();
+  for (double p = 150.0; p < 400.0; p += 50.0) {
+    cut.tables[0].position_mm.push_back(p);
+    cut.tables[0].compensation.push_back(0.0);
+  }
+  const auto uneven = image_of(cut, one_axis());
+  REQUIRE_FALSE(uneven);
+  CHECK(uneven.error().message.find("EXX covers 0 … 350 mm forward, but 0 … 100 mm in reverse") == 0);
+}
+
+TEST_CASE("a single point is no table") {
+  ErrorMap map = small_map();
+  map.tables = {{Component::EXX, Approach::unknown, {0.0}, {40.0}}};
+  const auto image = image_of(map, one_axis());
+  REQUIRE_FALSE(image);
+  CHECK(image.error().message.find("one point only") != std::string::npos);
+}
+
+TEST_CASE("a value that jumps is worth a look, but no objection") {
+  ErrorMap map = small_map();
+  map.tables = {{Component::EXX, Approach::unknown, {}, {}}};
+  for (int i = 0; i < 20; ++i) {
+    map.tables[0].position_mm.push_back(10.0 * i);
+    map.tables[0].compensation.push_back(i == 7 ? 120.0 : 0.5 * i);
+  }
+  const auto findings = findings_for(map, one_axis());
+  REQUIRE(findings.size() == 1);
+  CHECK_FALSE(findings[0].objection);
+  CHECK(findings[0].message.find("EXX jumps by") == 0);
 }
