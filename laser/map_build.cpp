@@ -98,7 +98,6 @@ class Builder {
     if (!found) return tl::unexpected(found.error());
     outcome_.band = std::max(outcome_.band, found->band);
     outcome_.readings += found->readings;
-    outcome_.notes.insert(outcome_.notes.end(), found->notes.begin(), found->notes.end());
     built_.map.header.sources.push_back(std::move(found->source));
     return std::move(found->curve);
   }

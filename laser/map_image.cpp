@@ -67,6 +67,12 @@ double resolution_for(const std::vector<double>& values) {
   return 1.0;
 }
 
+/// counts × resolution, to the digits that a resolution such as 0.01 has: 35 counts are 0.35, not 0.35000000000000003.
+double decimal(std::int16_t counts, double resolution) {
+  const double per_unit = std::round(1.0 / resolution);
+  return std::abs(per_unit * resolution - 1.0) < 1e-12 ? counts / per_unit : counts * resolution;
+}
+
 std::string table_name(const MapTable& table) {
   if (table.approach == Approach::unknown) return std::string(name_of(table.component));
   return fmt::format("{} {}", name_of(table.component), table.approach == Approach::forward ? "forward" : "reverse");
@@ -167,7 +173,7 @@ Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
     MapTable table{entry.component, entry.approach, {}, {}};
     for (std::uint32_t k = 0; k < entry.count; ++k) {
       table.position_mm.push_back(entry.start_mm + entry.increment_mm * k);
-      table.compensation.push_back(view.value_counts(entry.first_value + k) * entry.resolution);
+      table.compensation.push_back(decimal(view.value_counts(entry.first_value + k), entry.resolution));
     }
     content.map.tables.push_back(std::move(table));
   }

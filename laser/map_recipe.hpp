@@ -55,7 +55,7 @@ struct MapRecipe {
 
 /// The recipe that the files themselves suggest for a unit with these parameters: each file by its axis and sense; a
 /// rotation without a file of its own from two linear runs on parallel lines, if there are such; straightness by
-/// least squares; no smoothing. Files that serve nothing are named in `unused`.
+/// least squares; no smoothing. Files that serve nothing are named in `unused`, with the reason.
 struct SuggestedRecipe {
   MapRecipe recipe;
   std::vector<std::string> unused;

@@ -1,6 +1,7 @@
 #include "laser/map_sources.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -66,14 +67,22 @@ double range_of(const MeasurementSet& set, const Group& group) {
   return highest - lowest;
 }
 
-Selection without_runs(const MeasurementSet& set, const std::vector<int>& runs) {
+/// The readings of all other runs; refused if the file has no such run.
+Result<Selection> without_runs(const MeasurementSet& set, const std::vector<int>& runs) {
   std::vector<Exclusion> exclusions;
   for (const int run : runs) {
     Exclusion exclusion;
     exclusion.run = run;
     exclusions.push_back(exclusion);
   }
-  return selected(set, exclusions);
+  Selection selection = selected(set, exclusions);
+  std::set<int> there;
+  for (const Reading& reading : set.readings) there.insert(reading.run);
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (selection.left_out[i] == 0)
+      return problem(ProblemKind::refused, fmt::format("run {} is to be left out, but the file has runs {}", runs[i],
+                                                       fmt::join(there, ", ")));
+  return selection;
 }
 
 void remember(std::map<std::string, std::string>& seen, const std::optional<std::string>& value,
@@ -103,19 +112,19 @@ Result<SourceCurve> MeasuredFiles::curve(const std::filesystem::path& path, Comp
                                          const std::vector<Wanted>& wanted, const std::vector<int>& exclude_runs) {
   const auto loaded = load(path);
   if (!loaded) return tl::unexpected(loaded.error());
-  const Selection selection = without_runs((*loaded)->set, exclude_runs);
-  const auto group = group_in(selection.chosen, path, component, wanted);
+  const auto selection = without_runs((*loaded)->set, exclude_runs);
+  if (!selection) return tl::unexpected(refusal(path, component, selection.error().message));
+  const auto group = group_in(selection->chosen, path, component, wanted);
   if (!group) return tl::unexpected(group.error());
-  auto curve = averaged(selection.chosen, *group);
+  auto curve = averaged(selection->chosen, *group);
   if (!curve) return tl::unexpected(refusal(path, component, curve.error().message));
   if (curve->points.size() < 2)
     return tl::unexpected(refusal(path, component, "expected at least two targets, found one"));
   SourceCurve source;
   source.curve = std::move(*curve);
   source.source = {std::string(name_of(component)), path.filename().string(), (*loaded)->sha256};
-  source.band = range_of(selection.chosen, *group);
+  source.band = range_of(selection->chosen, *group);
   source.readings = group->readings.size();
-  source.notes = selection.notes;
   return source;
 }
 

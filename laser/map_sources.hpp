@@ -25,14 +25,13 @@ struct SourceCurve {
   SourceFile source;
   double band = 0.0;  ///< range of the readings used [um, um/m]
   std::size_t readings = 0;
-  std::vector<std::string> notes;
 };
 
 class MeasuredFiles {
  public:
   /// The averaged curve of the one measurement line in a file that fits, without the excluded runs. Refused, naming
   /// file and component: no such readings (and what there is), more than one line of them, readings taken with
-  /// compensation active, fewer than two targets.
+  /// compensation active, fewer than two targets, an excluded run that is not there.
   [[nodiscard]] Result<SourceCurve> curve(const std::filesystem::path& path, Component component,
                                           const std::vector<Wanted>& wanted, const std::vector<int>& exclude_runs);
 

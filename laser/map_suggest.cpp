@@ -73,8 +73,8 @@ class Suggestion {
     std::vector<std::string> names;
     for (const MeasuredLine& line : lines_)
       if (!line.used)
-        names.push_back(
-            fmt::format("{} ({} along {})", line.file.filename().string(), name_of(line.sense), letter_of(line.axis)));
+        names.push_back(fmt::format("{} ({} along {}): {}", line.file.filename().string(), name_of(line.sense),
+                                    letter_of(line.axis), reason_against(line)));
     return names;
   }
 
@@ -82,6 +82,18 @@ class Suggestion {
   [[nodiscard]] bool wanted(Component c) const {
     return needed_.contains(c) && std::none_of(recipe_.components.begin(), recipe_.components.end(),
                                                [&](const ComponentRecipe& made) { return made.component == c; });
+  }
+
+  /// Why a line serves nothing.
+  [[nodiscard]] std::string reason_against(const MeasuredLine& line) const {
+    if (!parameters_.axis_present[index_of(line.axis)]) return fmt::format("there is no axis {}", letter_of(line.axis));
+    if (line.square) return "that squareness is not needed, or another file serves it";
+    const Component c = curve_of(line.sense, line.axis);
+    if (!needed_.contains(c)) return fmt::format("{} is not needed in this scope", name_of(c));
+    if (!is_angular(c) && !on_line(line, parameters_))
+      return fmt::format("off the measurement line of {} in the parameters, and no rotation is to be found from it",
+                         letter_of(line.axis));
+    return fmt::format("another file serves {}", name_of(c));
   }
 
   void add(Component c, std::vector<std::filesystem::path> files) {

@@ -190,7 +190,9 @@ TEST_CASE("the files themselves suggest what they serve, and name what is left o
   CHECK(suggested->recipe.components[1].files.size() == 2);
   CHECK(suggested->recipe.components[2].component == Component::C0Y);
   REQUIRE(suggested->unused.size() == 1);
-  CHECK(suggested->unused[0] == "yx_far.csv (EY along X)");
+  CHECK(suggested->unused[0] ==
+        "yx_far.csv (EY along X): off the measurement line of X in the parameters, and no rotation is to be found from "
+        "it");
 }
 
 TEST_CASE("a recipe reports every fault with its line") {
@@ -236,4 +238,14 @@ TEST_CASE("for the printed equations, roll, pitch about Z and two squareness val
   REQUIRE(built);
   CHECK(compensation_at(built->map.tables[0], -200.0) == doctest::Approx(-20.0));
   CHECK(built->parameters.C0Y_um_per_m == doctest::Approx(-16.0));
+}
+
+TEST_CASE("a run that is to be left out must be there") {
+  const Folder folder;
+  const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
+  ComponentRecipe recipe = one(Component::EXX, {file});
+  recipe.exclude_runs = {2, 9};
+  const auto built = build_map(recipe_of({recipe}), mill_parameters());
+  REQUIRE_FALSE(built);
+  CHECK(built.error().message.find("run 9 is to be left out, but the file has runs 1, 2") != std::string::npos);
 }

@@ -284,3 +284,11 @@ TEST_CASE("a value that jumps is worth a look, but no objection") {
   CHECK_FALSE(findings[0].objection);
   CHECK(findings[0].message.find("EXX jumps by") == 0);
 }
+
+TEST_CASE("values come back from the bytes as the decimals they are") {
+  ErrorMap map = small_map();
+  map.tables[0].compensation = {0.35, -1.1, 0.07};
+  const auto image = image_of(map, one_axis());
+  REQUIRE(image);
+  CHECK(content_of(image->bytes)->map.tables[0].compensation == std::vector<double>{0.35, -1.1, 0.07});
+}
