@@ -286,7 +286,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
   }
   const double freedom = std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank));
   if (options.plain) {
-    core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-300));
+    core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-9));
     core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out).pure.noise_um;
   }
   const Whitener whitener(data, core.noise, core.left_out);

@@ -121,7 +121,7 @@ Grid grid_of(const Regressors& regressors, const EffectInstance& effect, const A
   };
   if (effect.id == warm_up && !acting.rows.empty()) {
     const double last = extent(data.time_s).second;
-    if (last > 0.0) grid.values = logarithmic(last / 60.0, 1.5 * last, 12);
+    if (last > 0.0) grid.values = logarithmic(last / 20.0, 1.5 * last, 10);
     grid.independent = 4.0;
     return grid;
   }

@@ -370,7 +370,9 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
     width *= 1.2;
   }
   const double centre = to(nonlinear);
-  const double floor = inverse ? 0.05 * centre : (family.effect.id == EffectId::map_shift ? -1e300 : 0.05 * centre);
+  // shorter time constants than those tried pass for a constant
+  const double shortest = family.grid.empty() ? 0.0 : *std::min_element(family.grid.begin(), family.grid.end());
+  const double floor = inverse ? 0.05 * centre : shortest;
   const auto at = [&](double v) { return choice_at(space, f, to(v)); };
   constexpr double kGolden = 0.6180339887498949;
   double low = std::max(floor, centre - width), high = centre + width;

@@ -1,0 +1,92 @@
+#include "model/model_file.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace ecs;
+using namespace ecs::model;
+
+namespace {
+
+constexpr const char* kText = R"toml([[effect]]
+id = "cyclic"
+axis = "X"
+sense = "EX"
+approach = "reverse"
+parameters = { period_mm = 8.0, amplitude_um = 3.2, phase_rad = 0.4 }
+
+[[effect]]
+id = "angular"
+code = "ECX"
+
+[[effect]]
+id = "user"
+name = "encoder tilt"
+formula = { EX = "a * sin(p_mm / b)", EY = "a * load_kg" }
+parameters = { a = { unit = "um" }, b = 40.0 }
+
+[[known]]
+code = "ECX"
+p_mm = [0.0, 50.0]
+value = [0.0, 3.1]
+)toml";
+
+}  // namespace
+
+TEST_CASE("a model file is read as it is written") {
+  const auto model = parse_model(kText, "m.toml", "");
+  if (!model) FAIL(to_text(model.error()));
+  REQUIRE(model->effects.size() == 3);
+  CHECK(to_text(model->effects[0]) == "cyclic:X:EX");
+  CHECK(model->effects[0].approach == ApproachMode::reverse);
+  CHECK(model->effects[0].parameters.at("period_mm") == 8.0);
+  CHECK(to_text(model->effects[1]) == "angular:X:ECX");
+  CHECK(model->effects[2].user[1].value == 40.0);
+  CHECK_FALSE(model->effects[2].user[0].value.has_value());
+  CHECK(model->known[0].value[1] == 3.1);
+}
+
+TEST_CASE("writing a model and reading it again gives the same effects") {
+  auto model = parse_model(kText, "m.toml", "");
+  REQUIRE(model);
+  model->effects[1].curve = {{0.0, 1.0}, {0.25, -3.0}};
+  model->effects[0].fitted = {{"amplitude2_um", 0.125}};
+  model->history.push_back({"cyclic:X:EX", "data.csv", 4.5, 0.5, 1.25, 0.5, 0.75});
+  const auto again = parse_model(to_toml(*model), "again.toml", "");
+  REQUIRE(again);
+  CHECK(again->effects == model->effects);
+  CHECK(again->known == model->known);
+  CHECK(again->history == model->history);
+}
+
+TEST_CASE("every fault of a model file is told at once, with its line") {
+  const auto model = parse_model(R"toml([[effect]]
+id = "cylic"
+axis = "X"
+[[effect]]
+id = "backlash"
+axis = "W"
+sense = "EX"
+[[effect]]
+id = "scale"
+axis = "X"
+parameters = { um_per_mm = 1.0 }
+colour = "red"
+)toml",
+                                 "bad.toml", "");
+  REQUIRE_FALSE(model);
+  const std::string text = to_text(model.error());
+  CHECK(text.find("did you mean \"cyclic\"") != std::string::npos);
+  CHECK(text.find("bad.toml:6") != std::string::npos);
+  CHECK(text.find("um_per_m") != std::string::npos);
+  CHECK(text.find("colour") != std::string::npos);
+}
+
+TEST_CASE("names in a formula that are no columns are parameters to be fitted") {
+  const auto model = parse_model(
+      "[[effect]]\nid = \"user\"\nname = \"u\"\nsense = \"EX\"\nformula = \"k*x_mm + c*t_air_degC + sin(2e3*x_mm)\"\n",
+      "u.toml", "");
+  REQUIRE(model);
+  REQUIRE(model->effects[0].user.size() == 2);
+  CHECK(model->effects[0].user[0].name == "k");
+  CHECK(model->effects[0].user[1].name == "c");
+}

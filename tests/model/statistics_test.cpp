@@ -1,0 +1,31 @@
+#include "model/statistics.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+using namespace ecs::model;
+using doctest::Approx;
+
+TEST_CASE("tails agree with printed tables") {
+  CHECK(std::exp(ln_chi2_tail(3.841459, 1.0)) == Approx(0.05).epsilon(1e-5));
+  CHECK(std::exp(ln_chi2_tail(18.30704, 10.0)) == Approx(0.05).epsilon(1e-5));
+  CHECK(std::exp(ln_f_tail(3.325835, 5.0, 10.0)) == Approx(0.05).epsilon(1e-5));
+  CHECK(std::exp(ln_f_tail(4.964603, 1.0, 10.0)) == Approx(0.05).epsilon(1e-5));
+  CHECK(normal_two_sided(1.959964) == Approx(0.05).epsilon(1e-5));
+}
+
+TEST_CASE("Clopper-Pearson intervals agree with printed ones") {
+  CHECK(clopper_pearson(0, 300).high == Approx(0.01222).epsilon(0.01));  // 1 − 0.025^(1/300)
+  CHECK(clopper_pearson(300, 300).low == Approx(0.98778).epsilon(0.001));
+  CHECK(clopper_pearson(8, 10).low == Approx(0.4439).epsilon(0.001));
+  CHECK(clopper_pearson(8, 10).high == Approx(0.9748).epsilon(0.001));
+}
+
+TEST_CASE("beyond the blanks the tail goes on falling") {
+  std::vector<double> blanks;
+  for (int i = 1; i <= 400; ++i) blanks.push_back(-2.0 * std::log(i / 400.5));  // χ² of two degrees
+  CHECK(tail_probability(blanks, 6.0) == Approx(std::exp(-3.0)).epsilon(0.2));
+  CHECK(tail_probability(blanks, 20.0) < 5e-4);
+  CHECK(tail_probability(blanks, 20.0) > 1e-6);
+}

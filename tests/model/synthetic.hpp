@@ -1,0 +1,99 @@
+// Small measurement sets made by hand for the tests of the model room: one or more lines, runs both ways, known noise.
+#pragma once
+
+#include <functional>
+#include <random>
+
+#include "laser/measurement_set.hpp"
+#include "model/diagnose.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::model::test {
+
+struct Plan {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  double from_mm = 0.0, step_mm = 25.0;
+  int targets = 41;
+  int runs = 3;
+  bool both_ways = true;
+  Vector3 parked_mm{};
+};
+
+using Truth = std::function<double(const laser::Reading&)>;
+
+/// Readings every 10 s, runs 200 s apart; normal noise.
+inline void measure(laser::MeasurementSet& set, const Plan& plan, double noise_um, const Truth& truth,
+                    unsigned seed = 1) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  double t = set.readings.empty() ? 0.0 : *set.readings.back().time_s + 100.0;
+  for (int run = 1; run <= plan.runs; ++run) {
+    for (const int d : plan.both_ways ? std::vector<int>{1, -1} : std::vector<int>{1}) {
+      for (int i = 0; i < plan.targets; ++i) {
+        const int place = d > 0 ? i : plan.targets - 1 - i;
+        laser::Reading r;
+        r.row = static_cast<int>(set.readings.size()) + 1;
+        r.axis = plan.axis;
+        r.sense = plan.sense;
+        r.position_mm = plan.parked_mm;
+        // a little uneven, as ISO 230-2 asks
+        r.position_mm[index_of(plan.axis)] =
+            plan.from_mm + plan.step_mm * place + 0.17 * plan.step_mm * std::sin(3.0 * place);
+        r.approach = static_cast<Approach>(d);
+        r.run = run;
+        r.time_s = t += 10.0;
+        r.sensors_degC["t_material_degC"] = 20.5 + 0.8 * std::sin(t / 3000.0);
+        r.error = truth(r) + noise_um * normal(random);
+        set.readings.push_back(r);
+      }
+    }
+    t += 200.0;
+  }
+}
+
+inline laser::MeasurementSet measured(const Plan& plan, double noise_um, const Truth& truth, unsigned seed = 1) {
+  laser::MeasurementSet set;
+  measure(set, plan, noise_um, truth, seed);
+  return set;
+}
+
+inline EffectInstance effect(EffectId id, Axis axis, Sense sense) {
+  EffectInstance one;
+  one.id = id;
+  one.axis = axis;
+  one.sense = sense;
+  return one;
+}
+
+/// Offset and scale of one line.
+inline Model straight(Axis axis = Axis::X, Sense sense = Sense::EX) {
+  Model model;
+  model.effects = {effect(EffectId::offset, axis, sense), effect(EffectId::scale, axis, sense)};
+  return model;
+}
+
+inline params::Machine mill(const char* configuration = "TXYZ") {
+  params::Machine machine;
+  machine.name = "test mill";
+  machine.configuration = configuration;
+  for (const Axis a : kAllAxes) {
+    params::MachineAxis axis;
+    axis.travel_mm = {0.0, 1000.0};
+    axis.screw_pitch_mm = 10.0;
+    for (const Axis other : kAllAxes)
+      if (other != a) axis.measurement_line_mm[index_of(other)] = 0.0;
+    machine.axes[index_of(a)] = axis;
+  }
+  return machine;
+}
+
+inline double p(const laser::Reading& r, Axis a = Axis::X) { return r.position_mm[index_of(a)]; }
+inline double d(const laser::Reading& r) { return static_cast<double>(static_cast<int>(r.approach)); }
+
+inline Diagnosis diagnosed(const Model& model, const laser::MeasurementSet& set) {
+  auto result = diagnose(model, observations_of(set, model, mill()));
+  return result ? *result : Diagnosis{};
+}
+
+}  // namespace ecs::model::test
