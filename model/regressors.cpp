@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "model/refractivity.hpp"
+#include "model/user_formula.hpp"
 
 namespace ecs::model {
 namespace {
@@ -211,6 +212,57 @@ double fixed_part(const Observations& data, std::size_t k, const EffectInstance&
   return map_compensation(data, k, effect, 0.0, -data.approach[k]) - now;
 }
 
+/// Values at the starting parameters, the linear ones at 0 but for `one`.
+std::vector<double> user_values(const UserFormulas& formulas, const EffectInstance& effect,
+                                const std::vector<bool>& linear, std::size_t one) {
+  std::vector<double> at;
+  for (std::size_t i = 0; i < effect.user.size(); ++i)
+    at.push_back(linear[i] && !effect.user[i].value ? (i == one ? 1.0 : 0.0) : start_of(effect.user[i]));
+  return formulas.values(at);
+}
+
+/// One column per linear parameter that is not held, at the starting values of the others.
+Eigen::MatrixXd user_columns(const Observations& data, const EffectInstance& effect) {
+  const auto n = static_cast<Eigen::Index>(data.size());
+  Eigen::MatrixXd columns(n, 0);
+  const auto formulas = UserFormulas::compile(effect, data);
+  if (!formulas) return columns;
+  std::vector<double> start;
+  for (const UserParameter& parameter : effect.user) start.push_back(start_of(parameter));
+  const std::vector<bool> linear = formulas->linear_parameters(start);
+  const std::vector<double> nothing = user_values(*formulas, effect, linear, effect.user.size());
+  for (std::size_t j = 0; j < effect.user.size(); ++j) {
+    if (!linear[j] || effect.user[j].value) continue;
+    const std::vector<double> values = user_values(*formulas, effect, linear, j);
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      const double value = values[k] - nothing[k];
+      columns(static_cast<Eigen::Index>(k), columns.cols() - 1) = std::isnan(value) ? 0.0 : value;
+    }
+  }
+  return columns;
+}
+
+Acting acting_user(const Observations& data, const EffectInstance& effect) {
+  Acting acting;
+  const auto formulas = UserFormulas::compile(effect, data);
+  if (!formulas) return acting;
+  std::vector<double> start;
+  for (const UserParameter& parameter : effect.user) start.push_back(start_of(parameter));
+  const std::vector<double> values = formulas->values(start);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const bool mine = std::any_of(effect.formulas.begin(), effect.formulas.end(),
+                                  [&](const UserFormula& formula) { return formula.sense == data.sense[k]; });
+    if (!mine) continue;
+    if (std::isnan(values[k]))
+      ++acting.skipped;
+    else
+      acting.rows.push_back(k);
+  }
+  if (acting.skipped > 0) acting.lacking = "a column of its formula";
+  return acting;
+}
+
 }  // namespace
 
 bool is_own_motion(const Observations& data, std::size_t k, Axis axis) {
@@ -231,7 +283,7 @@ Regressors::~Regressors() = default;
 
 Acting Regressors::acting(const EffectInstance& effect) const {
   Acting acting;
-  if (effect.id == user) return acting;
+  if (effect.id == user) return acting_user(data_, effect);
   for (std::size_t k = 0; k < data_.size(); ++k) {
     if (!acts_by_place(data_, k, effect)) continue;
     if (std::isnan(needed_cell(data_, k, effect)))
@@ -277,6 +329,10 @@ Columns Regressors::columns(const EffectInstance& effect, double nonlinear) cons
 Columns Regressors::columns(const EffectInstance& effect, double nonlinear, const Acting& acting) const {
   const auto n = static_cast<Eigen::Index>(data_.size());
   Columns columns;
+  if (effect.id == user) {
+    columns.of = user_columns(data_, effect);
+    return columns;
+  }
   if (has_fixed_size(effect.id)) {
     columns.of.resize(n, 0);
     columns.fixed = Eigen::VectorXd::Zero(n);
