@@ -36,7 +36,7 @@ void seek_switch(const DatumParameters& p, const DatumSignals& s, bool active, D
   if (active == p.switch_initially_active) return;
   if (direction_of_motion(s) != p.approach_direction)
     fail(state, DatumFailure::wrong_direction);
-  else if (std::abs(s.speed_mm_min) > 1.5 * p.approach_speed_mm_min)
+  else if (std::abs(s.speed_mm_min) > kFastestApproach * p.approach_speed_mm_min)
     fail(state, DatumFailure::too_fast);
   else
     enter(state, p.kind == DatumKind::siemens ? DatumStage::seeking_marker : DatumStage::on_switch, s);

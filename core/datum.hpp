@@ -29,6 +29,8 @@ struct DatumState {
 
 /// Motion below this distance is no start of the reference motion.
 inline constexpr double kDatumStart_mm = 0.05;
+/// Times the approach speed: an axis faster than this on its switch is too fast.
+inline constexpr double kFastestApproach = 1.5;
 /// No marker, or no end of the switch, within this travel fails the routine (several turns of any ordinary screw).
 inline constexpr double kMarkerSearch_mm = 100.0;
 

@@ -9,6 +9,16 @@ double onward_of(const DatumParameters& parameters) {
   return static_cast<double>(static_cast<std::int8_t>(parameters.approach_direction));
 }
 
+/// The switch is in the other state than the one in which the routine begins.
+bool on_switch(const DatumParameters& parameters, const DatumSignals& signals) {
+  return (signals.switch_closed == (parameters.switch_polarity > 0)) != parameters.switch_initially_active;
+}
+
+/// Failures that being brought back across the switch can cause.
+bool early(DatumFailure failure) {
+  return failure == DatumFailure::wrong_initial_state || failure == DatumFailure::wrong_direction;
+}
+
 }  // namespace
 
 void DatumWatch::step(const DatumParameters& parameters, const AxisModule& module, double mm_per_count,
@@ -21,31 +31,43 @@ void DatumWatch::step(const DatumParameters& parameters, const AxisModule& modul
     step_datum(parameters, signals, state_);
     if (state_.stage == DatumStage::failed) {
       const bool brought_back = signals.speed_mm_min * onward_of(parameters) < 0.0;
-      const bool early =
-          state_.failure == DatumFailure::wrong_initial_state || state_.failure == DatumFailure::wrong_direction;
-      (brought_back && early ? pending_ : final_) = state_.failure;
+      const bool wait = state_.failure == DatumFailure::too_fast || (brought_back && early(state_.failure));
+      (wait ? pending_ : final_) = state_.failure;
       retry_from_mm_ = signals.travelled_mm;
     }
+  } else if (state_.failure == DatumFailure::too_fast) {
+    look_for_other_way(parameters, signals);
   } else {
     look_for_retry(parameters, signals);
   }
+  was_on_switch_ = on_switch(parameters, signals);
   give_up_if_still(signals, period_s);
 }
 
 void DatumWatch::look_for_retry(const DatumParameters& parameters, const DatumSignals& signals) {
-  const bool active = signals.switch_closed == (parameters.switch_polarity > 0);
-  if (signals.speed_mm_min * onward_of(parameters) <= 0.0 || active != parameters.switch_initially_active)
+  if (signals.speed_mm_min * onward_of(parameters) <= 0.0 || on_switch(parameters, signals))
     retry_from_mm_ = signals.travelled_mm;
   else if (std::abs(signals.travelled_mm - retry_from_mm_) >= kDatumRetry_mm)
     state_ = DatumState{};
 }
 
+void DatumWatch::look_for_other_way(const DatumParameters& parameters, const DatumSignals& signals) {
+  if (was_on_switch_ || !on_switch(parameters, signals)) return;
+  const bool other_way = signals.speed_mm_min * onward_of(parameters) < 0.0;
+  const bool slow = std::abs(signals.speed_mm_min) <= kFastestApproach * parameters.approach_speed_mm_min;
+  finish(other_way && slow ? DatumFailure::wrong_direction : DatumFailure::too_fast);
+}
+
+void DatumWatch::finish(DatumFailure failure) {
+  final_ = failure;
+  state_.stage = DatumStage::failed;
+  state_.failure = failure;
+}
+
 void DatumWatch::give_up_if_still(const DatumSignals& signals, double period_s) {
   still_s_ = signals.speed_mm_min == 0.0 ? still_s_ + period_s : 0.0;
   if (pending_ == DatumFailure::none || done() || still_s_ < kDatumGiveUp_s) return;
-  final_ = pending_;
-  state_.stage = DatumStage::failed;
-  state_.failure = pending_;
+  finish(pending_);
 }
 
 }  // namespace ecs::emulator

@@ -9,13 +9,15 @@ namespace ecs::emulator {
 /// Motion this long in the approach direction, switch in its initial state, begins the routine again after a failure
 /// that happened while the axis was brought back.
 inline constexpr double kDatumRetry_mm = 5.0;
-/// A failed axis that stands still so long is given up.
+/// A failed axis that stands still so long is given up with the failure seen.
 inline constexpr double kDatumGiveUp_s = 30.0;
 
 class DatumWatch {
  public:
   /// One period. The machine may first be brought back across its switch, against the approach direction: what fails
-  /// then is begun again when the axis comes back the right way. Every other failure is final at once.
+  /// then is begun again when the axis comes back the right way. A switch reached too fast may be the same motion seen
+  /// with the wrong approach direction: the next time that it is reached, slowly and the other way, the failure is
+  /// `wrong_direction`. Every other failure is final at once.
   void step(const DatumParameters& parameters, const AxisModule& module, double mm_per_count, double period_s);
 
   [[nodiscard]] const DatumState& state() const { return state_; }
@@ -25,12 +27,15 @@ class DatumWatch {
 
  private:
   void look_for_retry(const DatumParameters& parameters, const DatumSignals& signals);
+  void look_for_other_way(const DatumParameters& parameters, const DatumSignals& signals);
+  void finish(DatumFailure failure);
   void give_up_if_still(const DatumSignals& signals, double period_s);
 
   DatumState state_;
   DatumFailure pending_ = DatumFailure::none;
   DatumFailure final_ = DatumFailure::none;
   double retry_from_mm_ = 0.0;
+  bool was_on_switch_ = true;  ///< switch not in its initial state a period ago
   double still_s_ = 0.0;
 };
 

@@ -91,25 +91,6 @@ TEST_CASE("an axis that stands beyond its switch is brought back and referenced"
   bench.compensate();
 }
 
-TEST_CASE("a wrong datum parameter ends in a datum fault that says what was seen") {
-  Bench bench("", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n");
-  SUBCASE("approach speed too low") { bench.parameters.axes[0].datum.approach_speed_mm_min = 100.0; }
-  SUBCASE("final state") { bench.parameters.axes[0].datum.switch_finally_active = true; }
-  SUBCASE("kind") { bench.parameters.axes[0].datum.kind = DatumKind::allen_bradley; }
-  SUBCASE("approach direction") { bench.parameters.axes[0].datum.approach_direction = Approach::reverse; }
-  SUBCASE("polarity") { bench.parameters.axes[0].datum.switch_polarity = -1; }
-  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
-          CommandState::done);
-  REQUIRE(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
-  bench.reference_all();
-  REQUIRE(bench.simulation.run_for(kDatumGiveUp_s + 1.0));
-  CHECK(bench.unit.mode() == UnitMode::integration);
-  CHECK(bench.unit.fault() == Fault::datum_sequence);
-  CHECK(bench.unit.status().fault_axis == Axis::X);
-  CHECK(bench.unit.status().axes[0].datum_stage == DatumStage::failed);
-  CHECK(bench.unit.status().axes[0].datum_failure != DatumFailure::none);
-}
-
 TEST_CASE("a stuck bit of axis memory is found with its address, and the content survives the test") {
   Bench bench;
   const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
