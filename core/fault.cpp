@@ -13,7 +13,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
     {"block_check", "the axis memory is corrupt: its block check does not agree with its contents",
      "send parameters and map again; if it comes back, replace the battery or the module"},
     {"no_map", "the axis memory holds no complete error map", "send parameters and map"},
-    {"map_not_for_parameters", "the error map does not fit the parameters: a component is missing or the chain differs",
+    {"map_not_for_parameters", "the error map lacks a component of this scope, or is for another chain",
      "build the map for the scope and configuration that the parameters name, and send both"},
     {"bad_parameters", "a parameter in the axis memory is out of its range",
      "run `ecs params check` and send them again"},

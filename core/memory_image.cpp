@@ -126,9 +126,9 @@ std::string_view text_of(ImageFault fault) noexcept {
     case ImageFault::bad_parameters:
       return "holds impossible parameters";
     case ImageFault::bad_directory:
-      return "has a table directory that cannot be";
+      return "has a table directory of impossible numbers";
     case ImageFault::bad_entry:
-      return "has a table that cannot be";
+      return "has a table of impossible numbers";
     case ImageFault::duplicate_table:
       return "holds a table twice";
     case ImageFault::over_capacity:

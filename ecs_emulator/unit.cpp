@@ -34,7 +34,7 @@ void Unit::start_up() {
   tick_ = {};
   isolate();
   ticks_ = 0;
-  uptime_s_ = 0.0;
+  uptime_s_ = silent_s_ = 0.0;
   overruns_ = 0;
   watchdog_trips_ = 0;
   staging_ = entering_compensation_ = restart_ = false;
@@ -53,7 +53,15 @@ void Unit::reload_parameters() {
 }
 
 void Unit::note_request() {
+  silent_s_ = 0.0;
   if (powered_ && mode_ == UnitMode::starting && settings_.link == LinkSense::automatic) enter_integration();
+}
+
+/// A host that has gone away leaves no axis under a compensation of its own.
+void Unit::watch_host() {
+  if (silent_s_ < kOutputHold_s) return;
+  for (const AxisDrive& drive : drives_)
+    if (drive.relay_closed) return isolate();
 }
 
 /// Relays off and every D/A converter to zero.
@@ -103,11 +111,17 @@ bool Unit::present(Axis axis) const {
   return parameters_.axis_present[index_of(axis)] && settings_.axis_modules[index_of(axis)];
 }
 
+double Unit::output_um(Axis axis) const {
+  const AxisParameters& its = parameters_.axes[index_of(axis)];
+  return drives_[index_of(axis)].dac_counts / its.output_scale_counts_per_um * its.compensation_polarity;
+}
+
 Drives Unit::tick(const Signals& signals) {
   if (!powered_) return {};
   if (restart_) start_up();
   for (std::size_t a = 0; a < kAxes; ++a) modules_[a].take(signals[a]);
   uptime_s_ += period_s();
+  silent_s_ += period_s();
   if (hung_) {
     hang_step();
     return drives_;
@@ -118,6 +132,7 @@ Drives Unit::tick(const Signals& signals) {
       wait_for_link();
       break;
     case UnitMode::integration:
+      watch_host();
       command_step();
       break;
     case UnitMode::datuming:

@@ -33,6 +33,10 @@ inline constexpr double kFastest_mm_s = 2000.0;
 inline constexpr double kWatchdog_s = 0.1;
 /// Longest wait of the command `test_datum`.
 inline constexpr double kDatumTest_s = 600.0;
+/// An output that the host has set with its relay closed holds no longer than this without a request.
+inline constexpr double kOutputHold_s = 60.0;
+/// Largest position that the host can set: no machine is longer than a kilometre.
+inline constexpr double kLargestPosition_mm = 1e6;
 /// Range of the D/A converter.
 inline constexpr double kMostDacCounts = 32767.0;
 
@@ -97,6 +101,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void raise(Fault fault, std::optional<Axis> axis = std::nullopt, Address address = 0);
   void isolate();
   void watch_supply();
+  void watch_host();
   void hang_step();
   void wait_for_link();
   void datum_step();
@@ -109,6 +114,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] double mm_per_count(Axis axis) const;
   [[nodiscard]] double position_mm(Axis axis) const;
   [[nodiscard]] bool present(Axis axis) const;
+  /// What the D/A converter asks of the axis [um].
+  [[nodiscard]] double output_um(Axis axis) const;
 
   // commands (unit_commands.cpp)
   [[nodiscard]] protocol::CommandResult begin_in_integration(const protocol::Command& command);
@@ -138,6 +145,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   Drives drives_{};
   std::uint64_t ticks_ = 0;
   double uptime_s_ = 0.0;
+  double silent_s_ = 0.0;  ///< since the last request of the host
   std::uint32_t overruns_ = 0;
   std::uint16_t watchdog_trips_ = 0;
   std::uint32_t samples_ = 0;

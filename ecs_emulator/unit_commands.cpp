@@ -29,6 +29,13 @@ CommandResult failed(UnitError error, std::string text = {}) {
   return {0, CommandState::failed, error, 0, 0, std::move(text)};
 }
 
+/// Why an image is refused; fits the text of a command result.
+std::string sentence_on(const ImageVerdict& verdict) {
+  const bool one_table = verdict.fault == ImageFault::bad_entry || verdict.fault == ImageFault::duplicate_table;
+  const std::string which = one_table ? fmt::format(" (table {})", verdict.table + 1) : std::string();
+  return fmt::format("the image {}{}", text_of(verdict.fault), which);
+}
+
 }  // namespace
 
 protocol::UnitError Unit::read_memory(Address address, std::span<std::uint8_t> out) {
@@ -56,6 +63,7 @@ protocol::UnitError Unit::write_memory(Address address, std::span<const std::uin
 
 protocol::CommandResult Unit::begin(const Command& command) {
   if (!powered_) return refused(UnitError::unit_fault, "no power");
+  silent_s_ = 0.0;
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   if (command.code == CommandCode::stop) return stop();
   if (command.code == CommandCode::enter_integration) {
@@ -115,7 +123,9 @@ protocol::CommandResult Unit::begin_on_axis(const Command& command) {
   if (!present(command.axis)) return refused(UnitError::axis_absent);
   const std::size_t i = index_of(command.axis);
   if (command.code == CommandCode::set_axis_position) {
-    if (!std::isfinite(command.position_mm)) return refused(UnitError::bad_argument, "expected a finite position");
+    if (!(std::abs(command.position_mm) <= kLargestPosition_mm))
+      return refused(UnitError::bad_argument,
+                     fmt::format("expected a position within ±{:.0f} mm", kLargestPosition_mm));
     origins_[i].counts = modules_[i].counts();
     origins_[i].position_mm = command.position_mm;
     return done();
@@ -167,8 +177,7 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank holds {} bytes", size));
   if (crc32_of(memory_.view(bank, length)) != crc) return refused(UnitError::check_mismatch);
   const ImageVerdict verdict = check_image(memory_.view(bank, length));
-  if (verdict.fault != ImageFault::none)
-    return refused(UnitError::image_refused, fmt::format("the image {}", text_of(verdict.fault)));
+  if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
   if (verdict.total_bytes != length)
     return refused(UnitError::image_refused, fmt::format("the image has {} bytes", verdict.total_bytes));
   const ImageView image(memory_.view(bank, length));

@@ -74,9 +74,9 @@ protocol::MonitorSample Unit::monitor() {
     axis.marker = modules_[i].take_marker();
     axis.output_counts = drives_[i].dac_counts;
     axis.relay_closed = drives_[i].relay_closed;
-    if (mode_ != UnitMode::compensating) continue;
-    axis.approach = tick_.approach[i];
-    axis.compensation_um = tick_.compensation_um[i];
+    const bool looping = mode_ == UnitMode::compensating;
+    axis.compensation_um = looping ? tick_.compensation_um[i] : output_um(a);
+    if (looping) axis.approach = tick_.approach[i];
   }
   return sample;
 }

@@ -4,6 +4,7 @@
 
 #include "bench_of.hpp"
 #include "ecs_emulator/unit.hpp"
+#include "protocol/register_map.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -122,6 +123,79 @@ TEST_CASE("an output set by the host moves the axis through the machine's own ga
   CHECK(bench.simulation.machine().axis(Axis::X).position_mm() == doctest::Approx(before));
   command.output_um = 501.0;
   CHECK(bench.tell(command).error == UnitError::bad_argument);
+}
+
+TEST_CASE("the monitor shows what the host's output asks for, whatever polarity and scale turn it into") {
+  Bench bench;
+  bench.parameters.axes[0].compensation_polarity = -1;
+  bench.parameters.axes[0].output_scale_counts_per_um = 4.0;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 400.0, .relay_on = true};
+  REQUIRE(bench.tell(command).state == CommandState::done);
+  CHECK(bench.unit.monitor().axes[0].output_counts == -1600);
+  CHECK(bench.unit.monitor().axes[0].compensation_um == doctest::Approx(400.0));
+  CHECK(bench.unit.monitor().axes[1].compensation_um == 0.0);
+  REQUIRE(bench.tell(CommandCode::output_off).state == CommandState::done);
+  CHECK(bench.unit.monitor().axes[0].compensation_um == 0.0);
+}
+
+TEST_CASE("an output with its relay closed ends when the host is silent for a minute") {
+  Bench bench;
+  Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 40.0, .relay_on = true};
+  REQUIRE(bench.tell(command).state == CommandState::done);
+  REQUIRE(bench.simulation.run_for(59.0));
+  CHECK(bench.unit.monitor().axes[0].relay_closed);
+  SUBCASE("a request begins the minute anew") {
+    bench.unit.note_request();
+    REQUIRE(bench.simulation.run_for(59.0));
+    CHECK(bench.unit.monitor().axes[0].output_counts == 400);
+    CHECK(bench.unit.monitor().axes[0].relay_closed);
+  }
+  SUBCASE("silence opens the relays") {
+    REQUIRE(bench.simulation.run_for(1.5));
+    CHECK(bench.unit.monitor().axes[0].output_counts == 0);
+    CHECK(!bench.unit.monitor().axes[0].relay_closed);
+    CHECK(bench.unit.mode() == UnitMode::integration);
+    CHECK(bench.unit.fault() == Fault::none);
+  }
+}
+
+TEST_CASE("silence is no reason to end compensation, nor an output that moves nothing") {
+  Bench bench;
+  Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 40.0};
+  REQUIRE(bench.tell(command).state == CommandState::done);
+  REQUIRE(bench.simulation.run_for(61.0));
+  CHECK(bench.unit.monitor().axes[0].output_counts == 400);
+  bench.compensate();
+  REQUIRE(bench.simulation.run_for(61.0));
+  CHECK(all_relays(bench, true));
+}
+
+TEST_CASE("a position that no machine has is refused") {
+  Bench bench;
+  Command command{.code = CommandCode::set_axis_position, .axis = Axis::Y, .position_mm = 1e6};
+  CHECK(bench.tell(command).state == CommandState::done);
+  for (const double impossible : {1.0001e6, -1e300, std::nan(""), HUGE_VAL}) {
+    command.position_mm = impossible;
+    CHECK(bench.tell(command).error == UnitError::bad_argument);
+  }
+  CHECK(bench.unit.monitor().axes[1].position_mm == doctest::Approx(1e6));
+}
+
+TEST_CASE("why an image or a map is refused fits into the text of a result, whole") {
+  constexpr std::size_t kAround = std::string_view("the image  (table 36)").size();
+  for (int f = 0; f <= static_cast<int>(ImageFault::over_capacity); ++f)
+    CHECK(text_of(static_cast<ImageFault>(f)).size() + kAround <= protocol::kResultTextBytes);
+  for (int f = 0; f < kFaultCount; ++f)
+    CHECK(text_of(static_cast<Fault>(f)).meaning.size() <= protocol::kResultTextBytes);
+  Bench bench;
+  auto image = bench.image([](Component, double, Approach) { return 1.0; });
+  TableEntry entry = ImageView(image).entry(2);
+  entry.increment_mm = 0.0;
+  write_entry(image, 2, entry);
+  seal_image(image);
+  CHECK(bench.stage_and_commit(image).text == "the image has a table of impossible numbers (table 3)");
 }
 
 TEST_CASE("a position set by the host is shown and follows the axis") {
