@@ -2,7 +2,9 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -64,6 +66,13 @@ Json coordinates(const std::vector<std::string>& texts) {
   return place;
 }
 
+std::optional<LinkSense> link_sense_named(std::string_view name) {
+  if (name == "auto") return LinkSense::automatic;
+  if (name == "compensate") return LinkSense::compensate;
+  if (name == "integrate") return LinkSense::integrate;
+  return std::nullopt;
+}
+
 std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
 
 /// The verbs of the workshop, each with its options, writing themselves into one request.
@@ -104,7 +113,7 @@ class WorkshopVerbs {
     word(verb, "--instrument", "instrument");
     word(verb, "--date", "date");
     word(verb, "--engineer", "engineer");
-    word(verb, "--plan", "plan");
+    word(verb, "--plan-name", "plan_name");
     verb->add_option_function<std::vector<std::string>>(
         "-o,--output",
         [this](const auto& v) {
@@ -215,7 +224,7 @@ int act_alone(const std::string& machine, const std::string& errors, std::option
   if (!simulation) return told(simulation.error());
   catch_signals();
   simulation->on_pause([] { return stop_requested == 0; });
-  return shown(perform({&*simulation, nullptr, nullptr, {}}, request.dump(), show_progress));
+  return shown(perform({&*simulation, nullptr, nullptr}, request.dump(), show_progress));
 }
 
 }  // namespace
@@ -253,9 +262,14 @@ int main(int argc, char** argv) {
   server->add_option("--pace", options.pace_baud, "make the line as slow as this baud rate")
       ->check(CLI::Range(300, 921600));
   server->add_option("--modules", options.memory_modules, "axis memory modules in the rack")->check(CLI::Range(1, 5));
-  server->add_option("--mode", options.mode, "what the unit finds on its socket at power-up")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, LinkSense>{
-          {"auto", LinkSense::automatic}, {"integrate", LinkSense::integrate}, {"compensate", LinkSense::compensate}}));
+  server
+      ->add_option_function<std::string>(
+          "--mode", [&](const std::string& name) { options.mode = *link_sense_named(name); },
+          "what the unit finds on its socket at power-up (auto)")
+      ->option_text("auto|compensate|integrate")
+      ->check([](const std::string& name) {
+        return link_sense_named(name) ? std::string() : std::string("expected auto, compensate or integrate");
+      });
   server->add_flag("--with-parent", with_parent, "end when the parent process ends");
   server->callback([&] {
     options.machine = machine;

@@ -9,6 +9,7 @@
 #include <poll.h>
 
 #include "ecs_emulator/battery.hpp"
+#include "ecs_emulator/battery_lock.hpp"
 #include "ecs_emulator/workshop.hpp"
 #include "ecs_emulator/workshop_socket.hpp"
 #include "protocol/server.hpp"
@@ -33,14 +34,18 @@ class Socket final : public protocol::RegisterHandler {
  public:
   explicit Socket(Unit& unit) : unit_(unit), face_(unit) {}
   tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
+    if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
     unit_.note_request();
     return face_.read(first, count);
   }
   tl::expected<void, protocol::ModbusException> write(std::uint16_t first,
                                                       std::span<const std::uint16_t> values) override {
+    if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
     unit_.note_request();
     return face_.write(first, values);
   }
+  /// A unit without power does not answer, also when it loses it in the middle of a request.
+  [[nodiscard]] bool silent() const override { return !unit_.powered(); }
 
  private:
   Unit& unit_;
@@ -51,14 +56,15 @@ class Socket final : public protocol::RegisterHandler {
 class Room {
  public:
   Room(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
-       protocol::ModbusServer line, const volatile std::sig_atomic_t& stop)
+       protocol::ModbusServer line, std::optional<WorkshopSocket> door, const volatile std::sig_atomic_t& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
         socket_(unit_),
         line_(std::move(line)),
+        door_(std::move(door)),
         battery_(options.memory),
         stop_(stop),
-        workshop_{&simulation_, &unit_, &line_.faults(), [this](bool on) { power(on); }} {
+        workshop_{&simulation_, &unit_, &line_.faults()} {
     simulation_.attach(&unit_);
     simulation_.on_pause([this] { return serve_line(); });
     unit_.on_commit([this] { keep_memory(); });
@@ -77,13 +83,6 @@ class Room {
     last_ = Clock::now();
     return {};
   }
-  Result<void> open_door(const std::filesystem::path& path) {
-    auto door = WorkshopSocket::listen_at(path);
-    if (!door) return tl::unexpected(door.error());
-    door_.emplace(std::move(*door));
-    return {};
-  }
-
   Result<void> run() {
     while (stop_ == 0) {
       wait();
@@ -117,7 +116,6 @@ class Room {
   /// Answers what waits on the line. False once the process is to end.
   bool serve_line() {
     line_.serve_ready(socket_, std::chrono::milliseconds(0));
-    if (answering_ != unit_.powered()) power(unit_.powered());
     return stop_ == 0;
   }
 
@@ -136,12 +134,6 @@ class Room {
       simulation_.idle_tick();
       owed_s_ -= simulation_.period_s();
     }
-  }
-
-  /// A unit without power does not answer.
-  void power(bool on) {
-    answering_ = on;
-    line_.faults().with_probability(protocol::LineFault::lost_request, on ? 0.0 : 1.0);
   }
 
   void keep_memory() {
@@ -168,7 +160,6 @@ class Room {
   Clock::time_point last_{};
   Clock::time_point kept_{};
   double owed_s_ = 0.0;
-  bool answering_ = true;
 };
 
 std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
@@ -204,12 +195,23 @@ Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)
     return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));
   const std::string serial_number = simulation->description().settings.serial_number;
+  // What another process may hold is claimed before anything of it can be spoilt: battery, door, then the line's link.
+  std::optional<BatteryLock> battery;
+  if (!options.memory.empty()) {
+    auto lock = BatteryLock::take(options.memory);
+    if (!lock) return tl::unexpected(lock.error());
+    battery.emplace(std::move(*lock));
+  }
+  std::optional<WorkshopSocket> door;
+  if (!options.workshop.empty()) {
+    auto listening = WorkshopSocket::listen_at(options.workshop);
+    if (!listening) return tl::unexpected(listening.error());
+    door.emplace(std::move(*listening));
+  }
   auto line = open_line(options);
   if (!line) return tl::unexpected(line.error());
   const protocol::LinkAddress address = line->address();
-  Room room(std::move(*simulation), options, serial_number, std::move(*line), stop);
-  if (!options.workshop.empty())
-    if (auto open = room.open_door(options.workshop); !open) return open;
+  Room room(std::move(*simulation), options, serial_number, std::move(*line), std::move(door), stop);
   if (auto on = room.switch_on(); !on) return on;
   ready(ready_line(address, options, serial_number));
   return room.run();

@@ -122,7 +122,7 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   plan.on_the_fly = arguments.flag("on_the_fly");
   plan.date = arguments.word("date");
   plan.engineer = arguments.word("engineer");
-  plan.name = arguments.word("plan");
+  plan.name = arguments.word("plan_name");
   if (axis) plan.axis = *axis;
   if (sense) plan.sense = *sense;
   return axis && sense ? std::optional(plan) : std::nullopt;
@@ -192,13 +192,9 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   if (state != "on" && state != "off" && state != "cycle")
     arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  const auto switched = [&](bool on) {
-    workshop.unit->power(on);
-    if (workshop.on_power) workshop.on_power(on);
-  };
-  if (state != "on") switched(false);
+  if (state != "on") workshop.unit->power(false);
   if (state == "cycle") workshop.simulation->come_to_rest();
-  if (state != "off" && !(state == "on" && workshop.unit->powered())) switched(true);
+  if (state != "off" && !(state == "on" && workshop.unit->powered())) workshop.unit->power(true);
   workshop.simulation->idle_tick();
   return state_of(workshop);
 }

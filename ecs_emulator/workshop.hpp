@@ -17,7 +17,6 @@ struct Workshop {
   Simulation* simulation = nullptr;
   Unit* unit = nullptr;                  ///< null: no unit stands here
   protocol::LineFaults* line = nullptr;  ///< null: no line
-  std::function<void(bool)> on_power;    ///< told when somebody switches the unit off or on
 };
 
 /// Carries out one request, `{"action": "jog", …}`.

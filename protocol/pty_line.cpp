@@ -2,6 +2,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 #include <fcntl.h>
@@ -23,6 +24,42 @@ using namespace std::chrono_literals;
 /// Silence that ends a broken request; below the time a client waits before it tries again.
 constexpr auto kFrameSilence = 25ms;
 
+/// Where a link leads if that exists and is not `own`: the name of a pseudo-terminal ends with its master side.
+std::optional<std::filesystem::path> living_target(const std::filesystem::path& link, const std::string& own) {
+  std::error_code error;
+  auto target = std::filesystem::canonical(link, error);
+  if (error || target == own) return std::nullopt;
+  return target;
+}
+
+/// "pid 1234 (name)" of a process that has this file open, as far as /proc tells; empty if it does not.
+std::string user_of(const std::filesystem::path& file) {
+  std::error_code error;
+  for (const auto& process : std::filesystem::directory_iterator("/proc", error)) {
+    const std::string pid = process.path().filename();
+    if (pid.find_first_not_of("0123456789") != std::string::npos) continue;
+    for (std::filesystem::directory_iterator open(process.path() / "fd", error), end; !error && open != end;
+         open.increment(error)) {
+      std::error_code closed;
+      if (std::filesystem::read_symlink(open->path(), closed) != file) continue;
+      std::string name;
+      std::getline(std::ifstream(process.path() / "comm"), name);
+      return fmt::format("pid {} ({})", pid, name);
+    }
+  }
+  return {};
+}
+
+tl::unexpected<Problem> in_use(const std::filesystem::path& link, const std::filesystem::path& target) {
+  const std::string user = user_of(target);
+  return problem(
+      ProblemKind::output,
+      user.empty()
+          ? fmt::format("{}: this link leads to {}; remove it, or name another link", link.string(), target.string())
+          : fmt::format("{}: this link leads to {}, which {} has open; end that, or name another link", link.string(),
+                        target.string(), user));
+}
+
 class PtyLine : public ServerLine {
  public:
   PtyLine(FrameCodec codec, const PtyOptions& options, Descriptor master, Descriptor keeper, std::string slave)
@@ -41,11 +78,15 @@ class PtyLine : public ServerLine {
       std::filesystem::remove(options_.link_path, ignored);
   }
 
-  /// A symbolic link that is left over is replaced; anything else in its place is not touched.
+  /// A symbolic link that is left over is replaced; one that leads somewhere, or anything else in its place, is not
+  /// touched.
   [[nodiscard]] Result<void> make_link() {
     if (options_.link_path.empty()) return {};
     std::error_code error;
-    if (std::filesystem::is_symlink(options_.link_path, error)) std::filesystem::remove(options_.link_path, error);
+    if (std::filesystem::is_symlink(options_.link_path, error)) {
+      if (const auto target = living_target(options_.link_path, slave_)) return in_use(options_.link_path, *target);
+      std::filesystem::remove(options_.link_path, error);
+    }
     std::filesystem::create_symlink(slave_, options_.link_path, error);
     if (error)
       return problem(ProblemKind::output,

@@ -29,6 +29,8 @@ class RegisterHandler {
   /// All of the values or none.
   [[nodiscard]] virtual tl::expected<void, ModbusException> write(std::uint16_t first,
                                                                   std::span<const std::uint16_t> values) = 0;
+  /// The device has no power: what it was asked last gets no reply.
+  [[nodiscard]] virtual bool silent() const { return false; }
 };
 
 }  // namespace ecs::protocol

@@ -44,7 +44,7 @@ void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler&
   if (spoils && *drawn == LineFault::lost_request) return;
   if (codec_.is_for_unit(frame)) last_request = Clock::now();
   auto reply = codec_.answer(frame, handler);
-  if (reply.empty()) return;
+  if (reply.empty() || handler.silent()) return;
   const auto start = std::max(Clock::now(), request_end + pace.gap);
   if (spoils)
     channel.put_spoilt(std::move(reply), start, pace.byte_time, *drawn, faults);

@@ -5,7 +5,9 @@
 #include <thread>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "base/file.hpp"
 #include "ecs_emulator/workshop_socket.hpp"
@@ -149,6 +151,69 @@ TEST_CASE("faults of line and unit can be provoked by name, and a unit without p
   CHECK(!client.monitor().has_value());
   CHECK(served.ask({{"action", "power"}, {"state", "on"}})["unit"]["powered"] == true);
   CHECK(client.monitor().has_value());
+}
+
+TEST_CASE("a unit whose power fails in the middle of a transfer answers nothing more, whatever the line's faults are") {
+  for (const bool tcp : {false, true}) {
+    CAPTURE(tcp);
+    Served served("", tcp);
+    auto client = served.client();
+    REQUIRE(served.ask({{"action", "fault"}, {"name", "power_fails"}, {"count", 1000}})["ok"] == true);
+    const auto sent = client.upload_image(served.image(2.0));
+    REQUIRE(!sent.has_value());
+    CHECK(to_text(sent.error()).find("no power") == std::string::npos);
+    CHECK(served.ask({{"action", "state"}})["unit"]["powered"] == false);
+    CHECK(served.ask({{"action", "fault"}, {"name", "clear"}})["ok"] == true);
+    CHECK(served.ask({{"action", "fault"}, {"name", "bad_crc"}, {"count", 1}})["ok"] == true);
+    CHECK(!client.status().has_value());
+    CHECK(served.ask({{"action", "power"}, {"state", "on"}})["unit"]["powered"] == true);
+    CHECK(client.status().has_value());
+  }
+}
+
+TEST_CASE("a second emulator is refused before it spoils anything of the first") {
+  Served served;
+  ServeOptions second = served.options;
+  std::string why;
+  SUBCASE("the same battery, by another way to its name") {
+    second.memory = served.folder / "." / "battery";
+    second.workshop.clear();
+    second.pty = served.folder / "other_line";
+    why = fmt::format("(pid {}) works with this memory", ::getpid());
+  }
+  SUBCASE("the same workshop") {
+    second.memory.clear();
+    why = "another workshop listens here";
+  }
+  SUBCASE("the same link") {
+    second.memory.clear();
+    second.workshop.clear();
+    why = fmt::format("pid {} (", ::getpid());
+  }
+  const auto refused = serve(second, served.stop, [](const std::string& line) { FAIL(line); });
+  REQUIRE(!refused.has_value());
+  CHECK(refused.error().kind == ProblemKind::output);
+  CHECK_MESSAGE(to_text(refused.error()).find(why) != std::string::npos, to_text(refused.error()));
+  CHECK(served.client().status().has_value());
+  CHECK(served.ask({{"action", "state"}})["ok"] == true);
+  CHECK(!std::filesystem::exists(served.folder / "other_line"));
+}
+
+TEST_CASE("a link that leads nowhere is replaced, one that leads to a file is not") {
+  Served served;
+  served.end();
+  CHECK(!std::filesystem::is_symlink(served.folder / "line"));
+  std::filesystem::create_symlink("/dev/pts/99999", served.folder / "line");
+  served.begin();
+  CHECK(served.client().status().has_value());
+  served.end();
+  std::filesystem::create_symlink(served.folder / "machine.toml", served.folder / "line");
+  const auto refused = serve(served.options, served.stop, [](const std::string& line) { FAIL(line); });
+  REQUIRE(!refused.has_value());
+  CHECK(to_text(refused.error()).find("machine.toml; remove it, or name another link") != std::string::npos);
+  CHECK(std::filesystem::read_symlink(served.folder / "line") == served.folder / "machine.toml");
+  CHECK(!std::filesystem::exists(served.folder / "battery.in-use"));
+  CHECK(!std::filesystem::exists(served.folder / "door"));
 }
 
 TEST_CASE("power that fails during a transfer leaves the old map in force") {
