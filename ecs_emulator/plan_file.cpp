@@ -21,12 +21,16 @@ class PlanReader {
     if (!table) return tl::unexpected(table.error());
     reader_.only(*table, {"name", "runs", "feed_mm_min", "measure"}, "plan");
     Json common = Json::object();
-    put_text(common, "plan", reader_.word(*table, "name").value_or(""));
+    put_text(common, "plan_name", reader_.word(*table, "name").value_or(""));
     put_text(common, "date", choice_.date);
     put_text(common, "engineer", choice_.engineer);
     put_number(common, "feed", *table, "feed_mm_min");
-    if (const auto runs = reader_.number(*table, "runs")) common["runs"] = static_cast<long long>(*runs);
+    if (const auto runs = reader_.number(*table, "runs")) {
+      if (!table->get("runs")->is_integer()) reader_.complain(*table->get("runs"), "runs: expected a whole number");
+      common["runs"] = static_cast<long long>(*runs);
+    }
     std::vector<std::string> requests;
+    if (!table->contains("measure")) reader_.complain(1, "expected at least one [[measure]] table");
     for (const toml::table* row : reader_.children(*table, "measure")) take(*row, common, requests);
     if (!reader_.clean()) return tl::unexpected(reader_.all());
     return requests;
@@ -37,6 +41,11 @@ class PlanReader {
     std::string name(axis);
     for (char& c : name) c = c >= 'x' && c <= 'z' ? static_cast<char>(c - 'x' + 'X') : c;
     return name;
+  }
+  /// The value under `key`, or the table where it is missing.
+  static const toml::node& place_of(const toml::table& table, std::string_view key) {
+    const toml::node* node = table.get(key);
+    return node != nullptr ? *node : table;
   }
   static void put_text(Json& request, const char* key, const std::string& text) {
     if (!text.empty()) request[key] = text;
@@ -56,10 +65,9 @@ class PlanReader {
     const std::string name = reader_.word(row, "name").value_or("");
     const std::string phase = reader_.word(row, "phase").value_or("both");
     if (name.empty() || name.find('/') != std::string::npos)
-      reader_.complain(row, "name: expected a name for the file, without a slash");
+      reader_.complain(place_of(row, "name"), "name: expected a name for the file, without a slash");
     if (phase != "both" && phase != "before" && phase != "after")
-      reader_.complain(row, fmt::format("phase: expected before, after or both, got \"{}\"", phase));
-    if (phase != "both" && phase != choice_.phase) return;
+      reader_.complain(place_of(row, "phase"), fmt::format("phase: expected before, after or both, got \"{}\"", phase));
     Json request = common;
     request["action"] = "measure";
     put_word(request, "axis", row, "axis");
@@ -71,9 +79,12 @@ class PlanReader {
     if (const auto* parked = reader_.child(row, "parked_mm"))
       for (const auto& [axis, node] : *parked)
         if (const auto place_mm = reader_.number(*parked, axis.str())) request["parked"][upper(axis.str())] = *place_mm;
-    if (const auto fly = row["on_the_fly"].value<bool>()) request["on_the_fly"] = *fly;
+    if (const toml::node* fly = row.get("on_the_fly")) {
+      if (!fly->is_boolean()) reader_.complain(*fly, "on_the_fly: expected true or false");
+      request["on_the_fly"] = fly->value_or(false);
+    }
     request["output"] = Json::array({(choice_.folder / (name + ".csv")).string()});
-    requests.push_back(request.dump());
+    if (phase == "both" || phase == choice_.phase) requests.push_back(request.dump());
   }
 
   TomlReader reader_;

@@ -90,20 +90,8 @@ class ErrorsFile {
 
   std::vector<Contribution> contributions(const toml::table& file) {
     std::vector<Contribution> found;
-    const toml::node* node = file.get("contribution");
-    if (node == nullptr) return found;
-    const toml::array* list = node->as_array();
-    if (list == nullptr) {
-      reader_.complain(*node, "contribution: expected [[contribution]] tables");
-      return found;
-    }
-    for (const toml::node& each : *list) {
-      if (const auto* table = each.as_table()) {
-        if (auto contribution = contribution_of(*table)) found.push_back(std::move(*contribution));
-      } else {
-        reader_.complain(each, "contribution: expected a table");
-      }
-    }
+    for (const toml::table* table : reader_.children(file, "contribution"))
+      if (auto contribution = contribution_of(*table)) found.push_back(std::move(*contribution));
     return found;
   }
 
