@@ -33,6 +33,9 @@ constexpr double kStructureChance = 0.4;
 /// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
 constexpr double kLateShare = 0.3;
 
+/// Least share of what is above noise that an explanation foresees at targets not fitted to.
+constexpr double kForeseen = 0.5;
+
 /// The model as it stands: what it absorbs and what it leaves.
 struct Base {
   MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
@@ -210,14 +213,13 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  constexpr double kForeseen = 0.5;
   if (found.foreseen < kForeseen) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess < kLeastStructure + 0.002 * explained;
+  return excess < kLeastStructure + std::min(0.02 * explained, 0.2);
 }
 
 /// The candidates in the order in which they are told, each with its part in the answer.
@@ -400,6 +402,21 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Observation
   return all;
 }
 
+/// Why the best effects of the library do not count as an explanation.
+std::string why_not_explained(const Found& found) {
+  if (found.foreseen < kForeseen)
+    return fmt::format(
+        "the best effects of the library foresee only {:.0f} % of the residual at targets that they were not fitted to",
+        100.0 * std::max(0.0, found.foreseen));
+  const auto most =
+      std::max_element(found.after.begin(), found.after.end(),
+                       [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
+  if (most == found.after.end()) return "the best effects of the library leave structure";
+  return fmt::format(
+      "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
+      most->variable, 100.0 * found.structure_p_after);
+}
+
 Result<Diagnosis> reported(const ReportInput& in) {
   const Observations& data = in.regressors.data();
   Diagnosis diagnosis;
@@ -442,6 +459,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (diagnosis.verdict == Verdict::adequate) diagnosis.candidates.clear();
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
   diagnosis.notes = untried_effects(data);
+  if (diagnosis.verdict == Verdict::unexplained_structure && !in.found.solution.chosen.empty())
+    diagnosis.notes.push_back(why_not_explained(in.found));
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   return diagnosis;
 }

@@ -13,8 +13,8 @@ constexpr double kIndistinguishable = 9.0;
 constexpr double kPriceOfRival = 15.0;
 /// Fits that differ by less than this are the same fit.
 constexpr double kSame = 0.05;
-constexpr std::size_t kFirstBranches = 6;
-constexpr std::size_t kLaterBranches = 3;
+constexpr std::size_t kFirstBranches = 8;
+constexpr std::size_t kLaterBranches = 4;
 constexpr std::size_t kBeam = 4;
 constexpr double kWorthFollowing = 0.2;  ///< of the best score
 
