@@ -1,6 +1,8 @@
 // Typed reads, and a map sent whole or not at all.
 #include "protocol/client.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -43,27 +45,34 @@ Result<UnitStatus> UnitClient::status() {
 
 Result<void> UnitClient::stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
                                const ProgressCallback& progress) {
-  if (auto written = write_memory(address, image, progress); !written) return written;
-  if (options.read_back) {
-    const auto held = read_memory(address, image.size(), progress);
-    if (!held) return tl::unexpected(held.error());
-    if (!std::equal(held->begin(), held->end(), image.begin(), image.end()))
-      return problem(ProblemKind::link, "what was read back from the unit is not what was sent; test its memory");
-  }
-  return commit_staged(static_cast<std::uint32_t>(image.size()), crc32_of(image));
+  const bool in_part = options.copy_active && options.changed_bytes > 0;
+  const auto travels = image.first(in_part ? std::min(options.changed_bytes, image.size()) : image.size());
+  if (auto written = write_memory(address, travels, progress); !written) return written;
+  if (!options.read_back) return {};
+  const auto held = read_memory(address, image.size(), progress);
+  if (!held) return tl::unexpected(held.error());
+  if (!std::equal(held->begin(), held->end(), image.begin(), image.end()))
+    return problem(ProblemKind::link, "what was read back from the unit is not what was sent; test its memory");
+  return {};
+}
+
+/// Takes back what was staged before any commit, even after a cancel.
+Problem UnitClient::given_up(Problem why) {
+  if (!link_.connected()) return why;
+  link_.heed_cancel(false);
+  if (const auto abandoned = abandon_staged(); !abandoned && link_.last_failure() != LinkFailure::none)
+    why.message += " (what was sent could not be abandoned; the old map is active)";
+  link_.heed_cancel(true);
+  return why;
 }
 
 Result<void> UnitClient::upload_image(std::span<const std::uint8_t> image, const UploadOptions& options,
                                       const ProgressCallback& progress) {
   const auto address = begin_staging(options.copy_active);
   if (!address) return tl::unexpected(address.error());
-  auto staged = stage(*address, image, options, progress);
-  if (staged || !link_.connected()) return staged;
-  link_.heed_cancel(false);
-  if (const auto abandoned = abandon_staged(); !abandoned && link_.last_failure() != LinkFailure::none)
-    staged.error().message += " (what was sent could not be abandoned; the old map is active)";
-  link_.heed_cancel(true);
-  return staged;
+  if (auto staged = stage(*address, image, options, progress); !staged)
+    return tl::unexpected(given_up(std::move(staged.error())));
+  return commit_staged(static_cast<std::uint32_t>(image.size()), crc32_of(image));
 }
 
 }  // namespace ecs::protocol

@@ -25,6 +25,9 @@ using CommandCallback = std::function<void(const CommandResult&)>;  ///< while a
 struct UploadOptions {
   bool copy_active = false;  ///< the bank to write starts as a copy of the active one, not cleared
   bool read_back = false;    ///< besides the CRC that the unit computes over its memory, read every byte back
+  /// With copy_active: only so many bytes travel, the rest is as in the active bank; the CRC is over all. 0: all
+  /// travel.
+  std::size_t changed_bytes = 0;
 };
 
 /// Problems: kind `link` for the line, a failed command and a unit that sends nonsense; kind `refused` for what the
@@ -53,6 +56,8 @@ class UnitClient {
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
   [[nodiscard]] Result<void> output_off();
   [[nodiscard]] Result<Address> begin_staging(bool copy_active);
+  /// If the reply does not come, the unit's status tells what became of the commit: done if it was taken (unless the
+  /// flag cancels), else a problem that says which map is active, or that nobody knows.
   [[nodiscard]] Result<void> commit_staged(std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] Result<void> abandon_staged();
   [[nodiscard]] Result<CommandResult> test_datum(Axis axis, std::chrono::milliseconds limit,
@@ -77,7 +82,7 @@ class UnitClient {
                                           const ProgressCallback& progress = {});
 
   /// A map: begin staging, write, check, commit. Until the commit the old map stays active and whole; after a problem
-  /// or a cancel what was staged is abandoned, as far as the line allows.
+  /// or a cancel what was staged is abandoned, as far as the line allows. From the commit on, see commit_staged().
   [[nodiscard]] Result<void> upload_image(std::span<const std::uint8_t> image, const UploadOptions& options = {},
                                           const ProgressCallback& progress = {});
 
@@ -87,6 +92,8 @@ class UnitClient {
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
+  [[nodiscard]] Result<UnitStatus> status_when_idle();
+  [[nodiscard]] Result<void> settled(const UnitStatus& before, Problem why);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
   [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window, bool open);
@@ -96,6 +103,7 @@ class UnitClient {
                                           std::uint64_t received, const std::function<void(std::size_t)>& sent);
   [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
                                    const ProgressCallback& progress);
+  [[nodiscard]] Problem given_up(Problem why);
 
   Link link_;
   std::uint16_t sequence_ = 0;  ///< 0: not yet known

@@ -144,14 +144,49 @@ Result<Address> UnitClient::begin_staging(bool copy_active) {
   return run(command, kStagingLimit).map([](const CommandResult& result) { return Address{result.value}; });
 }
 
+/// The status once no command is under way; a problem if one stays busy.
+Result<UnitStatus> UnitClient::status_when_idle() {
+  if (!link_.connected())
+    if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
+  const auto until = std::chrono::steady_clock::now() + kShortLimit;
+  for (auto result = result_now(); result; result = result_now()) {
+    if (result->state != CommandState::busy) return status();
+    if (std::chrono::steady_clock::now() >= until || !link_.pause(kSlowestPoll)) break;
+  }
+  return problem(ProblemKind::link, "the unit does not say what became of the commit");
+}
+
+/// A commit was given and it was not answered with `done`: the unit itself says what became of it.
+Result<void> UnitClient::settled(const UnitStatus& before, Problem why) {
+  const bool cancelled = link_.cancelled();
+  link_.heed_cancel(false);
+  const auto now = status_when_idle();
+  const bool taken = now && now->commit_sequence != before.commit_sequence;
+  if (now && !taken) static_cast<void>(abandon_staged());
+  link_.heed_cancel(true);
+  if (!now)
+    why.message +=
+        "; the commit had been sent and its reply did not come: the unit may have taken the new map; read its status "
+        "(`ecs utility status`) before it is used";
+  else if (!taken)
+    why.message += before.active_bank == Bank::none ? "; the unit has not taken the map: it holds none, as before"
+                                                    : "; the unit has not taken the new map: the old map is active";
+  else if (cancelled)
+    why.message +=
+        fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
+  else
+    return {};
+  return tl::unexpected(std::move(why));
+}
+
 Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) {
+  const auto before = status();
+  if (!before) return tl::unexpected(given_up(before.error()));
   Command command = command_of(CommandCode::commit_staged);
   command.length = length;
   command.crc = crc;
   auto done = run_plain(command, kStagingLimit);
-  if (!done && link_.last_failure() != LinkFailure::none)
-    done.error().message += " (the unit may or may not have taken the map: read its status)";
-  return done;
+  return done ? done : settled(*before, std::move(done.error()));
 }
 
 Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }

@@ -32,6 +32,9 @@ class UnitModel : public UnitPort {
   bool busy = false;
   std::vector<CommandCode> log;
   std::uint32_t samples = 0;
+  std::function<void()> on_commit;  ///< called before the commit is carried out
+  bool takes_commits = true;        ///< false: a commit fails
+  int replies_to_lose = 0;          ///< carried out, but not answered
 
   Identity identity() override {
     return {kProtocolVersion, 2, 7, "ECS-0042", "small mill", 1, {true, true, false}, 32'000};
@@ -134,7 +137,10 @@ class UnitModel : public UnitPort {
     return address - (address >= kBankB.first ? kBankB.first : kBankA.first);
   }
   CommandResult commit(const Command& command) {
+    if (on_commit) on_commit();
     if (!staging) return refused(UnitError::no_staging);
+    if (!takes_commits)
+      return {0, CommandState::failed, UnitError::unit_fault, 0, 0, "the commit record does not hold"};
     auto& spare = active == Bank::A ? bank_b : bank_a;
     if (command.length > kSize || crc32_of(std::span(spare).first(command.length)) != command.crc)
       return refused(UnitError::check_mismatch);
@@ -144,6 +150,16 @@ class UnitModel : public UnitPort {
     image_length = command.length;
     return done();
   }
+};
+
+/// The face of a model that may lose its replies from a certain command on.
+class LosingFace : public UnitFace {
+ public:
+  explicit LosingFace(UnitModel& model) : UnitFace(model), model_(&model) {}
+  [[nodiscard]] bool silent() const override { return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0; }
+
+ private:
+  UnitModel* model_;
 };
 
 /// Serves a model from a thread of its own. What tests change goes through `in_server`.
@@ -200,7 +216,7 @@ class Workshop {
 
  private:
   void run() {
-    UnitFace face(model_);
+    LosingFace face(model_);
     while (!ended_) {
       std::function<void()> job;
       {

@@ -161,3 +161,87 @@ TEST_CASE("a unit that compensates refuses a map and keeps its own") {
   CHECK(sent.error().kind == ProblemKind::refused);
   CHECK(active_image(shop) == kOldImage);
 }
+
+namespace {
+
+/// From the moment the unit carries out the commit, so many of its replies are lost.
+void lose_replies_at_commit(Workshop& shop, int replies, std::atomic<bool>* then_cancel = nullptr) {
+  shop.in_server([=](ModbusServer&, UnitModel& model) {
+    model.on_commit = [=, &model] {
+      model.replies_to_lose = replies;
+      if (then_cancel != nullptr) *then_cancel = true;
+    };
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a commit whose every reply was lost counts as done once the unit says that it has taken the map") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  lose_replies_at_commit(shop, 2);
+  const auto sent = unit.upload_image(image);
+  CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK(active_image(shop) == image);
+}
+
+TEST_CASE("a commit without a reply on a line that stays silent is reported as in doubt, never as not taken") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  lose_replies_at_commit(shop, 1'000);
+  const auto sent = unit.upload_image(image);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(sent.error().message.find("may have taken the new map") != std::string::npos);
+  CHECK(sent.error().message.find("old map is active") == std::string::npos);
+}
+
+TEST_CASE("a commit that the unit does not carry out is reported as not taken, and what was staged is abandoned") {
+  for (const bool had_map : {true, false}) {
+    auto shop = Workshop::on_tcp();
+    if (had_map) install_old(shop);
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.takes_commits = false; });
+    auto unit = shop.client();
+    const auto sent = unit.upload_image(noise_image(4000));
+    REQUIRE_FALSE(sent.has_value());
+    CHECK((sent.error().message.find("the old map is active") != std::string::npos) == had_map);
+    CHECK((sent.error().message.find("holds none, as before") != std::string::npos) != had_map);
+    CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+  }
+}
+
+TEST_CASE("a cancel while the reply to the commit is awaited says that the new map is active") {
+  std::atomic<bool> cancelled{false};
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client(&cancelled);
+  lose_replies_at_commit(shop, 1, &cancelled);
+  const auto sent = unit.upload_image(image);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(sent.error().message.find("cancelled") != std::string::npos);
+  CHECK(sent.error().message.find("already taken the new map: it is active (commit 1)") != std::string::npos);
+}
+
+TEST_CASE("of an image that differs from the active one at its beginning only the beginning travels") {
+  auto shop = Workshop::on_tcp();
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    model.install(noise_image(30'000));
+    std::copy(model.bank_a.begin(), model.bank_a.end(), model.bank_b.begin());
+  });
+  auto image = noise_image(30'000);
+  image[5] ^= 0xFF;
+  auto unit = shop.client();
+  CHECK(unit.upload_image(image, {.copy_active = true, .changed_bytes = 576}).has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(unit.link().statistics().bytes_sent < 3000);
+}
