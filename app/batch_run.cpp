@@ -18,6 +18,7 @@ namespace {
 struct Load {
   std::optional<PreparedMap> map;
   UnitParameters parameters;
+  params::Identity identity;  ///< of the parameters
 };
 
 Result<Load> prepared(const PlannedUnit& unit) {
@@ -32,6 +33,7 @@ Result<Load> prepared(const PlannedUnit& unit) {
   if (!file) return tl::unexpected(file.error());
   if (auto objections = objections_to(file->parameters, unit.params)) return tl::unexpected(std::move(*objections));
   load.parameters = file->parameters;
+  load.identity = file->identity;
   return load;
 }
 
@@ -40,7 +42,7 @@ void fail(BatchReport& report, BatchState state, Problem why) {
   report.problem = std::move(why);
 }
 
-/// Serial number against the plan, and the map's header against the unit.
+/// Serial number against the plan, then the map's header and [identity] of the parameters against the unit.
 bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& report) {
   if (unit.serial_number.empty()) report.notes.push_back("the plan gives no serial number: not checked");
   if (!unit.serial_number.empty() && report.serial_number != unit.serial_number) {
@@ -54,8 +56,8 @@ bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& repor
           {}});
     return true;
   }
-  if (!load.map) return false;
-  auto refused = refused_map(other_unit(load.map->header, report.serial_number), unit.map);
+  auto refused = load.map ? refused_map(other_unit(*load.map, report.serial_number), unit.map)
+                          : refused_map(other_unit(load.identity, report.serial_number), unit.params);
   if (refused) fail(report, BatchState::wrong_unit, std::move(*refused));
   return refused.has_value();
 }
@@ -63,7 +65,7 @@ bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& repor
 void send(protocol::UnitClient& client, const Load& load, const protocol::ProgressCallback& progress,
           BatchReport& report) {
   const auto sent = load.map ? send_image(client, load.map->image.bytes, progress)
-                             : send_parameters(client, load.parameters, UnfitMap::refuse, progress);
+                             : send_parameters(client, load.parameters, load.identity, UnfitMap::refuse, progress);
   if (!sent) return fail(report, BatchState::failed, sent.error());
   report.state = BatchState::sent;
   report.bytes = sent->bytes;

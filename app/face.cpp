@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/shown.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -36,7 +37,8 @@ FaceOptions options_of_stderr() {
 
 void Face::say(std::string_view colour, std::string_view text) {
   end_progress();
-  for (const std::string_view line : lines_of(text)) {
+  const std::string harmless = shown(text);
+  for (const std::string_view line : lines_of(harmless)) {
     if (options_.colour && !colour.empty())
       *messages_ << "\033[" << colour << 'm' << message_prefix << line << "\033[0m\n";
     else
@@ -54,7 +56,7 @@ void Face::show(const Problem& problem) { say(kRed, to_text(problem)); }
 void Face::print(std::string_view text) {
   if (json) return;
   end_progress();
-  *out_ << text << '\n';
+  *out_ << shown(text) << '\n';
   out_->flush();
 }
 
@@ -66,11 +68,11 @@ void Face::print_json(std::string_view object) {
 
 void Face::answer(std::string_view text, std::string_view json_object) {
   end_progress();
-  const std::string_view chosen = json ? json_object : text;
+  const std::string chosen = json ? std::string(json_object) : shown(text);
   if (chosen.empty()) return;
   if (!json) *out_ << message_prefix;
   *out_ << chosen;
-  if (!chosen.ends_with('\n')) *out_ << '\n';
+  if (chosen.back() != '\n') *out_ << '\n';
   out_->flush();
 }
 
@@ -80,8 +82,8 @@ void Face::progress(std::string_view label, double fraction, double seconds_left
   if (bar_shown_ && now - bar_drawn_ < std::chrono::milliseconds(100)) return;
   bar_shown_ = true;
   bar_drawn_ = now;
-  *messages_ << fmt::format("\r{}{} [{}] {:3.0f} %  {:.0f} s left \033[K", message_prefix, label, bar_of(fraction),
-                            100.0 * std::clamp(fraction, 0.0, 1.0), std::max(0.0, seconds_left));
+  *messages_ << fmt::format("\r{}{} [{}] {:3.0f} %  {:.0f} s left \033[K", message_prefix, shown(label),
+                            bar_of(fraction), 100.0 * std::clamp(fraction, 0.0, 1.0), std::max(0.0, seconds_left));
   messages_->flush();
 }
 

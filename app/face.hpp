@@ -19,7 +19,8 @@ struct FaceOptions {
 /// What stderr can show: a terminal, and colour unless NO_COLOR is set or TERM says "dumb".
 [[nodiscard]] FaceOptions options_of_stderr();
 
-/// Messages never reach stdout; with `json` nothing but JSON does.
+/// Messages never reach stdout; with `json` nothing but JSON does. Text passes shown.hpp, so that no file and no unit
+/// can speak to the terminal.
 class Face {
  public:
   Face(std::ostream& out, std::ostream& messages, FaceOptions options = {})

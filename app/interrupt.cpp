@@ -21,6 +21,8 @@ void catch_signals() {
   struct sigaction action {};
   action.sa_handler = remember;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+  action.sa_handler = SIG_IGN;
+  for (const int signal : {SIGPIPE, SIGXFSZ}) ::sigaction(signal, &action, nullptr);
 }
 
 const std::atomic<bool>& interrupted() { return flag; }

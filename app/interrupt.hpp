@@ -5,7 +5,8 @@
 
 namespace ecs::app {
 
-/// From now on these signals set the flag in place of ending the program.
+/// From now on these signals set the flag in place of ending the program. SIGPIPE and SIGXFSZ are ignored, so that a
+/// closed pipe or a file that may not grow is a write error like any other.
 void catch_signals();
 
 /// Set once a signal came; hand it to links as LinkOptions::cancelled.

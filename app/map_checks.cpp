@@ -5,17 +5,28 @@
 
 #include <fmt/format.h>
 
+#include "core/address_map.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map_image.hpp"
+
 namespace ecs::app {
 namespace {
 
-void take_difference(std::vector<std::string>& objections, std::string_view what, const std::string& of_map,
-                     const std::string& other, std::string_view where) {
-  if (of_map.empty() || other.empty() || of_map == other) return;
+struct Stated {
+  std::string_view origin;  ///< "the map was made for serial number"
+  const std::string& value;
+};
+
+void take_difference(std::vector<std::string>& objections, const Stated& ours, const std::string& other,
+                     std::string_view where) {
+  if (ours.value.empty() || other.empty() || ours.value == other) return;
   objections.push_back(
-      fmt::format("the map was made for {} \"{}\", {} says \"{}\": take the right map, or give "
-                  "--other-machine if this is meant",
-                  what, of_map, where, other));
+      fmt::format("{} \"{}\", {} says \"{}\": take the right file, or give --other-machine if this is meant",
+                  ours.origin, ours.value, where, other));
 }
+
+constexpr std::string_view kMapSerial = "the map was made for serial number";
+constexpr std::string_view kOfParameters = "[identity] of the parameters";
 
 }  // namespace
 
@@ -39,15 +50,58 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
 
 std::vector<std::string> other_machine(const laser::MapHeader& header, const params::Identity& identity) {
   std::vector<std::string> objections;
-  take_difference(objections, "machine", header.machine, identity.machine, "[identity] of the parameters");
-  take_difference(objections, "serial number", header.serial_number, identity.serial_number,
-                  "[identity] of the parameters");
+  take_difference(objections, {"the map was made for machine", header.machine}, identity.machine, kOfParameters);
+  take_difference(objections, {kMapSerial, header.serial_number}, identity.serial_number, kOfParameters);
   return objections;
 }
 
 std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number) {
   std::vector<std::string> objections;
-  take_difference(objections, "serial number", header.serial_number, serial_number, "the unit");
+  take_difference(objections, {kMapSerial, header.serial_number}, serial_number, "the unit");
+  return objections;
+}
+
+std::vector<std::string> other_unit(const params::Identity& identity, const std::string& serial_number) {
+  std::vector<std::string> objections;
+  take_difference(objections, {"the parameters were made for serial number", identity.serial_number}, serial_number,
+                  "the unit");
+  return objections;
+}
+
+std::vector<std::string> other_unit(const std::string& dumped_from, std::span<const std::uint8_t> image,
+                                    const std::string& serial_number) {
+  std::vector<std::string> objections;
+  take_difference(objections, {"the dump was taken from serial number", dumped_from}, serial_number, "the unit");
+  const auto content = laser::content_of(image);
+  if (!content) {
+    objections.push_back(fmt::format("whose map it is cannot be read: {}; give --other-machine to load it nonetheless",
+                                     to_text(content.error())));
+    return objections;
+  }
+  for (std::string& differs : other_unit(content->map.header, serial_number)) objections.push_back(std::move(differs));
+  return objections;
+}
+
+std::vector<std::string> no_room_for(std::span<const std::uint8_t> image, const protocol::Identity& identity) {
+  std::vector<std::string> objections;
+  const ImageView view(image);
+  const auto parameters = view.parameters();
+  if (parameters && parameters->memory_modules > identity.memory_modules)
+    objections.push_back(fmt::format(
+        "the parameters count on {} axis memory modules, the unit has {}: put more modules into its rack, or set "
+        "memory_modules in the parameters to {}",
+        parameters->memory_modules, identity.memory_modules, identity.memory_modules));
+  if (view.value_count() > identity.capacity_values)
+    objections.push_back(
+        fmt::format("the map holds {} values, the unit has room for {}: use a larger increment, or "
+                    "put more axis memory modules into its rack",
+                    view.value_count(), identity.capacity_values));
+  const std::size_t room = bank_bytes(static_cast<std::uint8_t>(std::min<int>(identity.memory_modules, kMostModules)));
+  if (image.size() > room)
+    objections.push_back(
+        fmt::format("the map has {} bytes, a bank of the unit {}: use a larger increment, or put more axis memory "
+                    "modules into its rack",
+                    image.size(), room));
   return objections;
 }
 

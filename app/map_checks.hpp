@@ -1,14 +1,17 @@
-// What stands between a map and a unit: findings, squareness left behind, a map of another machine.
+// What stands between a map and a unit: findings, squareness left behind, another machine, too little memory.
 // Does not live here: findings of map and parameters alone (laser/error_map.hpp), sending (transfer.hpp).
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/result.hpp"
 #include "laser/error_map.hpp"
 #include "params/parameters_toml.hpp"
+#include "protocol/unit_data.hpp"
 
 namespace ecs::app {
 
@@ -20,10 +23,22 @@ namespace ecs::app {
 /// serial number, and the names differ. What one side does not state is not judged.
 [[nodiscard]] std::vector<std::string> other_machine(const laser::MapHeader& header, const params::Identity& identity);
 
-/// The same against the serial number that the unit reports.
+/// The same against the serial number that the unit reports, for a map and for parameters.
 [[nodiscard]] std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number);
+[[nodiscard]] std::vector<std::string> other_unit(const params::Identity& identity, const std::string& serial_number);
 
-/// As one `refused` problem about `file`; nothing for no objection.
+/// The same for a dump: the serial number of the unit that it was taken from, and that of the map in its image. A
+/// header that cannot be read is an objection too.
+/// @param image  sound, of the dump
+[[nodiscard]] std::vector<std::string> other_unit(const std::string& dumped_from, std::span<const std::uint8_t> image,
+                                                  const std::string& serial_number);
+
+/// Why an image does not fit into a unit: its parameters want more axis memory modules than the unit has, or it holds
+/// more values or bytes than they hold. @param image  sound
+[[nodiscard]] std::vector<std::string> no_room_for(std::span<const std::uint8_t> image,
+                                                   const protocol::Identity& identity);
+
+/// As one `refused` problem about `file` (empty: none); nothing for no objection.
 [[nodiscard]] std::optional<Problem> refused_map(const std::vector<std::string>& objections, const std::string& file);
 
 }  // namespace ecs::app

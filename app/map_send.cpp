@@ -15,6 +15,9 @@
 namespace ecs::app {
 namespace {
 
+constexpr std::string_view kBeforeFirstCompensation =
+    "check polarity and scale of every axis with `ecs utility output` before the first compensation";
+
 struct Arguments {
   std::string file;
   std::string params;
@@ -30,14 +33,19 @@ Result<Outcome> send(Session& session, const Arguments& arguments) {
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
   if (!arguments.other_machine)
-    if (auto refused = refused_map(other_unit(ready->header, identity->serial_number), arguments.file))
+    if (auto refused = refused_map(other_unit(*ready, identity->serial_number), arguments.file))
       return tl::unexpected(std::move(*refused));
+  const auto before = unit->client().status();
+  if (!before) return tl::unexpected(before.error());
   const auto start = std::chrono::steady_clock::now();
   const auto report = send_image(unit->client(), ready->image.bytes, progress_bar(session, "map"));
   session.face.end_progress();
   if (!report) return tl::unexpected(report.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::string check = fmt::format("{:08X}", ImageView(ready->image.bytes).check());
+  const std::uint32_t block_check = ImageView(ready->image.bytes).check();
+  const std::string check = fmt::format("{:08X}", block_check);
+  const bool had_it = before->active_bank != protocol::Bank::none && before->block_check_expected == block_check;
+  if (!had_it && !session.face.json) session.face.note(kBeforeFirstCompensation);
   const Json object{{"map", arguments.file},
                     {"bytes", report->bytes},
                     {"seconds", number_or_null(seconds)},

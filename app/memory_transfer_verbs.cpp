@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/json.hpp"
+#include "app/map_checks.hpp"
 #include "app/memory_decode.hpp"
 #include "app/memory_fields.hpp"
 #include "app/memory_menu.hpp"
@@ -19,7 +20,8 @@ namespace {
 constexpr std::uint32_t kAddressSpace = 0x1000000;  ///< 24 bits
 
 Result<void> within_space(Address address, std::size_t bytes) {
-  if (bytes >= 1 && address < kAddressSpace && bytes <= kAddressSpace - address) return {};
+  if (bytes == 0) return problem(ProblemKind::usage, "expected at least 1 byte, got 0");
+  if (address < kAddressSpace && bytes <= kAddressSpace - address) return {};
   return problem(ProblemKind::usage,
                  fmt::format("{} bytes from {}: the unit's memory lies below 0x1000000", bytes, hex_address(address)));
 }
@@ -119,6 +121,16 @@ Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments
   return std::vector<std::uint8_t>(content->begin(), content->end());
 }
 
+constexpr std::string_view kSpoilsMap =
+    "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; "
+    "`ecs map send` or `ecs memory load` makes it whole again";
+
+bool touches_active_map(const protocol::UnitStatus& status, Address address, std::size_t bytes) {
+  if (status.active_bank == protocol::Bank::none) return false;
+  const Address first = address_of(status.active_bank);
+  return address < first + status.image_length_bytes && first < address + bytes;
+}
+
 Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
@@ -131,10 +143,16 @@ Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
     return tl::unexpected(sure.error());
   auto unit = open_unit(session, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
+  const auto status = unit->client().status();
+  if (!status) return tl::unexpected(status.error());
+  const bool spoils_map = touches_active_map(*status, *address, bytes->size());
+  if (spoils_map) session.face.warn(kSpoilsMap);
   if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(session, "memory")); !written)
     return tl::unexpected(written.error());
-  return Outcome{fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
-                 one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}}), kDone};
+  return Outcome{
+      fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
+      one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}, {"in_active_map", spoils_map}}),
+      kDone};
 }
 
 // --- dump
@@ -166,6 +184,7 @@ Result<Outcome> dump_memory(Session& session, const DumpArguments& arguments) {
 struct LoadArguments {
   std::string file;
   bool yes = false;
+  bool other_machine = false;
 };
 
 /// The bytes of the dump's main image, if it is one that a unit may have.
@@ -191,6 +210,11 @@ Result<Outcome> load(Session& session, const LoadArguments& arguments) {
     return tl::unexpected(sure.error());
   auto unit = open_unit(session, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (!arguments.other_machine)
+    if (auto refused = refused_map(other_unit(dump->serial_number, *image, identity->serial_number), arguments.file))
+      return tl::unexpected(std::move(*refused));
   const auto report = send_image(unit->client(), *image, progress_bar(session, "image"));
   if (!report) return tl::unexpected(report.error());
   return Outcome{fmt::format("parameters and map of {} sent and verified: {} bytes, commit {}", arguments.file,
@@ -232,6 +256,7 @@ void add_memory_transfer(Menu& menu) {
             "ecs memory load unit.ecsdump --yes")
       .text("FILE", loaded->file, "dump or memory image", Need::required)
       .flag("--yes", loaded->yes, "replace what the unit holds")
+      .flag("--other-machine", loaded->other_machine, "load although dump or map name another unit")
       .uses_link()
       .runs([loaded](Session& session) { return load(session, *loaded); });
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/map_checks.hpp"
 #include "app/parameters_view.hpp"
 #include "app/params_menu.hpp"
 #include "app/transfer.hpp"
@@ -15,6 +16,7 @@ namespace {
 struct SendArguments {
   std::string file;
   bool force = false;
+  bool other_machine = false;
 };
 
 Outcome sent(const SendArguments& arguments, const SendReport& report) {
@@ -39,8 +41,13 @@ Result<Outcome> send(Session& session, const SendArguments& arguments) {
   if (auto objections = objections_to(file->parameters, arguments.file)) return tl::unexpected(std::move(*objections));
   auto unit = open_unit(session, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const params::Identity owner = arguments.other_machine ? params::Identity() : file->identity;
+  if (auto refused = refused_map(other_unit(owner, identity->serial_number), arguments.file))
+    return tl::unexpected(std::move(*refused));
   const auto report =
-      send_parameters(unit->client(), file->parameters, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
+      send_parameters(unit->client(), file->parameters, owner, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
                       progress_bar(session, "parameters"));
   if (!report) return tl::unexpected(report.error());
   for (const std::string& objection : report->map_objections)
@@ -78,6 +85,7 @@ void add_params_send(Menu& menu) {
             "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200")
       .text("FILE", arguments->file, "parameter file", Need::required)
       .flag("--force", arguments->force, "drop a map in the unit that does not fit, in place of refusing")
+      .flag("--other-machine", arguments->other_machine, "send although [identity] names another machine")
       .uses_link()
       .runs([arguments](Session& session) { return send(session, *arguments); });
 }

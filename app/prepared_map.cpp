@@ -20,7 +20,13 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
   if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
   auto image = laser::image_of(*map, parameters->parameters);
   if (!image) return tl::unexpected(image.error());
-  return PreparedMap{map->header, std::move(*image)};
+  return PreparedMap{map->header, parameters->identity, std::move(*image)};
+}
+
+std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number) {
+  std::vector<std::string> objections = other_unit(map.header, serial_number);
+  for (std::string& differs : other_unit(map.identity, serial_number)) objections.push_back(std::move(differs));
+  return objections;
 }
 
 }  // namespace ecs::app

@@ -8,11 +8,13 @@
 #include "base/result.hpp"
 #include "laser/error_map.hpp"
 #include "laser/map_image.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 
 struct PreparedMap {
   laser::MapHeader header;
+  params::Identity identity;  ///< of the parameters
   laser::MapImage image;
 };
 
@@ -20,5 +22,8 @@ struct PreparedMap {
 /// them or (unless `other_machine`) one whose header names another machine.
 [[nodiscard]] Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file,
                                                bool other_machine = false);
+
+/// Why the unit with this serial number is not the one of the map, or not the one of its parameters.
+[[nodiscard]] std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number);
 
 }  // namespace ecs::app

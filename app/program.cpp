@@ -53,19 +53,17 @@ int with_signal(int exit_code) {
   return signal == 0 ? exit_code : 128 + signal;
 }
 
-Problem stopped_by_signal() {
-  return {ProblemKind::link,
-          fmt::format("stopped by signal {} ({})", interrupting_signal(), ::strsignal(interrupting_signal())),
-          {},
-          0,
-          0,
-          {}};
+/// What was under way says what it left behind.
+Problem stopped_by_signal(Problem under_way) {
+  under_way.message = fmt::format("stopped by signal {} ({}): {}", interrupting_signal(),
+                                  ::strsignal(interrupting_signal()), under_way.message);
+  return under_way;
 }
 
 int run_action(Session& session, const Action& action) {
   const Result<Outcome> result = action(session);
   if (result) return with_signal(answered(session, *result));
-  if (interrupting_signal() != 0) return with_signal(failed(session, stopped_by_signal()));
+  if (interrupting_signal() != 0) return with_signal(failed(session, stopped_by_signal(result.error())));
   return failed(session, result.error());
 }
 
@@ -114,6 +112,23 @@ Place place_of(const CLI::App& root, const std::vector<std::string>& words) {
   return place;
 }
 
+bool contains(const std::vector<std::string>& all, const std::string& word) {
+  return std::find(all.begin(), all.end(), word) != all.end();
+}
+
+/// "--smooth needs a NUMBER: …" where the parser complains of an option without its value; else empty.
+std::string lacking_value(const CLI::App& app, const std::vector<std::string>& words, const std::string& what) {
+  if (what.find(" required ") == std::string::npos || what.find(" missing") == std::string::npos) return {};
+  for (const std::string& word : words) {
+    const CLI::Option* option = word.starts_with("-") ? app.get_option_no_throw(word) : nullptr;
+    if (option == nullptr || !what.starts_with(option->get_name() + ":")) continue;
+    const std::string kind = option->get_type_name();
+    return fmt::format("{} needs {} behind it: {}", word, kind.empty() ? "a value" : "a value (" + kind + ")",
+                       option->get_description());
+  }
+  return {};
+}
+
 std::string usage_text(const CLI::App& root, const std::vector<std::string>& words, const std::string& what) {
   const Place place = place_of(root, words);
   const auto verbs = names_of_verbs(*place.app);
@@ -121,10 +136,13 @@ std::string usage_text(const CLI::App& root, const std::vector<std::string>& wor
     return fmt::format("`{}` has no verb \"{}\"{} It has: {}", place.path, place.stray,
                        did_you_mean(place.stray, verbs).empty() ? "." : did_you_mean(place.stray, verbs),
                        fmt::join(verbs, ", "));
+  if (const std::string lacks = lacking_value(*place.app, words, what); !lacks.empty())
+    return fmt::format("{}: {} (see `{} --help`)", place.path, lacks, place.path);
+  const std::vector<std::string> options = names_of_options(*place.app);
   std::string hint;
   for (const std::string& word : words)
-    if (word.starts_with("--") && what.find(word) != std::string::npos && hint.empty())
-      hint = did_you_mean(word, names_of_options(*place.app));
+    if (word.starts_with("--") && what.find(word) != std::string::npos && hint.empty() && !contains(options, word))
+      hint = did_you_mean(word, options);
   return fmt::format("{}: {}{} (see `{} --help`)", place.path, what, hint, place.path);
 }
 

@@ -130,7 +130,7 @@ Json json_with_registers(const StatusSnapshot& snapshot) {
 }
 
 Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot) {
-  return write_file(path, json_with_registers(snapshot).dump(1) + "\n");
+  return write_file(path, json_with_registers(snapshot).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name) {
@@ -140,7 +140,7 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
   if (object["ecs_status"] != kFormat)
     return problem_at(name, 0, 0,
                       fmt::format("expected a status file of format {}, found format {}: use a newer ecs", kFormat,
-                                  object["ecs_status"].dump()));
+                                  one_line(object["ecs_status"])));
   const auto raw = object.find("raw");
   if (raw == object.end() || !raw->is_object()) return problem_at(name, 0, 0, "expected the registers under \"raw\"");
   StatusSnapshot snapshot;

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "app/map_checks.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map_image.hpp"
 
@@ -28,7 +28,8 @@ struct KeptMap {
   bool had_one = false;
 };
 
-KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& parameters) {
+KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& parameters,
+                    const params::Identity& owner) {
   KeptMap kept;
   if (!active) return kept;
   const auto content = laser::content_of(*active);
@@ -39,39 +40,39 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   }
   if (content->map.tables.empty() && content->map.header.declared_zero.empty()) return kept;
   kept.had_one = true;
-  for (const laser::MapFinding& finding : laser::findings_for(content->map, parameters))
-    if (finding.objection) kept.objections.push_back(finding.message);
+  kept.objections = objections_to_map(content->map, parameters);
+  for (std::string& differs : other_machine(content->map.header, owner)) kept.objections.push_back(std::move(differs));
   if (kept.objections.empty()) kept.image = active;
   return kept;
 }
 
-/// What is staged is given up, even after a cancel, as far as the line allows.
-void abandon(protocol::UnitClient& client) {
-  if (!client.link().connected()) return;
-  client.link().heed_cancel(false);
-  static_cast<void>(client.abandon_staged());
-  client.link().heed_cancel(true);
+/// The image fits the unit; asked before anything is sent.
+Result<void> has_room(protocol::UnitClient& client, std::span<const std::uint8_t> image) {
+  const auto identity = client.identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (auto refused = refused_map(no_room_for(image, *identity), {})) return tl::unexpected(std::move(*refused));
+  return {};
+}
+
+/// What goes wrong once the unit has switched must not sound as if it had not.
+tl::unexpected<Problem> after_commit(Problem why) {
+  why.message = "the unit has taken what was sent, it is active; but looking at it afterwards: " + why.message;
+  return tl::unexpected(std::move(why));
 }
 
 /// Prefix and parameters alone travel: the unit copies its active bank, and its CRC over the whole must agree.
 Result<SendReport> send_head(protocol::UnitClient& client, Image image, const UnitParameters& parameters) {
   const auto changed = laser::with_parameters(std::move(image), parameters);
   if (!changed) return tl::unexpected(changed.error());
-  const auto bank = client.begin_staging(true);
-  if (!bank) return tl::unexpected(bank.error());
-  const auto head = std::span(*changed).first(kPrefixBytes + kParameterBytes);
-  auto done = client.write_memory(*bank, head);
-  if (done) done = client.commit_staged(static_cast<std::uint32_t>(changed->size()), crc32_of(*changed));
-  if (!done) {
-    abandon(client);
-    return tl::unexpected(done.error());
-  }
+  if (const auto room = has_room(client, *changed); !room) return tl::unexpected(room.error());
+  if (const auto sent = client.upload_image(*changed, {true, false, kPrefixBytes + kParameterBytes}); !sent)
+    return tl::unexpected(sent.error());
   const auto held = receive_parameters(client);
-  if (!held) return tl::unexpected(held.error());
+  if (!held) return after_commit(held.error());
   if (*held != parameters)
     return problem(ProblemKind::link, "the parameters read back from the unit are not those sent; test its memory");
   const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
+  if (!status) return after_commit(status.error());
   return SendReport{changed->size(), status->commit_sequence, false, false, {}};
 }
 
@@ -149,17 +150,19 @@ std::optional<Problem> objections_to(const UnitParameters& parameters, const std
 
 Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
                               const protocol::ProgressCallback& progress) {
+  if (const auto room = has_room(client, image); !room) return tl::unexpected(room.error());
   if (const auto sent = client.upload_image(image, {false, true}, progress); !sent) return tl::unexpected(sent.error());
   const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
+  if (!status) return after_commit(status.error());
   return SendReport{image.size(), status->commit_sequence, false, false, {}};
 }
 
-Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters, UnfitMap unfit,
+Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
+                                   const params::Identity& owner, UnfitMap unfit,
                                    const protocol::ProgressCallback& progress) {
   const auto active = read_active_image(client, progress);
   if (!active) return tl::unexpected(active.error());
-  KeptMap kept = map_to_keep(*active, parameters);
+  KeptMap kept = map_to_keep(*active, parameters, owner);
   if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
   auto report = kept.image ? send_head(client, std::move(*kept.image), parameters)
                            : send_image(client, laser::image_of(parameters), progress);

@@ -11,6 +11,7 @@
 #include "base/result.hpp"
 #include "core/parameters.hpp"
 #include "params/check.hpp"
+#include "params/parameters_toml.hpp"
 #include "protocol/client.hpp"
 
 namespace ecs::app {
@@ -44,13 +45,15 @@ struct SendReport {
 [[nodiscard]] std::optional<Problem> objections_to(const UnitParameters& parameters, const std::string& file);
 
 /// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit), then reads back and compares.
-/// The map is read to judge it, but not sent again.
+/// The map is read and judged as `map send` judges one, but not sent again.
+/// @param owner  [identity] of the parameters, against the header of that map; empty: not judged
 /// @pre objections_to(parameters) is empty
 [[nodiscard]] Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
-                                                 UnfitMap unfit = UnfitMap::refuse,
+                                                 const params::Identity& owner, UnfitMap unfit = UnfitMap::refuse,
                                                  const protocol::ProgressCallback& progress = {});
 
-/// Makes an image active, all or nothing, then reads back and compares.
+/// Makes an image active, all or nothing, then reads back and compares. Refused, before anything is sent, if the unit
+/// has too little axis memory for it.
 [[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
                                             const protocol::ProgressCallback& progress = {});
 

@@ -12,12 +12,18 @@ namespace {
 
 CLI::Option* as_needed(CLI::Option* option, Need need) { return option->required(need == Need::required); }
 
+std::string range_text(double least, double most) {
+  if (most == std::numeric_limits<double>::max()) return fmt::format("a number of at least {}", least);
+  if (least == std::numeric_limits<double>::lowest()) return fmt::format("a number of at most {}", most);
+  return fmt::format("a number from {} to {}", least, most);
+}
+
 CLI::Validator finite_number(double least, double most) {
   return CLI::Validator(
       [least, most](std::string& text) {
         const auto value = number_in(text);
         if (!value) return fmt::format("expected a number, got \"{}\"", text);
-        if (*value < least || *value > most) return fmt::format("expected {} to {}, got {}", least, most, text);
+        if (*value < least || *value > most) return fmt::format("expected {}, got {}", range_text(least, most), text);
         return std::string();
       },
       std::string(), std::string());

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -96,6 +97,122 @@ TEST_CASE("a unit without parameters says so") {
   const Ran r = ran({"params", "receive", "--json"});
   CHECK(r.code == 1);
   CHECK(r.json()["error"]["message"].get<std::string>().find("holds no parameters") != std::string::npos);
+}
+
+/// Another sample machine has another serial number: the lathe's unit is CH-0005.
+constexpr const char* kOtherUnit = "[identity]\nserial_number = \"CH-0005\"\n";
+
+TEST_CASE("parameters of another unit are refused and leave the unit as it was, unless that is meant") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"params", "send", desk.params}).code == 0);
+  const std::string other = desk.folder.with("other.toml", kOtherUnit + content_of(desk.params));
+  REQUIRE(ran({"params", "set", other, "axis.X.deadband_um=9"}).code == 0);
+  const Ran refused = ran({"params", "send", other, "--json"});
+  CHECK(refused.code == 1);
+  CHECK(refused.json()["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
+  CHECK(ran({"params", "send", other, "--force"}).code == 1);
+  CHECK(ran({"params", "diff", desk.params, "unit"}).code == 0);
+  CHECK(ran({"params", "send", other, "--other-machine"}).code == 0);
+  CHECK(ran({"params", "diff", other, "unit"}).code == 0);
+}
+
+TEST_CASE("a batch leaves a unit alone whose parameters name another serial number, with a map and without") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  static_cast<void>(desk.folder.with("other.toml", kOtherUnit + content_of(desk.params)));
+  const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"other.toml\"\n";
+  const std::string plan = desk.folder.with("plan.toml", unit + unit + "map = \"map.csv\"\n");
+  const Ran r = ran({"batch", plan, "--json"});
+  CHECK(r.code == 1);
+  for (const auto& report : r.json()["units"]) {
+    CHECK(report["state"] == "skipped");
+    CHECK(report["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
+  }
+  CHECK(ran({"map", "send", desk.map, "--params", desk.folder / "other.toml"}).code == 1);
+  CHECK(ran({"params", "receive"}).code == 1);  // still nothing in the unit
+}
+
+TEST_CASE("a dump of another unit, or with the map of another machine, is loaded only when that is meant") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
+  const std::string file = desk.folder / "unit.ecsdump";
+  REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
+  auto dump = read_dump(file);
+  REQUIRE(dump);
+  dump->serial_number = "CH-0005";
+  const std::string foreign = desk.folder.with("foreign.ecsdump", to_bytes(*dump));
+  const Ran refused = ran({"memory", "load", foreign, "--yes", "--json"});
+  CHECK(refused.code == 1);
+  CHECK(refused.json()["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
+  CHECK(ran({"memory", "load", foreign, "--yes", "--other-machine"}).code == 0);
+
+  const std::string map = desk.folder.with("other.csv", "# serial_number: CH-0005\n" + content_of(desk.map));
+  REQUIRE(ran({"map", "send", map, "--params", desk.params, "--other-machine"}).code == 0);
+  REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
+  CHECK(ran({"memory", "load", file, "--yes"}).code == 1);
+  CHECK(ran({"memory", "load", file, "--yes", "--other-machine"}).code == 0);
+}
+
+TEST_CASE("parameters without the squareness that the unit's map was measured with are refused") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const std::string map = desk.folder.with(
+      "square.csv", "# source: C0Y square.csv sha256=" + std::string(64, 'a') + "\n" + content_of(desk.map));
+  REQUIRE(ran({"params", "set", desk.params, "compensation.C0Y_um_per_m=12"}).code == 0);
+  REQUIRE(ran({"map", "send", map, "--params", desk.params}).code == 0);
+  REQUIRE(ran({"params", "set", desk.params, "compensation.C0Y_um_per_m=0"}).code == 0);
+  const Ran refused = ran({"params", "send", desk.params, "--json"});
+  CHECK(refused.code == 1);
+  CHECK(refused.out.find("C0Y was measured for this map") != std::string::npos);
+}
+
+TEST_CASE("parameters that count on more memory modules than the unit has are refused before anything is sent") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"params", "set", desk.params, "compensation.memory_modules=2"}).code == 0);
+  for (const auto& words : {std::vector<std::string>{"params", "send", desk.params, "--json"},
+                            std::vector<std::string>{"map", "send", desk.map, "--params", desk.params, "--json"}}) {
+    const Ran r = ran(words);
+    CHECK(r.code == 1);
+    CHECK(r.out.find("count on 2 axis memory modules, the unit has 1") != std::string::npos);
+  }
+}
+
+TEST_CASE("a map that is new to the unit brings the reminder to check polarity, the same map again does not") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const auto reminded = [&] {
+    const Ran r = ran({"map", "send", desk.map, "--params", desk.params});
+    CHECK(r.code == 0);
+    return r.messages.find("before the first compensation") != std::string::npos;
+  };
+  CHECK(reminded());
+  CHECK_FALSE(reminded());
+}
+
+TEST_CASE("bytes written into the active map are written, with a warning of what that does") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  REQUIRE(ran({"params", "send", desk.params}).code == 0);
+  const auto images = ran({"memory", "show", "--unit", "--json"}).json()["images"];
+  const std::string active = images[0]["address"];
+  const Ran spoils = ran({"memory", "write", active, "00", "--yes"});
+  CHECK(spoils.code == 0);
+  CHECK(spoils.messages.find("block check will fail") != std::string::npos);
+  CHECK(ran({"memory", "write", "0x048000", "00", "--yes"}).messages.find("block check") == std::string::npos);
+}
+
+TEST_CASE("a file that may not grow is a write error, and nothing is left beside it") {
+  if (!built(kEcs)) return;
+  const Folder folder;
+  const std::string script =
+      fmt::format("cd '{}' && ulimit -f 0 && '{}' params new -o new.toml 2>/dev/null", folder / ".", kEcs);
+  const int status = std::system(script.c_str());
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 5);
+  CHECK(std::filesystem::is_empty(folder / "."));
 }
 
 TEST_CASE("a map stays when parameters that it fits are sent, and is dropped only by --force when they do not") {

@@ -62,6 +62,32 @@ TEST_CASE("a menu without a verb, an unknown option and a missing argument are u
   }
 }
 
+TEST_CASE("an option without its value, and a value out of range, are told as that and not as a misspelling") {
+  const Ran alone = ran({"laser", "process", "a.csv", "--smooth"});
+  CHECK(alone.code == 2);
+  CHECK(alone.messages.find("--smooth needs a value (NUMBER)") != std::string::npos);
+  const Ran negative = ran({"utility", "mode", "compensate", "--wait", "-1"});
+  CHECK(negative.code == 2);
+  CHECK(negative.messages.find("got -1") != std::string::npos);
+  CHECK(negative.messages.find("e+308") == std::string::npos);
+  const Ran word = ran({"memory", "dump", "-o"});
+  CHECK(word.messages.find("-o needs a value behind it") != std::string::npos);
+  for (const Ran& r : {alone, negative, word}) CHECK(r.messages.find("did you mean") == std::string::npos);
+  CHECK(ran({"utility", "mode", "compensate", "--wiat", "1"}).messages.find("did you mean \"--wait\"") !=
+        std::string::npos);
+}
+
+TEST_CASE("a transfer of no bytes is refused with the number that is allowed") {
+  const Folder folder;
+  const std::string empty = folder.with("empty.bin", "");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"memory", "read", "0x100000", "0"}, {"memory", "write", "0x48000", "--file", empty, "--yes"}}) {
+    const Ran r = ran(words);
+    CHECK(r.code == 2);
+    CHECK(r.messages.find("expected at least 1 byte, got 0") != std::string::npos);
+  }
+}
+
 TEST_CASE("every verb explains itself with an example") {
   const auto verbs = ran({"--json"}).json()["verbs"];
   for (const auto& entry : verbs) {
