@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "model/candidates.hpp"
+#include "model/gains.hpp"
 
 namespace ecs::model {
 namespace {
@@ -15,10 +16,6 @@ using Eigen::MatrixXf;
 using Eigen::VectorXd;
 using Eigen::VectorXf;
 
-/// A column of which less than this share (of its square) is left is taken as absorbed.
-constexpr double kAbsorbed = 1e-8;
-constexpr double kAbsorbedScreening = 1e-5;
-constexpr std::size_t kFewestCurveFunctions = 4;
 constexpr std::size_t kMostBankColumns = 10'000;
 
 MatrixXd without(const MatrixXd& q, MatrixXd columns) {
@@ -26,51 +23,6 @@ MatrixXd without(const MatrixXd& q, MatrixXd columns) {
   columns.noalias() -= q * (q.transpose() * columns);
   columns.noalias() -= q * (q.transpose() * columns);
   return columns;
-}
-
-/// Gain of the first 1, 2, … columns in this order, from products; columns that add nothing gain nothing.
-struct Gains {
-  std::vector<double> gain;        ///< cumulative
-  std::vector<std::size_t> free;   ///< independent columns so far
-  double first_coefficient = 0.0;  ///< of a single column
-  double first_square = 0.0;
-};
-
-template <class Matrix, class Vector>
-Gains gains_in_order(const Matrix& gram, const Vector& z, const std::vector<Index>& order,
-                     const Eigen::VectorXd& original_square, double absorbed) {
-  // Cholesky column by column
-  const std::size_t k = order.size();
-  MatrixXd l = MatrixXd::Zero(static_cast<Index>(k), static_cast<Index>(k));
-  VectorXd u = VectorXd::Zero(static_cast<Index>(k));
-  Gains gains;
-  double sum = 0.0;
-  std::size_t free = 0;
-  for (std::size_t i = 0; i < k; ++i) {
-    const auto ii = static_cast<Index>(i);
-    double square = static_cast<double>(gram(order[i], order[i]));
-    double right = static_cast<double>(z(order[i]));
-    for (Index j = 0; j < ii; ++j) {
-      double v = static_cast<double>(gram(order[i], order[static_cast<std::size_t>(j)]));
-      for (Index m = 0; m < j; ++m) v -= l(ii, m) * l(j, m);
-      l(ii, j) = l(j, j) > 0.0 ? v / l(j, j) : 0.0;
-      square -= l(ii, j) * l(ii, j);
-      right -= l(ii, j) * u(j);
-    }
-    if (square > absorbed * original_square(order[i]) && square > 0.0) {
-      l(ii, ii) = std::sqrt(square);
-      u(ii) = right / l(ii, ii);
-      sum += u(ii) * u(ii);
-      ++free;
-    }
-    if (i == 0 && square > absorbed * original_square(order[i]) && square > 0.0) {
-      gains.first_coefficient = right / square;
-      gains.first_square = square;
-    }
-    gains.gain.push_back(sum);
-    gains.free.push_back(free);
-  }
-  return gains;
 }
 
 }  // namespace
@@ -94,24 +46,6 @@ void absorb(Space& space, const MatrixXd& white_columns) {
   if (had > 0) q.leftCols(had) = space.q;
   for (std::size_t j = 0; j < fresh.size(); ++j) q.col(had + static_cast<Index>(j)) = fresh[j];
   space.q = std::move(q);
-}
-
-std::vector<std::vector<Index>> variants_of(const EffectInstance& effect, const Columns& columns, bool natural) {
-  const Index count = columns.of.cols();
-  std::vector<Index> all(static_cast<std::size_t>(count));
-  std::iota(all.begin(), all.end(), Index{0});
-  if (effect.id == EffectId::cyclic) return {{0, 1}, {0, 1, 2, 3}};
-  if (effect.id == EffectId::sag) return {{0}, {1}, {0, 1}};
-  if (effect.id == EffectId::warm_up || effect.id == EffectId::load)
-    return natural ? std::vector<std::vector<Index>>{{0}, {1}, {0, 1}} : std::vector<std::vector<Index>>{{1}, {1, 0}};
-  if (!is_curve(effect.id)) return {all};
-  std::vector<std::vector<Index>> orders;
-  const auto leading = static_cast<Index>(columns.leading);
-  for (Index j = 1; j <= leading; ++j) orders.emplace_back(all.begin(), all.begin() + j);
-  const Index fewest = std::min<Index>(static_cast<Index>(kFewestCurveFunctions), count - leading);
-  for (Index j = leading + std::max<Index>(fewest, 1); j <= count; ++j)
-    orders.emplace_back(all.begin(), all.begin() + j);
-  return orders;
 }
 
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
@@ -175,145 +109,12 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
   }
 }
 
-void Search::build_bank() {
-  const Index n = base_.y.size();
-  std::vector<MatrixXd> parts;
-  Index total = 0;
-  for (std::size_t f = 0; f < families_.size(); ++f) {
-    const Family& family = families_[f];
-    const bool cyclic = family.effect.id == EffectId::cyclic;
-    const auto add = [&](double value, bool fact, bool coarse) {
-      Columns columns = regressors_.columns(family.effect, value, family.acting);
-      MatrixXd part = columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of;
-      if (cyclic && !fact) part.conservativeResize(Eigen::NoChange, 2);
-      items_.push_back({f, value, total, part.cols(), coarse});
-      total += part.cols();
-      parts.push_back(std::move(part));
-    };
-    for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
-      for (std::size_t i = 0; i < family.grid.size(); ++i)
-        if (coarse == (!cyclic || i % 3 == 0)) add(family.grid[i], false, coarse);
-    for (const double value : family.facts) add(value, true, false);
-  }
-  bank_.resize(n, total);
-  const MatrixXf q = base_.q.cast<float>();
-  constexpr std::size_t kBatch = 256;
-  for (std::size_t from = 0; from < items_.size(); from += kBatch) {
-    const std::size_t to = std::min(from + kBatch, items_.size());
-    for (std::size_t i = from; i < to; ++i)
-      bank_.middleCols(items_[i].start, items_[i].count) = whitener_(parts[i]).cast<float>();
-  }
-  grams_.reserve(items_.size());
-  for (const Item& item : items_) {
-    // original squares are kept on an extra row so that absorbed columns are recognised
-    MatrixXf gram(item.count + 1, item.count);
-    gram.row(item.count) = bank_.middleCols(item.start, item.count).colwise().squaredNorm();
-    grams_.push_back(std::move(gram));
-  }
-  constexpr Index kColumns = 512;
-  for (Index from = 0; from < total; from += kColumns) {
-    auto part = bank_.middleCols(from, std::min(kColumns, total - from));
-    const MatrixXf products = q.transpose() * part;
-    part.noalias() -= q * products;
-  }
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    const auto part = bank_.middleCols(items_[i].start, items_[i].count);
-    grams_[i].topRows(items_[i].count) = part.transpose() * part;
-  }
-}
-
 double Search::cost_of(const Family& family, double nonlinear, std::size_t linear) const {
   double cost = family.ln_readings * static_cast<double>(linear);
   if (family.grid.size() + family.facts.size() <= 1) return cost;
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
   return cost + (fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost);
-}
-
-namespace {
-
-/// Best set of columns by score, with the coefficient of a single one kept inside its physical range.
-template <class Matrix, class Vector, class Cost>
-Choice best_variant(const Family& family, const std::vector<std::vector<Index>>& variants, const Matrix& gram,
-                    const Vector& z, const VectorXd& original, double absorbed, const Cost& cost) {
-  Choice best;
-  best.gain = -1.0;
-  double best_score = -1e300;
-  for (const std::vector<Index>& variant : variants) {
-    if (variant.empty() || variant.back() >= static_cast<Index>(z.size())) continue;
-    const Gains gains = gains_in_order(gram, z, variant, original, absorbed);
-    double gain = gains.gain.back();
-    const std::size_t free = gains.free.back();
-    if (free == 0) continue;
-    if (variant.size() == 1 && (family.least || family.greatest)) {
-      double c = gains.first_coefficient;
-      if (family.least) c = std::max(c, *family.least);
-      if (family.greatest) c = std::min(c, *family.greatest);
-      gain = c * gains.first_square * (2.0 * gains.first_coefficient - c);
-    }
-    const double score = gain - cost(free);
-    if (score > best_score) {
-      best_score = score;
-      best.columns = variant;
-      best.gain = gain;
-      best.cost = cost(free);
-      best.parameters = free;
-    }
-  }
-  return best;
-}
-
-/// Curves: all leading sets from one pass.
-template <class Matrix, class Vector, class Cost>
-Choice best_curve(const std::vector<std::vector<Index>>& variants, const Matrix& gram, const Vector& z,
-                  const VectorXd& original, double absorbed, const Cost& cost) {
-  Choice best;
-  best.gain = -1.0;
-  if (variants.empty()) return best;
-  const Gains gains = gains_in_order(gram, z, variants.back(), original, absorbed);
-  double best_score = -1e300;
-  for (const std::vector<Index>& variant : variants) {
-    const std::size_t last = variant.size() - 1;
-    if (gains.free[last] == 0) continue;
-    const double score = gains.gain[last] - cost(gains.free[last]);
-    if (score <= best_score) continue;
-    best_score = score;
-    best.columns = variant;
-    best.gain = gains.gain[last];
-    best.cost = cost(gains.free[last]);
-    best.parameters = gains.free[last];
-  }
-  return best;
-}
-
-}  // namespace
-
-Choice Search::screened(const Item& item, const MatrixXf& gram, const VectorXf& z) const {
-  const Family& family = families_[item.family];
-  const VectorXd original = grams_[static_cast<std::size_t>(&item - items_.data())].row(item.count).cast<double>();
-  const auto cost = [&](std::size_t linear) { return cost_of(family, item.nonlinear, linear); };
-  Choice choice;
-  if (has_fixed_size(family.effect.id)) {
-    if (static_cast<double>(gram(0, 0)) <= kAbsorbedScreening * original(0)) {
-      choice.gain = -1.0;
-    } else {
-      choice.gain = static_cast<double>(2.0F * z(0) - gram(0, 0));
-      choice.cost = cost(0);
-    }
-  } else {
-    Columns shape;
-    shape.of.resize(0, item.count);
-    shape.leading = family.effect.id == EffectId::angular ? 2 : 0;
-    const bool natural =
-        !family.effect.sense || natural_axis(regressors_.data(), *family.effect.sense) == family.effect.axis;
-    const auto variants = variants_of(family.effect, shape, natural);
-    choice = is_curve(family.effect.id) ? best_curve(variants, gram, z, original, kAbsorbedScreening, cost)
-                                        : best_variant(family, variants, gram, z, original, kAbsorbedScreening, cost);
-  }
-  choice.family = item.family;
-  choice.nonlinear = item.nonlinear;
-  if (family.grid.size() + family.facts.size() > 1) ++choice.parameters;
-  return choice;
 }
 
 Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) const {
@@ -336,8 +137,7 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
     const bool natural =
         !family.effect.sense || natural_axis(regressors_.data(), *family.effect.sense) == family.effect.axis;
     const auto variants = variants_of(family.effect, columns, natural);
-    choice = is_curve(family.effect.id) ? best_curve(variants, gram, z, original, kAbsorbed, cost)
-                                        : best_variant(family, variants, gram, z, original, kAbsorbed, cost);
+    choice = best_choice(family, variants, gram, z, original, kAbsorbed, cost);
   }
   choice.family = f;
   choice.nonlinear = nonlinear;
@@ -398,56 +198,6 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   return best;
 }
 
-std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
-  const Index more = space.q.cols() - base_.q.cols();
-  const MatrixXf q = space.q.rightCols(more).cast<float>();
-  const VectorXf y = space.y.cast<float>();
-  const VectorXf z = bank_.transpose() * y;
-  MatrixXf products;
-  if (more > 0) products.noalias() = q.transpose() * bank_;
-  std::vector<Choice> best(families_.size());
-  std::vector<std::vector<Choice>> peaks(families_.size());
-  for (Choice& choice : best) choice.gain = -1.0;
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    const Item& item = items_[i];
-    MatrixXf gram = grams_[i].topRows(item.count);
-    if (more > 0) {
-      const auto part = products.middleCols(item.start, item.count);
-      gram.noalias() -= part.transpose() * part;
-    }
-    const Choice choice = screened(item, gram, z.segment(item.start, item.count));
-    if (choice.gain > 0.0) peaks[item.family].push_back(choice);
-  }
-  std::vector<Choice> list;
-  for (auto& of_family : peaks) {
-    if (of_family.empty()) continue;
-    std::stable_sort(of_family.begin(), of_family.end(),
-                     [](const Choice& a, const Choice& b) { return a.score() > b.score(); });
-    list.push_back(of_family.front());
-  }
-  const auto by_score = [](const Choice& a, const Choice& b) { return a.score() > b.score(); };
-  std::stable_sort(list.begin(), list.end(), by_score);
-  for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
-    const std::size_t f = list[i].family;
-    Choice exactly = refined_choice(space, f, list[i].nonlinear);
-    if (families_[f].effect.id == EffectId::cyclic) {
-      // the period may be twice the one found (its second harmonic stronger), or another peak
-      std::vector<double> tries{2.0 * exactly.nonlinear};
-      for (std::size_t j = 1; j < std::min<std::size_t>(peaks[f].size(), 6) && tries.size() < 3; ++j) {
-        const double ratio = peaks[f][j].nonlinear / exactly.nonlinear;
-        if (std::abs(ratio - 1.0) > 0.02) tries.push_back(peaks[f][j].nonlinear);
-      }
-      for (const double value : tries) {
-        const Choice other = refined_choice(space, f, value);
-        if (other.score() > exactly.score()) exactly = other;
-      }
-    }
-    list[i] = exactly;
-  }
-  std::stable_sort(list.begin(), list.end(), by_score);
-  return list;
-}
-
 Columns Search::columns_of(const Choice& choice) const {
   const Family& family = families_[choice.family];
   Columns all = regressors_.columns(family.effect, choice.nonlinear, family.acting);
@@ -499,79 +249,6 @@ Solution Search::refined(const std::vector<Choice>& chosen) const {
       if (tried.score() > best.score()) best = std::move(tried);
     }
     if (best.score() - before < 0.5) break;
-  }
-  return best;
-}
-
-void Search::raise_by(const Item& item, const MatrixXf& gram, const Eigen::Ref<const MatrixXf>& z,
-                      std::vector<double>& top) const {
-  const Family& family = families_[item.family];
-  const auto raise = [&](Index b, double score) {
-    double& best = top[static_cast<std::size_t>(b)];
-    best = std::max(best, score);
-  };
-  if (has_fixed_size(family.effect.id)) {
-    const double cost = cost_of(family, item.nonlinear, 0);
-    for (Index b = 0; b < z.cols(); ++b) raise(b, static_cast<double>(2.0F * z(0, b) - gram(0, 0)) - cost);
-    return;
-  }
-  Columns shape;
-  shape.of.resize(0, item.count);
-  shape.leading = family.effect.id == EffectId::angular ? 2 : 0;
-  auto variants = variants_of(family.effect, shape, true);
-  std::vector<bool> allowed(static_cast<std::size_t>(item.count) + 1, !is_curve(family.effect.id));
-  if (is_curve(family.effect.id) && !variants.empty()) {
-    for (const auto& variant : variants) allowed[variant.size()] = true;
-    variants = {variants.back()};
-  }
-  for (const std::vector<Index>& variant : variants) {
-    const auto k = static_cast<Index>(variant.size());
-    if (variant.back() >= item.count) continue;
-    MatrixXd g(k, k), right(k, z.cols());
-    for (Index i = 0; i < k; ++i) {
-      right.row(i) = z.row(variant[static_cast<std::size_t>(i)]).cast<double>();
-      for (Index j = 0; j < k; ++j)
-        g(i, j) = static_cast<double>(gram(variant[static_cast<std::size_t>(i)], variant[static_cast<std::size_t>(j)]));
-    }
-    const VectorXd original = grams_[static_cast<std::size_t>(&item - items_.data())].row(item.count).cast<double>();
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(z.cols());
-    std::size_t free = 0;
-    for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
-      const double square = g(i, i);
-      if (square > kAbsorbedScreening * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
-        ++free;
-        sum += right.row(i).cwiseAbs2() / square;
-        for (Index j = i + 1; j < k; ++j) {
-          const double share = g(j, i) / square;
-          right.row(j) -= share * right.row(i);
-          for (Index m = j; m < k; ++m) g(m, j) -= share * g(m, i);
-        }
-      }
-      const bool complete = is_curve(family.effect.id) ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
-      if (free == 0 || !complete) continue;
-      const double cost = cost_of(family, item.nonlinear, free);
-      for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);
-    }
-  }
-}
-
-std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
-  std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    if (!items_[i].coarse) continue;
-    // neighbouring narrow items are taken together so that the product is one of matrices
-    std::size_t last = i;
-    Index width = items_[i].count;
-    while (last + 1 < items_.size() && width < 64 && items_[last + 1].coarse &&
-           items_[last + 1].start == items_[last].start + items_[last].count) {
-      ++last;
-      width += items_[last].count;
-    }
-    const MatrixXf z = bank_.middleCols(items_[i].start, width).transpose() * blanks;
-    for (std::size_t j = i; j <= last; ++j)
-      raise_by(items_[j], grams_[j].topRows(items_[j].count),
-               z.middleRows(items_[j].start - items_[i].start, items_[j].count), best);
-    i = last;
   }
   return best;
 }
