@@ -1,6 +1,7 @@
 // `ecs map send`: a complete map of this machine, with its parameters, into the unit; read back and compared.
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,15 @@ struct Arguments {
   bool other_machine = false;
 };
 
+/// The block check that the active image carries; nothing if the unit holds none.
+Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client) {
+  const auto status = client.status();
+  if (!status) return tl::unexpected(status.error());
+  if (status->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
+  return client.read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t))
+      .map([](const std::vector<std::uint8_t>& bytes) { return std::optional(load_big<std::uint32_t>(bytes, 0)); });
+}
+
 Result<Outcome> send(Session& session, const Arguments& arguments) {
   const auto ready = prepared_map(arguments.file, arguments.params, arguments.other_machine);
   if (!ready) return tl::unexpected(ready.error());
@@ -35,7 +45,7 @@ Result<Outcome> send(Session& session, const Arguments& arguments) {
   if (!arguments.other_machine)
     if (auto refused = refused_map(other_unit(*ready, identity->serial_number), arguments.file))
       return tl::unexpected(std::move(*refused));
-  const auto before = unit->client().status();
+  const auto before = active_check(unit->client());
   if (!before) return tl::unexpected(before.error());
   const auto start = std::chrono::steady_clock::now();
   const auto report = send_image(unit->client(), ready->image.bytes, progress_bar(session, "map"));
@@ -44,8 +54,7 @@ Result<Outcome> send(Session& session, const Arguments& arguments) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::uint32_t block_check = ImageView(ready->image.bytes).check();
   const std::string check = fmt::format("{:08X}", block_check);
-  const bool had_it = before->active_bank != protocol::Bank::none && before->block_check_expected == block_check;
-  if (!had_it && !session.face.json) session.face.note(kBeforeFirstCompensation);
+  if (*before != block_check && !session.face.json) session.face.note(kBeforeFirstCompensation);
   const Json object{{"map", arguments.file},
                     {"bytes", report->bytes},
                     {"seconds", number_or_null(seconds)},

@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include "../protocol/unit_model.hpp"
+#include "app/transfer.hpp"
+#include "core/memory_image.hpp"
 #include "laser/map_image.hpp"
 
 namespace ecs::app {
@@ -41,6 +44,20 @@ TEST_CASE("an image fits a unit that has its modules and as much room as it has 
   CHECK(no_room_for(image, unit_with(1, 32'000)).size() == 1);
   CHECK(no_room_for(image, unit_with(2, 999)).size() == 1);
   CHECK(no_room_for(image_with(40'000, 2), unit_with(1, 32'000)).size() == 3);  // modules, values and bytes
+}
+
+TEST_CASE("an image without room in the unit is refused before the unit is given any command") {
+  auto shop = protocol::Workshop::on_tcp();  // one module, 32,000 values
+  auto unit = shop.client();
+  const auto sent = send_image(unit, image_with(1000, 2));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().kind == ProblemKind::refused);
+  CHECK(sent.error().message.find("count on 2 axis memory modules, the unit has 1") != std::string::npos);
+  UnitParameters parameters;
+  parameters.memory_modules = 3;
+  CHECK_FALSE(send_parameters(unit, parameters, {}).has_value());
+  CHECK(shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { return model.log; }).empty());
+  CHECK(send_image(unit, image_with(1000, 1)).has_value());
 }
 
 TEST_CASE("a dump belongs to a unit when neither its own serial number nor that of its map says otherwise") {
