@@ -113,6 +113,7 @@ Choice best_curve(const std::vector<std::vector<Index>>& variants, const MatrixX
 
 Choice best_choice(const Family& family, const std::vector<std::vector<Index>>& variants, const MatrixXd& gram,
                    const VectorXd& z, const VectorXd& original, double absorbed, const CostOf& cost) {
+  if (family.effect.id == EffectId::cyclic) absorbed = std::max(absorbed, kAbsorbedPeriod);
   if (is_curve(family.effect.id)) return best_curve(variants, gram, z, original, absorbed, cost);
   return best_variant(family, variants, gram, z, original, absorbed, cost);
 }

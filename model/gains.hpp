@@ -16,6 +16,9 @@ inline constexpr double kAbsorbed = 1e-8;
 /// The same in the single precision of the screening.
 inline constexpr double kAbsorbedScreening = 1e-5;
 
+/// The same for periods: a wave that the targets see as (nearly) what is absorbed already has any amplitude.
+inline constexpr double kAbsorbedPeriod = 0.02;
+
 /// Price of using so many independent columns.
 using CostOf = std::function<double(std::size_t)>;
 

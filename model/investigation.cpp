@@ -17,7 +17,9 @@ using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
 /// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well.
-constexpr double kLeastShare = 0.05;
+constexpr double kLeastShare = 0.07;
+/// What refining a period and adding harmonics may gain on noise, which the blanks are not given.
+constexpr double kRefinement = 6.0;
 /// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be.
 constexpr double kLeastStructure = 0.08;
 constexpr double kStructureChance = 0.4;
@@ -128,7 +130,7 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
         search.base().q, whitener(simulated_noise(data, found.noise, options.blanks, found.left_out)).cast<float>());
     if (found.blank_scores.empty()) {
       found.blank_scores = search.best_scores(blanks);
-      found.entry_score = std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
+      found.entry_score = kRefinement + std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
     }
     const double n = static_cast<double>(data.size());
     found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
@@ -145,10 +147,16 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     found.groups = groups_of(search, found.solution, found.entry_score);
     for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
     found.solution = search.refined(found.solution.chosen);
-    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, base, search, found);
     const Structure structure(data, whitener, noise_freedom);
     found.before = structure.tests(search.base());
     found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
+    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, base, search, found);
+    if (found.foreseen < kForeseen && found.structure_p_before > kStructureChance * options.false_naming_limit) {
+      // no structure but for an effect without proof: that is noise
+      found.solution = search.solution({});
+      found.groups.clear();
+      found.foreseen = 1.0;
+    }
     if (found.solution.chosen.empty()) {
       found.after = found.before;
       found.structure_p_after = found.structure_p_before;

@@ -79,6 +79,36 @@ PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, doub
   return fit;
 }
 
+/// Levels of groups with few readings drawn towards the level of all groups of their kind (translations, rotations):
+/// strongly where the groups agree as equal noises do (Bartlett's test), a little where they do not.
+void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom, double information,
+                   std::vector<double>& variance) {
+  constexpr double kAgreeing = 40.0, kDiffering = 4.0;
+  for (const bool rotations : {false, true}) {
+    double all = 0.0, sum = 0.0, logs = 0.0, count = 0.0;
+    const auto counts = [&](std::size_t g) {
+      return is_rotation(groups[g].sense) == rotations && freedom[g] >= 1.0 && variance[g] > 0.0;
+    };
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (!counts(g)) continue;
+      const double f = freedom[g] * information;
+      all += f;
+      sum += f * variance[g];
+      logs += f * std::log(variance[g]);
+      count += 1.0;
+    }
+    if (count < 2.0) continue;
+    const double common = sum / all;
+    const double bartlett = all * std::log(common) - logs;
+    const bool agree = bartlett < count - 1.0 + 3.0 * std::sqrt(2.0 * (count - 1.0));
+    const double prior = agree ? kAgreeing : kDiffering;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const double f = freedom[g] * information;
+      if (counts(g)) variance[g] = (f * variance[g] + prior * common) / (f + prior);
+    }
+  }
+}
+
 }  // namespace
 
 double robust_mean_square(std::vector<double> squares) {
@@ -136,6 +166,7 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
     if (all_freedom > 0.0)
       for (double& variance : shape.variance)
         if (std::isnan(variance)) variance = all / all_freedom;
+    shrink_levels(groups, freedom, information, shape.variance);
     shape.weight *= information;
     // the scatter of the deviations themselves holds all of the noise: more than that is not possible
     double claimed = 0.0, there = 0.0, rows = 0.0;

@@ -81,7 +81,9 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
     family.facts = grid.facts;
     if (family.grid.empty() && family.facts.empty()) continue;
     const bool searched = !nonlinear_parameter_of(effect.id).empty();
-    family.search_cost = searched ? 2.0 * std::log(std::max(2.0, grid.independent)) : 0.0;
+    // periods are also chosen among three approaches and one or two harmonics
+    const double ways = effect.id == EffectId::cyclic ? 3.0 : 1.0;
+    family.search_cost = searched ? 2.0 * std::log(std::max(2.0, ways * grid.independent)) : 0.0;
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(grid.facts.size())) : 0.0;
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
     if (effect.id == EffectId::cosine) family.least = 0.0;

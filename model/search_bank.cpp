@@ -32,7 +32,7 @@ void Search::build_bank() {
     };
     for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
       for (std::size_t i = 0; i < family.grid.size(); ++i)
-        if (coarse == (!cyclic || i % 3 == 0)) add(family.grid[i], false, coarse);
+        if (coarse == (!cyclic || i % 2 == 0)) add(family.grid[i], false, coarse);
     for (const double value : family.facts) add(value, true, false);
   }
   bank_.resize(n, total);
@@ -158,6 +158,7 @@ void Search::raise_by(const Item& item, const MatrixXf& gram, const Eigen::Ref<c
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
+  const double absorbed = family.effect.id == EffectId::cyclic ? kAbsorbedPeriod : kAbsorbedScreening;
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;
@@ -172,7 +173,7 @@ void Search::raise_by(const Item& item, const MatrixXf& gram, const Eigen::Ref<c
     std::size_t free = 0;
     for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
       const double square = g(i, i);
-      if (square > kAbsorbedScreening * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
+      if (square > absorbed * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
         ++free;
         sum += right.row(i).cwiseAbs2() / square;
         for (Index j = i + 1; j < k; ++j) {

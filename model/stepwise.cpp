@@ -11,6 +11,8 @@ namespace {
 constexpr double kIndistinguishable = 9.0;
 /// A rival that needs more parameters for the same fit stays one while its score is at most this much lower.
 constexpr double kPriceOfRival = 15.0;
+/// Evidence that differs by less than this does not speak against the simpler effect.
+constexpr double kEven = 3.0;
 /// Fits that differ by less than this are the same fit.
 constexpr double kSame = 0.05;
 constexpr std::size_t kFirstBranches = 8;
@@ -141,14 +143,20 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       }
       const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
       if (exactly.score() > other.score()) other = exactly;
-      if (other.gain >= group.member.gain - kIndistinguishable && other.score() >= group.member.score() - kPriceOfRival)
+      const bool same_fit =
+          other.gain >= group.member.gain - kIndistinguishable && other.score() >= group.member.score() - kPriceOfRival;
+      const bool same_evidence =
+          other.parameters <= group.member.parameters && other.score() >= group.member.score() - kIndistinguishable;
+      if (same_fit || same_evidence)
         group.rivals.push_back(other);
       else if (other.score() >= entry_score && group.weaker.size() < 6)
         group.weaker.push_back(other);
     }
     // of equals the one with fewer parameters, then the one that stands first in the library
     for (Choice& rival : group.rivals) {
-      if (std::abs(rival.gain - group.member.gain) > kSame) continue;
+      const bool same_evidence =
+          rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
+      if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
       const bool simpler = rival.parameters < group.member.parameters ||
                            (rival.parameters == group.member.parameters && rival.family < group.member.family);
       if (simpler) std::swap(rival, group.member);
