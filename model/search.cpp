@@ -233,10 +233,11 @@ Solution Search::solution(const std::vector<Choice>& chosen) const {
 
 Solution Search::refined(const std::vector<Choice>& chosen) const {
   Solution best = solution(chosen);
-  const bool nonlinear = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
-    return !nonlinear_parameter_of(families_[c.family].effect.id).empty();
+  const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
+    const EffectId id = families_[c.family].effect.id;
+    return is_curve(id) || !nonlinear_parameter_of(id).empty();
   });
-  if (chosen.size() < 2 || !nonlinear) return best;
+  if (chosen.size() < 2 || !movable) return best;
   for (int round = 0; round < 3; ++round) {
     const double before = best.score();
     for (std::size_t i = 0; i < chosen.size(); ++i) {

@@ -43,14 +43,16 @@ bool is_shape_of_position(EffectId id) { return is_curve(id) || id == EffectId::
 /// same axis explain anything.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2;
+  constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
-    std::size_t shapes = 0, functions = 0;
+    std::size_t shapes = 0, functions = 0, most = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
       if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) {
         ++shapes;
         functions += chosen[j].parameters;
+        if (is_curve(other.id)) most = std::max(most, chosen[j].columns.size());
       }
       if (j >= i || one.id != other.id || one.id == EffectId::user) continue;
       const bool twice = one.sense == other.sense && one.code == other.code;
@@ -58,7 +60,7 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
           !(one.id < EffectId::warm_up && one.axis != other.axis))
         return false;
     }
-    if (shapes > kMostShapes) return false;
+    if (shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
     // more functions than this share of the targets follow any values at all
     if (shapes > 1 && static_cast<double>(functions) > 2.0 + 0.7 * static_cast<double>(search.targets(*one.axis)))
       return false;
@@ -83,8 +85,9 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
       }
       for (const Choice& other : search.expand(rest.space, 5)) {
         if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
-        if (other.family == best.chosen[i].family || !plausible(search, with(rest.chosen, other))) continue;
+        if (other.family == best.chosen[i].family) continue;
         Solution tried = search.refined(with(rest.chosen, other));
+        if (!plausible(search, tried.chosen)) continue;
         if (worth(tried, entry_score) > worth(best, entry_score) + 0.01) {
           best = std::move(tried);
           changed = true;
@@ -113,8 +116,9 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
         if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
         if (list[i].gain < (depth < 2 ? options.entry_gain : options.late_gain)) continue;
         const auto chosen = with(state.chosen, list[i]);
-        if (!plausible(search, chosen) || !seen.insert(key_of(chosen)).second) continue;
-        next.push_back(search.refined(chosen));
+        if (!seen.insert(key_of(chosen)).second) continue;
+        Solution tried = search.refined(chosen);
+        if (plausible(search, tried.chosen)) next.push_back(std::move(tried));
       }
     }
     std::stable_sort(next.begin(), next.end(),
