@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/emulator_process.hpp"
 #include "app/link_choice.hpp"
 #include "app/memory_dump.hpp"
 #include "laser_run.hpp"
@@ -125,7 +126,8 @@ TEST_CASE("a batch leaves a unit alone whose parameters name another serial numb
   const std::string plan = desk.folder.with("plan.toml", unit + unit + "map = \"map.csv\"\n");
   const Ran r = ran({"batch", plan, "--json"});
   CHECK(r.code == 1);
-  for (const auto& report : r.json()["units"]) {
+  const nlohmann::json answer = r.json();
+  for (const auto& report : answer["units"]) {
     CHECK(report["state"] == "skipped");
     CHECK(report["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
   }
@@ -166,6 +168,20 @@ TEST_CASE("parameters without the squareness that the unit's map was measured wi
   const Ran refused = ran({"params", "send", desk.params, "--json"});
   CHECK(refused.code == 1);
   CHECK(refused.out.find("C0Y was measured for this map") != std::string::npos);
+}
+
+TEST_CASE("asking again for compensation follows the datuming that is under way") {
+  if (!built(kEmulator)) return;
+  const Desk desk;
+  const auto unit = EmulatorProcess::start({kEmulator, "samples/mill/machine.toml", desk.folder / "memory"});
+  REQUIRE(unit);
+  const std::string link = "rtu:" + (*unit)->pty() + ":115200";
+  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params, "--link", link}).code == 0);
+  for (int i = 0; i < 2; ++i) {
+    const Ran r = ran({"utility", "mode", "compensate", "--wait", "0.3", "--link", link, "--json"});
+    CHECK(r.code == 1);
+    CHECK(r.json()["mode"] == "datuming");
+  }
 }
 
 TEST_CASE("a map that is new to the unit brings the reminder to check polarity, the same map again does not") {
@@ -245,7 +261,8 @@ TEST_CASE("a dump of the unit loads back into it, and compares equal in its imag
   REQUIRE(dump);
   CHECK(dump->regions.size() == 5);
   CHECK(dump->damage.empty());
-  for (const auto& difference : ran({"memory", "compare", before, after, "--json"}).json()["differences"]) {
+  const nlohmann::json compared = ran({"memory", "compare", before, after, "--json"}).json();
+  for (const auto& difference : compared["differences"]) {
     const auto what = difference["what"].get<std::string>();
     CHECK_FALSE(what.starts_with("parameter"));
     CHECK_FALSE(what.starts_with("table"));
