@@ -1,5 +1,8 @@
 #include "app/batch_plan.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -41,6 +44,16 @@ void take_unit(TomlReader& reader, const toml::table& table, const fs::path& fol
   units.push_back(std::move(unit));
 }
 
+Problem in_line_order(Problem all) {
+  std::vector<Problem> problems = std::move(all.also);
+  all.also.clear();
+  problems.insert(problems.begin(), std::move(all));
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+  return folded(std::move(problems));
+}
+
 }  // namespace
 
 Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const std::string& name,
@@ -52,7 +65,7 @@ Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const s
   std::vector<PlannedUnit> units;
   for (const toml::table* unit : reader.children(*table, "unit")) take_unit(reader, *unit, folder, units);
   if (units.empty() && reader.clean()) reader.complain(1, "expected at least one [[unit]]");
-  if (!reader.clean()) return tl::unexpected(reader.all());
+  if (!reader.clean()) return tl::unexpected(in_line_order(reader.all()));
   return units;
 }
 

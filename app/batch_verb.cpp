@@ -38,6 +38,17 @@ std::string table_of(const std::vector<BatchReport>& reports) {
   return text;
 }
 
+/// The one that makes the exit code: a lost link before the rest.
+const Problem* first_problem(const std::vector<BatchReport>& reports) {
+  const Problem* first = nullptr;
+  for (const BatchReport& report : reports) {
+    if (!report.problem) continue;
+    if (report.problem->kind == ProblemKind::link) return &*report.problem;
+    if (first == nullptr) first = &*report.problem;
+  }
+  return first;
+}
+
 Result<Outcome> batch(Session& session, const BatchArguments& arguments) {
   if (!session.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
@@ -54,8 +65,9 @@ Result<Outcome> batch(Session& session, const BatchArguments& arguments) {
   Json units = Json::array();
   for (const BatchReport& report : reports) units.push_back(json_of(report));
   const int exit_code = exit_code_of(reports);
-  const Json object{
-      {"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units}};
+  Json object{{"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units}};
+  if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
+    object["error"] = app::json_of(*problem);
   std::string text = table_of(reports);
   if (arguments.dry_run)
     text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";

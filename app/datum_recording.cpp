@@ -163,7 +163,7 @@ std::vector<DatumEvent> events_of(const DatumRecording& recording) {
 }
 
 std::string graph_of(const DatumRecording& recording) {
-  constexpr std::size_t kWide = 72;
+  constexpr std::size_t kWide = 70;
   constexpr int kHigh = 7;  // rows above and below zero
   const auto speeds = speeds_mm_min(recording);
   double most = standing_mm_min(recording);

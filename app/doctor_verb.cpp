@@ -32,8 +32,19 @@ Json statistics_json(const protocol::LinkStatistics& s) {
               {"timeouts", s.timeouts},
               {"crc_errors", s.crc_errors},
               {"stale_replies", s.stale_replies},
-              {"mean_round_trip_ms", number_or_null(s.mean_round_trip_ms())},
-              {"worst_round_trip_ms", number_or_null(s.worst_round_trip_ms)}};
+              {"mean_round_trip_ms", s.replies > 0 ? number_or_null(s.mean_round_trip_ms()) : Json(nullptr)},
+              {"worst_round_trip_ms", s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr)}};
+}
+
+/// The first finding that is a problem, with what to do.
+Problem why_not(const Diagnosis& diagnosis) {
+  Problem why{ProblemKind::link, "the link does not work", {}, 0, 0, {}};
+  for (const DoctorFinding& finding : diagnosis.findings) {
+    if (finding.state != FindingState::problem) continue;
+    why.message = finding.message + (finding.action.empty() ? "" : "; " + finding.action);
+    break;
+  }
+  return why;
 }
 
 Result<Outcome> examine(Session& session, const DoctorArguments& arguments) {
@@ -57,14 +68,14 @@ Result<Outcome> examine(Session& session, const DoctorArguments& arguments) {
     }
   }
   text += diagnosis.works ? "the link works\n" : "the link does not work\n";
-  const Json object{
-      {"link", session.link_name},
-      {"origin", choice->origin},
-      {"works", diagnosis.works},
-      {"working_link", text_or_null(diagnosis.working_link)},
-      {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
-      {"statistics", statistics_json(diagnosis.statistics)},
-      {"findings", findings}};
+  Json object{{"link", session.link_name},
+              {"origin", choice->origin},
+              {"works", diagnosis.works},
+              {"working_link", text_or_null(diagnosis.working_link)},
+              {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
+              {"statistics", statistics_json(diagnosis.statistics)},
+              {"findings", findings}};
+  if (!diagnosis.works) object["error"] = app::json_of(why_not(diagnosis));
   return Outcome{text, one_line(object), diagnosis.works ? kDone : exit_code_of(ProblemKind::link)};
 }
 

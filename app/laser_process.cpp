@@ -1,5 +1,7 @@
 // `ecs laser process`: runs left out, slope removed, curve smoothed; what that changed, as numbers, CSV and plot.
+#include <algorithm>
 #include <memory>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -197,6 +199,29 @@ Result<std::string> write_files(const std::vector<Processed>& lines, const laser
   return text;
 }
 
+/// An exclusion that fits no reading is a slip of the pen, not a wish.
+Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const laser::Selection& selection,
+                     const laser::MeasurementSet& set, const std::string& file) {
+  std::set<int> runs;
+  int last_row = 0;
+  for (const laser::Reading& reading : set.readings) {
+    runs.insert(reading.run);
+    last_row = std::max(last_row, reading.row);
+  }
+  std::vector<Problem> problems;
+  for (std::size_t i = 0; i < exclusions.size(); ++i) {
+    if (selection.left_out[i] > 0) continue;
+    const std::string message = exclusions[i].run
+                                    ? fmt::format("--exclude-run {}: there is no such run; there are {}",
+                                                  *exclusions[i].run, fmt::join(runs, ", "))
+                                    : fmt::format("--exclude-row {}: there is no such data row; the last one is {}",
+                                                  exclusions[i].row.value_or(0), last_row);
+    problems.push_back({ProblemKind::refused, message, file, 0, 0, {}});
+  }
+  if (problems.empty()) return {};
+  return tl::unexpected(folded(std::move(problems)));
+}
+
 Result<Outcome> process(Session& session, const Arguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
@@ -207,7 +232,8 @@ Result<Outcome> process(Session& session, const Arguments& arguments) {
   const auto imported = read_said(session, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::Selection selection = laser::selected(imported->set, *exclusions);
-  for (const std::string& note : selection.notes) session.face.warn(note);
+  if (const auto fits = all_fit(*exclusions, selection, imported->set, arguments.file); !fits)
+    return tl::unexpected(fits.error());
   std::vector<Processed> lines;
   for (const laser::Group& group : laser::groups_of(selection.chosen)) {
     auto line = processed(selection.chosen, group, arguments);

@@ -61,12 +61,13 @@ PlotFigure figure_of(const TableRow& row) {
   const std::string slope = row.planned.slope == laser::SlopeMethod::none
                                 ? ""
                                 : fmt::format(", slope removed ({})", laser::name_of(row.planned.slope));
+  const auto unit = laser::unit_of(row.planned.sense);
   if (row.before)
     figure.panels.push_back(panel_of(row.before->readings.after, row.before->readings.level.curve,
-                                     fmt::format("before: band {:.1f}{}", row.before->readings.band, slope)));
+                                     fmt::format("before: band {:.1f} {}{}", row.before->readings.band, unit, slope)));
   if (row.after)
     figure.panels.push_back(panel_of(row.after->readings.after, row.after->readings.level.curve,
-                                     fmt::format("after: band {:.1f}{}", row.after->readings.band, slope)));
+                                     fmt::format("after: band {:.1f} {}{}", row.after->readings.band, unit, slope)));
   return figure;
 }
 
@@ -98,6 +99,13 @@ int exit_code_of(const std::vector<TableRow>& rows) {
   return code;
 }
 
+std::optional<Problem> unfit_files(const std::vector<TableRow>& rows) {
+  std::vector<Problem> all;
+  for (const TableRow& row : rows) all.insert(all.end(), row.problems.begin(), row.problems.end());
+  if (all.empty()) return std::nullopt;
+  return folded(std::move(all));
+}
+
 Result<Outcome> table(Session&, const Arguments& arguments) {
   const auto plan = read_plan(arguments.plan);
   if (!plan) return tl::unexpected(plan.error());
@@ -105,10 +113,12 @@ Result<Outcome> table(Session&, const Arguments& arguments) {
   const auto plots = write_plots(rows, arguments);
   if (!plots) return tl::unexpected(plots.error());
   std::string text = table_text(rows);
-  for (const std::string& path : *plots) text += path + "\n";
+  if (!plots->empty()) text += "\nplots:\n";
+  for (const std::string& path : *plots) text += "  " + path + "\n";
   Json object{{"plan", arguments.plan}, {"band", kBandDefinition}, {"rows", Json::array()}};
   for (const TableRow& row : rows) object["rows"].push_back(json_of(row));
   object["plots"] = *plots;
+  if (const auto unfit = unfit_files(rows)) object["error"] = app::json_of(*unfit);
   return Outcome{text, one_line(object), exit_code_of(rows)};
 }
 

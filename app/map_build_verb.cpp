@@ -233,11 +233,20 @@ void say_what_is_odd(Session& session, const Built& b) {
       session.face.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
 }
 
+Problem nothing_built(const Built& b) {
+  std::vector<Problem> problems{
+      {ProblemKind::refused, "no component could be built; nothing was written", {}, 0, 0, {}}};
+  for (const std::string& unused : b.recipe.unused)
+    problems.push_back({ProblemKind::refused, "not used: " + unused, {}, 0, 0, {}});
+  return folded(std::move(problems));
+}
+
 Result<Outcome> build(Session& session, const Arguments& arguments) {
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
   const auto b = built(arguments);
   if (!b) return tl::unexpected(b.error());
+  if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
   if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
   say_what_is_odd(session, *b);
   return Outcome{text_of(*b, arguments), one_line(json_of_built(*b, arguments)), kDone};

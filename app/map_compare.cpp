@@ -42,8 +42,8 @@ void compare_headers(const laser::MapHeader& expected, const laser::MapHeader& f
 
 void compare_values(const laser::MapTable& expected, const laser::MapTable& found, std::vector<MapDifference>& out) {
   if (expected.position_mm.size() != found.position_mm.size()) {
-    out.push_back(of_table(
-        expected, fmt::format("expected {} points, found {}", expected.position_mm.size(), found.position_mm.size())));
+    out.push_back(of_table(expected, fmt::format("the file has {} points, the unit {}", expected.position_mm.size(),
+                                                 found.position_mm.size())));
     return;
   }
   for (std::size_t i = 0; i < expected.position_mm.size(); ++i) {
@@ -54,11 +54,11 @@ void compare_values(const laser::MapTable& expected, const laser::MapTable& foun
                      p,
                      {},
                      {},
-                     fmt::format("{}: expected a point at {:.6g} mm, found it at {:.6g} mm", name_of_table(expected), p,
-                                 found.position_mm[i])});
+                     fmt::format("{}: the file has a point at {:.6g} mm, the unit at {:.6g} mm",
+                                 name_of_table(expected), p, found.position_mm[i])});
     else if (std::abs(want - got) > kSame)
       out.push_back({expected.component, expected.approach, p, want, got,
-                     fmt::format("{} at {:.6g} mm: expected {:.2f} {}, found {:.2f}", name_of_table(expected), p, want,
+                     fmt::format("{} at {:.6g} mm: file {:.2f} {}, unit {:.2f}", name_of_table(expected), p, want,
                                  unit_of(expected.component), got)});
   }
 }

@@ -38,6 +38,7 @@ Result<Outcome> send(Session& session, const Arguments& arguments) {
   const auto ready = prepared_map(arguments.file, arguments.params, arguments.other_machine);
   if (!ready) return tl::unexpected(ready.error());
   for (const std::string& note : ready->image.notes) session.face.note(note);
+  for (const std::string& remark : ready->remarks) session.face.warn(remark);
   auto unit = open_unit(session, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
@@ -78,7 +79,7 @@ void add_map_send(Menu& menu) {
       .text("FILE", arguments->file, "map CSV", Need::required)
       .text("--params", arguments->params, "parameters of the unit, sent with the map", Need::required)
       .flag("--other-machine", arguments->other_machine, "send although map, parameters and unit name other machines")
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return send(session, *arguments); });
 }
 

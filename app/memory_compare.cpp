@@ -16,6 +16,10 @@ namespace {
 
 using List = std::vector<MemoryDifference>;
 
+std::string with_unit(const std::string& value, const std::string& unit) {
+  return unit.empty() ? value : value + " " + unit;
+}
+
 void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out) {
   if (!a.parameters || !b.parameters) {
     if (a.parameters.has_value() != b.parameters.has_value())
@@ -23,8 +27,8 @@ void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out)
     return;
   }
   for (const params::Difference& difference : params::diff(*a.parameters, *b.parameters))
-    out.push_back({"parameter " + difference.key, fmt::format("{} {}", difference.a, difference.unit),
-                   fmt::format("{} {}", difference.b, difference.unit)});
+    out.push_back({"parameter " + difference.key, with_unit(difference.a, difference.unit),
+                   with_unit(difference.b, difference.unit)});
 }
 
 std::string shape_of(const DecodedTable& table) {
@@ -45,7 +49,8 @@ void compare_values(const std::string& name, const DecodedTable& a, const Decode
   const auto position = [&](std::size_t i) { return a.entry.start_mm + a.entry.increment_mm * static_cast<double>(i); };
   const auto unit = unit_of(a.entry.component);
   out.push_back(
-      {fmt::format("{}: {} values differ, the first at {} mm ({}), the most at {} mm", name, count, position(first),
+      {fmt::format("{}: {} differ{}, the first at {} mm ({}), the most at {} mm", name,
+                   count == 1 ? "1 value" : fmt::format("{} values", count), count == 1 ? "s" : "", position(first),
                    hex_address(a.values_address + 2 * static_cast<Address>(first)), position(largest)),
        fmt::format("{:.4g} {}", a.values[largest], unit), fmt::format("{:.4g} {}", b.values[largest], unit)});
 }
@@ -127,7 +132,8 @@ void compare_bytes(const DumpRegion& a, const DumpRegion& b, const DecodedImage*
   }
   if (count > 0) {
     const std::size_t at = first - a.address;
-    out.push_back({fmt::format("bytes of {}: {} differ, the first at {}", a.name, count, hex_address(first)),
+    out.push_back({fmt::format("bytes of {}: {} differ{}, the first at {}", a.name, count, count == 1 ? "s" : "",
+                               hex_address(first)),
                    fmt::format("{:02X}", a.bytes[at]), fmt::format("{:02X}", b.bytes[at])});
   }
   if (a.bytes.size() != b.bytes.size())

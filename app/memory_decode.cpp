@@ -150,8 +150,10 @@ void match_commit(const Commit& commit, DecodedMemory& memory) {
 }  // namespace
 
 bool DecodedMemory::sound() const {
-  return faults.empty() && std::all_of(images.begin(), images.end(),
-                                       [](const DecodedImage& image) { return !image.active || image.faults.empty(); });
+  const bool one_is_active = std::any_of(images.begin(), images.end(), [](const auto& image) { return image.active; });
+  return faults.empty() && std::all_of(images.begin(), images.end(), [one_is_active](const DecodedImage& image) {
+           return image.faults.empty() || (one_is_active && !image.active);
+         });
 }
 
 const DecodedImage* DecodedMemory::main_image() const {

@@ -105,6 +105,11 @@ void take_status(const Json& header, const std::string& name, MemoryDump& dump) 
     dump.damage.push_back("the status in the header cannot be read: " + status.error().message);
 }
 
+/// Its own block check vouches for an image whose region has lost its CRC.
+bool is_whole_image(std::string_view piece) {
+  return check_image({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}).fault == ImageFault::none;
+}
+
 /// Memory images are found by their first word where the header is lost.
 void search_images(std::string_view content, MemoryDump& dump) {
   constexpr std::string_view word("ECSI");
@@ -119,7 +124,7 @@ void search_images(std::string_view content, MemoryDump& dump) {
                             bank.first,
                             {piece.begin(), piece.end()},
                             static_cast<std::uint32_t>(piece.size()),
-                            false});
+                            is_whole_image(piece)});
     at = next;
   }
 }

@@ -31,9 +31,6 @@ Result<Outcome> show(Session& session, const ShowArguments& arguments) {
   const auto dump = arguments.unit ? dump_of_unit(session, DumpScope::active) : read_dump(arguments.file);
   if (!dump) return tl::unexpected(dump.error());
   const DecodedMemory memory = decoded(*dump);
-  for (const std::string& fault : memory.faults) session.face.warn(fault);
-  for (const DecodedImage& image : memory.images)
-    for (const std::string& fault : image.faults) session.face.warn(fmt::format("{}: {}", image.region, fault));
   return Outcome{text_of(*dump, memory, arguments.bytes), one_line(json_of(*dump, memory)), kDone};
 }
 
@@ -46,6 +43,22 @@ Result<MemoryDump> dump_from(Session& session, const std::string& file_or_unit) 
   return file_or_unit == kUnitWord ? dump_of_unit(session, DumpScope::all) : read_dump(file_or_unit);
 }
 
+/// What is wrong with one of the two by itself: its file, or the image that its unit would use.
+std::vector<std::string> damage_in(const MemoryDump& dump) {
+  std::vector<std::string> damage = dump.damage;
+  const DecodedMemory memory = decoded(dump);
+  for (const DecodedImage& image : memory.images)
+    if (&image == memory.main_image() && image.verdict.fault != ImageFault::none)
+      damage.push_back(fmt::format("{}: the image {}", image.region, ecs::text_of(image.verdict.fault)));
+  return damage;
+}
+
+std::string damage_text(std::string_view side, const std::string& file, const std::vector<std::string>& damage) {
+  std::string text;
+  for (const std::string& one : damage) text += fmt::format("DAMAGED {} ({}): {}\n", side, file, one);
+  return text;
+}
+
 Result<Outcome> compare(Session& session, const CompareArguments& arguments) {
   const auto a = dump_from(session, arguments.a);
   if (!a) return tl::unexpected(a.error());
@@ -55,12 +68,18 @@ Result<Outcome> compare(Session& session, const CompareArguments& arguments) {
   std::string text;
   for (const MemoryDifference& difference : differences(*a, *b)) {
     list.push_back({{"what", difference.what}, {"a", difference.a}, {"b", difference.b}});
-    text += fmt::format("{}: {} | {}\n", difference.what, difference.a, difference.b);
+    text += fmt::format("{}: A {} | B {}\n", difference.what, difference.a, difference.b);
   }
   const bool same = list.empty();
-  return Outcome{same ? std::string("no difference") : text,
-                 one_line(Json{{"a", arguments.a}, {"b", arguments.b}, {"same", same}, {"differences", list}}),
-                 same ? kDone : kDoesNotHold};
+  if (same) text = "no difference\n";
+  const std::vector<std::string> hurt_a = damage_in(*a), hurt_b = damage_in(*b);
+  const Json object{{"a", arguments.a},
+                    {"b", arguments.b},
+                    {"same", same},
+                    {"damaged", {{"a", hurt_a}, {"b", hurt_b}}},
+                    {"differences", list}};
+  return Outcome{damage_text("A", arguments.a, hurt_a) + damage_text("B", arguments.b, hurt_b) + text, one_line(object),
+                 same && hurt_a.empty() && hurt_b.empty() ? kDone : kDoesNotHold};
 }
 
 }  // namespace

@@ -26,6 +26,22 @@ Result<void> within_space(Address address, std::size_t bytes) {
                  fmt::format("{} bytes from {}: the unit's memory lies below 0x1000000", bytes, hex_address(address)));
 }
 
+/// A refused problem unless one region of the address map holds all of these bytes.
+/// @param modules  axis memory modules that the unit has
+Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules = kMostModules) {
+  std::string map;
+  for (const Region& region : kRegions) {
+    const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;
+    const std::uint32_t size =
+        is_bank ? bank_bytes(static_cast<std::uint8_t>(std::min(modules, kMostModules))) : region.size;
+    if (address >= region.first && address - region.first + bytes <= size) return {};
+    map += fmt::format("{}{} {} to {}", map.empty() ? "" : ", ", region.name, hex_address(region.first),
+                       hex_address(region.first + size - 1));
+  }
+  return problem(ProblemKind::refused, fmt::format("{} bytes from {}: the unit has no memory there; it has {}", bytes,
+                                                   hex_address(address), map));
+}
+
 // --- read
 struct ReadArguments {
   std::string address;
@@ -58,8 +74,13 @@ Result<Outcome> read_bytes(Session& session, const ReadArguments& arguments) {
   const auto length = whole_number(arguments.length, "LENGTH");
   if (!length) return tl::unexpected(length.error());
   if (const auto fits = within_space(*address, *length); !fits) return tl::unexpected(fits.error());
+  if (const auto there = memory_there(*address, *length); !there) return tl::unexpected(there.error());
   auto unit = open_unit(session, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (const auto there = memory_there(*address, *length, identity->memory_modules); !there)
+    return tl::unexpected(there.error());
   const auto bytes = unit->client().read_memory(*address, *length, progress_bar(session, "memory"));
   if (!bytes) return tl::unexpected(bytes.error());
   Json object{{"address", hex_address(*address)}, {"length", *length}, {"file", text_or_null(arguments.output)}};
@@ -137,6 +158,7 @@ Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
   const auto bytes = bytes_to_write(arguments);
   if (!bytes) return tl::unexpected(bytes.error());
   if (const auto fits = within_space(*address, bytes->size()); !fits) return tl::unexpected(fits.error());
+  if (const auto there = memory_there(*address, bytes->size()); !there) return tl::unexpected(there.error());
   if (const auto sure = confirmed(
           arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
       !sure)
@@ -191,10 +213,10 @@ struct LoadArguments {
 Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std::string& file) {
   const DecodedMemory memory = decoded(dump);
   const DecodedImage* image = memory.main_image();
-  if (image == nullptr) return problem(ProblemKind::refused, fmt::format("{}: it holds no active memory image", file));
+  if (image == nullptr) return problem_at(file, 0, 0, "it holds no active memory image; nothing was sent");
   if (image->verdict.fault != ImageFault::none)
-    return problem(ProblemKind::refused,
-                   fmt::format("{}: its memory image {}; nothing was sent", file, ecs::text_of(image->verdict.fault)));
+    return problem_at(file, 0, 0,
+                      fmt::format("its memory image {}; nothing was sent", ecs::text_of(image->verdict.fault)));
   const DumpRegion* region = region_at(dump, image->address);
   return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
 }
@@ -243,7 +265,7 @@ void add_memory_transfer(Menu& menu) {
       .texts("BYTES", write->words, "hexadecimal digits, two a byte")
       .text("--file", write->file, "write the bytes of this file")
       .flag("--yes", write->yes, "overwrite")
-      .uses_link()
+      .writes_to_unit()
       .runs([write](Session& session) { return write_bytes(session, *write); });
   const auto dump = std::make_shared<DumpArguments>();
   menu.verb("dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump")
@@ -257,7 +279,7 @@ void add_memory_transfer(Menu& menu) {
       .text("FILE", loaded->file, "dump or memory image", Need::required)
       .flag("--yes", loaded->yes, "replace what the unit holds")
       .flag("--other-machine", loaded->other_machine, "load although dump or map name another unit")
-      .uses_link()
+      .writes_to_unit()
       .runs([loaded](Session& session) { return load(session, *loaded); });
 }
 

@@ -95,17 +95,17 @@ std::string commits_text(const DecodedMemory& memory) {
 
 std::string tables_text(const DecodedImage& image) {
   if (image.tables.empty()) return "no tables\n";
-  std::string text = " #  component    address    start/mm  incr./mm  count      least       most  unit\n";
+  std::string text = " # component    address    start/mm incr./mm count     least      most unit\n";
   for (const DecodedTable& table : image.tables) {
-    text += fmt::format("{:>2}  {:<12} ", table.number, name_of(table));
+    text += fmt::format("{:>2} {:<12} ", table.number, name_of(table));
     if (!table.fault.empty())
       text += fmt::format("{}: {}\n", hex_address(table.entry_address), table.fault);
     else if (table.entry.declared_zero)
       text += "declared zero\n";
     else
-      text += fmt::format("{} {:>11} {:>9} {:>6} {:>10.2f} {:>10.2f}  {:<5} {}\n", hex_address(table.values_address),
+      text += fmt::format("{} {:>10} {:>8} {:>5} {:>9.2f} {:>9.2f} {}\n", hex_address(table.values_address),
                           table.entry.start_mm, table.entry.increment_mm, table.entry.count, table.least, table.most,
-                          unit_of(table.entry.component), laser::description_of(table.entry.component));
+                          unit_of(table.entry.component));
   }
   return text;
 }
@@ -156,7 +156,7 @@ Json json_of(const MemoryDump& dump, const DecodedMemory& memory) {
 std::string text_of(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
   std::string text;
   if (!dump.taken.empty())
-    text += fmt::format("unit {}, taken {} over {}\n", dump.serial_number, dump.taken, dump.link);
+    text += fmt::format("unit {}, taken {}\nover {}\n", dump.serial_number, dump.taken, dump.link);
   for (const std::string& fault : memory.faults) text += fmt::format("FAULT: {}\n", fault);
   for (const DumpRegion& region : dump.regions)
     text += fmt::format("{}  {:>7} bytes  {}{}\n", hex_address(region.address), region.bytes.size(), region.name,

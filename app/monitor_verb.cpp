@@ -52,14 +52,13 @@ Json json_of(const MonitorSample& sample, const std::string& link) {
 
 std::string text_of(const MonitorSample& sample) {
   std::string text = fmt::format(
-      "{:.3f} s, {}{}\naxis  position/mm  speed/(mm/min)  ref  switch  marker  approach  "
-      "comp/um      D/A  relay\n",
+      "{:.3f} s, {}{}\naxis position/mm speed/(mm/min) ref switch marker approach comp/um    D/A relay\n",
       time_s(sample), ecs::name_of(sample.mode),
       sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name));
   for (const Axis axis : kAllAxes) {
     const AxisSample& a = sample.axes[index_of(axis)];
     if (!a.present) continue;
-    text += fmt::format("{:<4} {:>12.4f} {:>15.1f}  {:<4} {:<7} {:<7} {:<9} {:>7.2f} {:>8}  {}\n", letter_of(axis),
+    text += fmt::format("{:<4} {:>11.4f} {:>14.1f} {:<3} {:<6} {:<6} {:<8} {:>7.2f} {:>6} {}\n", letter_of(axis),
                         a.position_mm, a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
                         a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um, a.output_counts,
                         a.relay_closed ? "closed" : "open");
@@ -99,9 +98,11 @@ Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arg
 }
 
 Result<Outcome> monitor(Session& session, const MonitorArguments& arguments) {
+  std::string rows(kRecordColumns);
+  if (!arguments.record.empty())
+    if (auto writable = write_file(arguments.record, rows); !writable) return tl::unexpected(writable.error());
   auto unit = open_unit(session, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
-  std::string rows(kRecordColumns);
   const auto watched = watch(session, *unit, arguments, rows);
   if (!arguments.record.empty()) {
     if (auto written = write_file(arguments.record, rows); !written) return tl::unexpected(written.error());

@@ -34,7 +34,8 @@ std::string table_of(const UnitParameters& parameters) {
     text += fmt::format("{}{}\n", text.empty() ? "" : "\n", params::name_of(group));
     for (const params::Field& field : params::fields())
       if (field.group == group && is_shown(field, parameters))
-        text += fmt::format("  {:<40} {:>14} {}\n", field.key, params::text_of(field, parameters), field.unit);
+        text += fmt::format("  {:<40} {:>14}{}{}\n", field.key, params::text_of(field, parameters),
+                            field.unit.empty() ? "" : " ", field.unit);
   }
   return text;
 }

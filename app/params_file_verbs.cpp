@@ -110,8 +110,10 @@ Result<Outcome> set_values(Session& session, const SetArguments& arguments) {
   std::string text;
   for (const params::Difference& difference : params::diff(before, file->parameters)) {
     changed.push_back({{"key", difference.key}, {"from", difference.a}, {"to", difference.b}});
-    text += fmt::format("{}: {} -> {} {}\n", difference.key, difference.a, difference.b, difference.unit);
+    text += fmt::format("{}: {} -> {}{}{}\n", difference.key, difference.a, difference.b,
+                        difference.unit.empty() ? "" : " ", difference.unit);
   }
+  if (changed.empty()) text = "unchanged: these values stood there already\n";
   text += fmt::format("written to {}", output);
   return Outcome{text, one_line(Json{{"file", output}, {"changed", changed}}), kDone};
 }
@@ -171,7 +173,7 @@ void add_params_show(Menu& menu) {
 void add_params_set(Menu& menu) {
   const auto arguments = std::make_shared<SetArguments>();
   menu.verb("set", "change values in a parameter file",
-            "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 scope planar -o planar.toml")
+            "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml")
       .text("FILE", arguments->file, "parameter file", Need::required)
       .texts("KEY=VALUE", arguments->words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
       .text("-o,--output", arguments->output, "write here in place of FILE")

@@ -86,7 +86,7 @@ void add_params_send(Menu& menu) {
       .text("FILE", arguments->file, "parameter file", Need::required)
       .flag("--force", arguments->force, "drop a map in the unit that does not fit, in place of refusing")
       .flag("--other-machine", arguments->other_machine, "send although [identity] names another machine")
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return send(session, *arguments); });
 }
 

@@ -58,11 +58,18 @@ bool has_hardware(const std::string& name) {
   return ::read(file.get(), type.data(), type.size() - 1) <= 0 || type[0] != '0';
 }
 
-std::string group_of(const std::string& device) {
+/// Joining a group helps only if that group may read and write, and nobody should join root.
+std::string way_to_permission(const std::string& device) {
   struct stat file {};
-  if (::stat(device.c_str(), &file) != 0) return "dialout";
-  const group* owner = ::getgrgid(file.st_gid);
-  return owner == nullptr ? "dialout" : owner->gr_name;
+  const group* owner = ::stat(device.c_str(), &file) == 0 ? ::getgrgid(file.st_gid) : nullptr;
+  const bool group_may = (file.st_mode & (S_IRGRP | S_IWGRP)) == (S_IRGRP | S_IWGRP);
+  if (owner != nullptr && file.st_gid != 0 && group_may)
+    return fmt::format("run `sudo usermod -aG {} $USER`, then log out and in again", owner->gr_name);
+  return fmt::format(
+      "no group may use this port: as root write `KERNEL==\"{}\", GROUP=\"dialout\", MODE=\"0660\"` into "
+      "/etc/udev/rules.d/90-ecs.rules, run `udevadm control --reload` and `udevadm trigger`, and join the group "
+      "with `usermod -aG dialout` and your name",
+      fs::path(device).filename().string());
 }
 
 speed_t speed_of(int baud) {
@@ -128,7 +135,7 @@ std::optional<PortTrouble> trouble_with(const std::string& device) {
                                      : fmt::format("ports there are: {}", fmt::join(ports, ", "));
       break;
     case protocol::LinkFailure::no_permission:
-      trouble.action = fmt::format("run `sudo usermod -aG {} $USER`, then log out and in again", group_of(device));
+      trouble.action = way_to_permission(device);
       break;
     case protocol::LinkFailure::not_a_serial_port:
       trouble.action = ports.empty() ? std::string("give the name of a serial port, such as /dev/ttyUSB0")

@@ -20,7 +20,10 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
   if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
   auto image = laser::image_of(*map, parameters->parameters);
   if (!image) return tl::unexpected(image.error());
-  return PreparedMap{map->header, parameters->identity, std::move(*image)};
+  std::vector<std::string> remarks;
+  for (laser::MapFinding& finding : laser::findings_for(*map, parameters->parameters))
+    if (!finding.objection) remarks.push_back(std::move(finding.message));
+  return PreparedMap{map->header, parameters->identity, std::move(*image), std::move(remarks)};
 }
 
 std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number) {

@@ -16,6 +16,7 @@ struct PreparedMap {
   laser::MapHeader header;
   params::Identity identity;  ///< of the parameters
   laser::MapImage image;
+  std::vector<std::string> remarks;  ///< findings worth knowing that are no objections
 };
 
 /// Reads both files; refuses, with every reason, parameters that must not meet a machine, a map that is incomplete for

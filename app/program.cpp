@@ -151,6 +151,27 @@ std::string menu_text(const Place& place) {
                      place.path);
 }
 
+/// Lines of at most 80 columns; what is said of an option goes on under its beginning. Examples stay in one piece.
+std::string wrapped_help(const std::string& help) {
+  constexpr std::size_t kWide = 80;
+  constexpr std::size_t kHelpColumn = 30;
+  std::string out;
+  bool example = false;
+  for (std::string_view line : lines_of(help)) {
+    example = example || line.starts_with("Example:");
+    const std::size_t indent = line.starts_with("  ") ? kHelpColumn : 0;
+    while (line.size() > kWide && !example) {
+      const std::size_t cut = line.rfind(' ', kWide);
+      if (cut == std::string_view::npos || line.find_first_not_of(' ') > cut) break;
+      out += std::string(line.substr(0, cut)) + "\n" + std::string(indent, ' ');
+      line.remove_prefix(cut + 1);
+      if (line.size() + indent <= kWide) break;
+    }
+    out += std::string(line) + "\n";
+  }
+  return out;
+}
+
 int show_text(Session& session, const std::string& key, const std::string& text) {
   return answered(session, {text, one_line(Json{{key, text}}), kDone});
 }
@@ -170,7 +191,7 @@ int parsed_and_run(const std::vector<std::string>& words, Session& session) {
     root.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     const Place place = place_of(root, words);
-    return show_text(session, "help", place.app->help(place.parent));
+    return show_text(session, "help", wrapped_help(place.app->help(place.parent)));
   } catch (const CLI::CallForVersion&) {
     return show_text(session, "version", kVersion);
   } catch (const CLI::ParseError& error) {

@@ -103,8 +103,10 @@ std::string pointers_text(const StatusSnapshot& snapshot) {
                         unit_of(component), laser::description_of(component));
   }
   if (rows.empty()) return "address pointers: none in use\n";
-  return fmt::format("address pointers at tick {}: the values selected last\ncurve   index  address        value\n{}",
-                     snapshot.status.pointers_at_tick, rows);
+  return fmt::format(
+      "address pointers at tick {}: the values selected last (with linear\ninterpolation the value at or below the "
+      "position)\ncurve   index  address        value\n{}",
+      snapshot.status.pointers_at_tick, rows);
 }
 
 std::string memory_text(const UnitStatus& status) {

@@ -38,6 +38,11 @@ Result<UnitLink> open_link(const LinkChoice& choice) {
   return UnitLink(std::move(emulator), std::move(*client), to_text(choice));
 }
 
+void announce_writing(Session& session) {
+  const auto choice = chosen_link(session.link_option);
+  if (choice && choice->is_emulator()) session.face.message_prefix = "EMULATOR: ";
+}
+
 Result<UnitLink> open_unit(Session& session, Access access) {
   auto choice = chosen_link(session.link_option);
   if (!choice) return tl::unexpected(choice.error());

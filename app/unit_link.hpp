@@ -40,6 +40,9 @@ class UnitLink {
 /// Opens a link; a signal cancels what is under way on it.
 [[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice);
 
+/// Sets the session's message prefix if the link that it names, or the default, is an emulator.
+void announce_writing(Session& session);
+
 /// Opens the link that the session names, tells the session its name and sets its message prefix.
 [[nodiscard]] Result<UnitLink> open_unit(Session& session, Access access);
 

@@ -113,7 +113,7 @@ void add_position(Menu& menu) {
   menu.verb("position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5")
       .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis", Need::required)
       .number("MM", arguments->position_mm, "position, mm", Need::required)
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return set_position(session, *arguments); });
 }
 
@@ -126,7 +126,7 @@ void add_output(Menu& menu) {
       .flag("--relay", arguments->relay, "close the relay: the machine axis moves (needs --yes)")
       .flag("--off", arguments->off, "every output 0, every relay open")
       .flag("--yes", arguments->yes, "the axis may move")
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return output_value(session, *arguments); });
 }
 
@@ -137,7 +137,7 @@ void add_run(Menu& menu) {
       .text("--argument", arguments->argument, "a number that the program is given")
       .number("--wait", arguments->wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
       .flag("--yes", arguments->yes, "run it")
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return run_program_in_unit(session, *arguments); });
 }
 
@@ -148,18 +148,20 @@ void add_utility_commands(Menu& menu) {
   add_output(menu);
   add_run(menu);
   menu.verb("ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest")
-      .uses_link()
+      .writes_to_unit()
       .runs(ram_test);
-  menu.verb("reset", "restart the unit", "ecs utility reset").uses_link().runs([](Session& session) {
+  menu.verb("reset", "restart the unit", "ecs utility reset").writes_to_unit().runs([](Session& session) {
     return simple(
         session, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
         Json{{"reset", true}});
   });
-  menu.verb("clear", "clear the fault that the unit keeps", "ecs utility clear").uses_link().runs([](Session& session) {
-    return simple(
-        session, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
-        Json{{"cleared", true}});
-  });
+  menu.verb("clear", "clear the fault that the unit keeps", "ecs utility clear")
+      .writes_to_unit()
+      .runs([](Session& session) {
+        return simple(
+            session, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
+            Json{{"cleared", true}});
+      });
 }
 
 }  // namespace ecs::app

@@ -170,7 +170,7 @@ void add_utility_datum(Menu& utility) {
             "ecs utility datum record X -o x_datum.csv")
       .choice("AXIS", recorded->axis, {"X", "Y", "Z"}, "axis", Need::required)
       .text("-o,--output", recorded->output, "CSV file to write")
-      .uses_link()
+      .writes_to_unit()
       .runs([recorded](Session& session) { return record(session, *recorded); });
   const auto file = std::make_shared<std::string>();
   menu.verb("show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv")
@@ -180,7 +180,7 @@ void add_utility_datum(Menu& utility) {
   menu.verb("test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120")
       .texts("AXIS", tests->axes, "axes; none: all that the unit has")
       .number("--wait", tests->wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
-      .uses_link()
+      .writes_to_unit()
       .runs([tests](Session& session) { return test(session, *tests); });
 }
 

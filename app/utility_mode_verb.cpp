@@ -77,8 +77,12 @@ tl::unexpected<Problem> why_not(UnitLink& unit, Problem failure) {
 }
 
 Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
-  if (const auto entered = unit.client().enter_compensation(); !entered) return why_not(unit, entered.error());
-  ask_to_reference(session, unit, "every axis");
+  const auto now = unit.client().status();
+  if (!now) return tl::unexpected(now.error());
+  const bool under_way = now->mode == UnitMode::datuming || now->mode == UnitMode::compensating;
+  if (!under_way)
+    if (const auto entered = unit.client().enter_compensation(); !entered) return why_not(unit, entered.error());
+  if (now->mode != UnitMode::compensating) ask_to_reference(session, unit, "every axis");
   return follow(session, unit, wait_s);
 }
 
@@ -97,7 +101,7 @@ void add_utility_mode(Menu& menu) {
       .choice("MODE", arguments->mode, {"compensate", "integrate"}, "mode", Need::required)
       .number("--wait", arguments->wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
               86400.0)
-      .uses_link()
+      .writes_to_unit()
       .runs([arguments](Session& session) { return change_mode(session, *arguments); });
 }
 

@@ -5,12 +5,18 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "app/unit_link.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
 
 CLI::Option* as_needed(CLI::Option* option, Need need) { return option->required(need == Need::required); }
+
+/// A default that means something is shown in the help.
+CLI::Option* with_default(CLI::Option* option, Need need, const std::string& value) {
+  return need == Need::required || value.empty() ? option : option->default_str(value);
+}
 
 std::string range_text(double least, double most) {
   if (most == std::numeric_limits<double>::max()) return fmt::format("a number of at least {}", least);
@@ -56,7 +62,9 @@ Verb& Verb::texts(const std::string& name, std::vector<std::string>& into, const
 
 Verb& Verb::number(const std::string& name, double& into, const std::string& help, Need need, double least,
                    double most) {
-  as_needed(app_->add_option(name, into, help), need)->check(finite_number(least, most))->type_name("NUMBER");
+  with_default(as_needed(app_->add_option(name, into, help), need), need, shortest(into))
+      ->check(finite_number(least, most))
+      ->type_name("NUMBER");
   return *this;
 }
 
@@ -70,13 +78,15 @@ Verb& Verb::number(const std::string& name, std::optional<double>& into, const s
 }
 
 Verb& Verb::integer(const std::string& name, int& into, const std::string& help, int least, int most, Need need) {
-  as_needed(app_->add_option(name, into, help), need)->check(CLI::Range(least, most))->type_name("INTEGER");
+  with_default(as_needed(app_->add_option(name, into, help), need), need, fmt::format("{}", into))
+      ->check(CLI::Range(least, most).description(""))
+      ->type_name("INTEGER");
   return *this;
 }
 
 Verb& Verb::choice(const std::string& name, std::string& into, std::vector<std::string> words, const std::string& help,
                    Need need) {
-  as_needed(app_->add_option(name, into, help), need)
+  with_default(as_needed(app_->add_option(name, into, help), need), need, into)
       ->type_name(fmt::format("{}", fmt::join(words, "|")))
       ->check(one_of(std::move(words)));
   return *this;
@@ -87,18 +97,30 @@ Verb& Verb::flag(const std::string& name, bool& into, const std::string& help) {
   return *this;
 }
 
+Verb& Verb::writes_to_unit() {
+  writes_ = true;
+  return uses_link();
+}
+
 Verb& Verb::uses_link() {
   app_->add_option("--link", *link_, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")->type_name("");
   return *this;
 }
 
 void Verb::runs(Action action) {
+  if (writes_)
+    action = [inner = std::move(action)](Session& session) {
+      announce_writing(session);
+      return inner(session);
+    };
   app_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
 }
 
 Menu Menu::menu(const std::string& name, const std::string& help) {
   CLI::App* sub = app_->add_subcommand(name, help);
   sub->require_subcommand(0, 1);
+  sub->add_flag("--json", session_->face.json, "the answer as one JSON object on stdout");
+  sub->add_flag("--quiet", session_->face.quiet, "no notes and no progress bar");
   return {*sub, *session_, *chosen_};
 }
 

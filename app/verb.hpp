@@ -44,6 +44,8 @@ class Verb {
   Verb& flag(const std::string& name, bool& into, const std::string& help);
   /// The verb talks to a unit: it takes --link.
   Verb& uses_link();
+  /// The same, and it writes, moves or runs: every message says EMULATOR where that is the unit, refusals included.
+  Verb& writes_to_unit();
 
   void runs(Action action);
 
@@ -51,6 +53,7 @@ class Verb {
   CLI::App* app_;
   Action* chosen_;
   std::string* link_;
+  bool writes_ = false;
 };
 
 /// A group of verbs, or the whole program. A menu may hold menus ("utility datum").

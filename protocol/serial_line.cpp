@@ -91,7 +91,8 @@ Result<LinkAddress> tcp_address_of(std::string_view text, std::string_view rest)
   const auto unit = fields.size() > 1 ? integer_within(fields[1], 1, 247) : std::optional(kDefaultUnit);
   if (peer.host.empty()) return wrong(text, "the host is missing", kTcpForm);
   if (!port) return wrong(text, fmt::format("port 1 to 65535, got \"{}\"", fields[0]), kTcpForm);
-  if (!unit || fields.size() > 2) return wrong(text, fmt::format("unit number 1 to 247, got \"{}\"", rest), kTcpForm);
+  if (fields.size() > 2) return wrong(text, fmt::format("too many fields behind the port: \"{}\"", rest), kTcpForm);
+  if (!unit) return wrong(text, fmt::format("unit number 1 to 247, got \"{}\"", rest), kTcpForm);
   peer.port = static_cast<std::uint16_t>(*port);
   return LinkAddress{peer, *unit};
 }

@@ -33,6 +33,32 @@ TEST_CASE("files of a plan count from its folder") {
   CHECK(plan->front().name == "unit 1");
 }
 
+TEST_CASE("what is wrong with a plan is told in the order of its lines") {
+  const auto plan =
+      parse_batch_plan("[[unit]]\nlink = \"tcp:h\"\nnonsense = 1\n[[unit]]\nparams = 3\nodd = 1\n", "p", "/");
+  REQUIRE_FALSE(plan);
+  int line = plan.error().line;
+  REQUIRE(plan.error().also.size() >= 3);
+  for (const Problem& other : plan.error().also) {
+    CHECK(other.line >= line);
+    line = other.line;
+  }
+}
+
+TEST_CASE("failures of a batch and of the doctor carry an error in JSON, and no replies no round trip") {
+  const Folder folder;
+  static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));
+  const std::string plan =
+      folder.with("plan.toml", "[[unit]]\nlink = \"rtu:/dev/no-such-port:9600\"\nparams = \"p.toml\"\n");
+  const auto batch = ran({"batch", plan, "--json"}).json();
+  CHECK(batch["error"]["message"].get<std::string>().find("no such port") != std::string::npos);
+  CHECK(batch["error"]["line"].is_null());
+  const auto doctor = ran({"doctor", "--link", "rtu:/dev/no-such-port:9600", "--json"}).json();
+  CHECK(doctor["error"]["message"].is_string());
+  CHECK(doctor["statistics"]["mean_round_trip_ms"].is_null());
+  CHECK(doctor["statistics"]["worst_round_trip_ms"].is_null());
+}
+
 TEST_CASE("one unit that fails does not stop the others, and a lost link makes exit code 4") {
   const Folder folder;
   static_cast<void>(folder.with("p.toml", content_of("samples/params/mill_unit.toml")));

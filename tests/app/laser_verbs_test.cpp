@@ -24,6 +24,20 @@ std::string sloping() {
   return text;
 }
 
+TEST_CASE("an exclusion that fits nothing is refused with what there is") {
+  const Folder folder;
+  const std::string file = folder.with("exx.csv",
+                                       "axis,sense,x_mm,reading,approach,run\nX,EX,0,1,1,1\nX,EX,50,2,1,1\n"
+                                       "X,EX,0,1,1,2\nX,EX,50,2,1,2\n");
+  const Ran run = ran({"laser", "process", file, "--exclude-run", "9", "--json"});
+  CHECK(run.code == 1);
+  CHECK(run.json()["error"]["message"].get<std::string>().find("there are 1, 2") != std::string::npos);
+  const Ran row = ran({"laser", "process", file, "--exclude-row", "99999"});
+  CHECK(row.code == 1);
+  CHECK(row.messages.find("the last one is 4") != std::string::npos);
+  CHECK(ran({"laser", "process", file, "--exclude-run", "2"}).code == 0);
+}
+
 TEST_CASE("import says what it took a file for and sums up what is in it") {
   const Ran r = ran({"laser", "import", "samples/laser/vmc_x.rtl", "--json"});
   CHECK(r.code == 0);

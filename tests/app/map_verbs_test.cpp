@@ -68,6 +68,15 @@ TEST_CASE("build takes compensation as minus the error, zero at the datum, and s
   CHECK(laser::compensation_at(*forward, 0.0) == Approx(-1.0));
 }
 
+TEST_CASE("files of which nothing can be built are refused with the reason of each, and nothing is written") {
+  const Desk desk;
+  const std::string other = desk.folder.with("eyx.csv", "axis,sense,y_mm,reading,approach\nY,EY,0,1,1\nY,EY,50,2,1\n");
+  const Ran r = ran({"map", "build", other, "--params", desk.params, "-o", desk.map});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("not used: eyx.csv (EY along Y): there is no axis Y") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(desk.map));
+}
+
 TEST_CASE("a map becomes bytes and comes back with the same content") {
   const Desk desk;
   REQUIRE(desk.build().code == 0);

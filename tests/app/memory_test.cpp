@@ -119,7 +119,7 @@ TEST_CASE("equal dumps do not differ, a changed parameter and value differ by na
   for (const MemoryDifference& d : differences(good_dump(), dump_with(map, parameters)))
     all += d.what + " | " + d.a + " | " + d.b + "\n";
   CHECK(all.find("parameter axis.X.deadband_um | 2 um | 9 um") != std::string::npos);
-  CHECK(all.find("table EYY forward: 1 values differ, the first at 10 mm") != std::string::npos);
+  CHECK(all.find("table EYY forward: 1 value differs, the first at 10 mm") != std::string::npos);
   CHECK(all.find("header engineer | A. Fitter | B. Fitter") != std::string::npos);
   CHECK(all.find("EXX") == std::string::npos);
 }
@@ -144,13 +144,46 @@ TEST_CASE("compare is 1 for dumps that differ") {
   CHECK(r.json()["same"] == false);
 }
 
+TEST_CASE("comparing says first which of the two is damaged, even where they do not differ") {
+  const Folder folder;
+  const std::string good = folder.with("good", to_bytes(good_dump()));
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[100] ^= 1;
+  const std::string corrupt = folder.with("corrupt", to_bytes(dump));
+  const std::string cut = folder.with("cut", to_bytes(good_dump()).substr(0, to_bytes(good_dump()).size() - 100));
+  const Ran r = ran({"memory", "compare", good, corrupt});
+  CHECK(r.code == 1);
+  CHECK(r.out.starts_with("DAMAGED B (" + corrupt + "): axis memory bank A: the image"));
+  const auto json = ran({"memory", "compare", cut, good, "--json"}).json();
+  CHECK(json["damaged"]["a"].size() == 1);
+  CHECK(json["damaged"]["b"].empty());
+  CHECK(ran({"memory", "compare", corrupt, corrupt}).code == 1);
+  CHECK(ran({"memory", "compare", good, good}).code == 0);
+}
+
+TEST_CASE("show tells each fault once, and an image whose block check agrees is not called damaged for a lost header") {
+  const Folder folder;
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[100] ^= 1;
+  const Ran r = ran({"memory", "show", folder.with("corrupt", to_bytes(dump))});
+  const std::string all = r.out + r.messages;
+  const std::size_t first = all.find("block check does not agree");
+  REQUIRE(first != std::string::npos);
+  CHECK(all.find("block check does not agree", first + 1) == std::string::npos);
+  std::string bytes = to_bytes(good_dump());
+  bytes.erase(0, 20);
+  const Ran lost = ran({"memory", "show", folder.with("lost", bytes), "--json"});
+  CHECK(lost.json()["sound"] == false);
+  CHECK(lost.json()["regions"][0]["intact"] == true);
+}
+
 TEST_CASE("a corrupt image is not loaded into a unit") {
   const Folder folder;
   MemoryDump dump = good_dump();
   dump.regions[1].bytes[100] ^= 1;
   const Ran r =
       ran({"memory", "load", folder.with("a", to_bytes(dump)), "--yes", "--link", "rtu:/dev/no-such-port:9600"});
-  CHECK(r.code == 1);
+  CHECK(r.code == 3);
   CHECK(r.messages.find("nothing was sent") != std::string::npos);
 }
 

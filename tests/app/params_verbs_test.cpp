@@ -11,6 +11,18 @@ namespace {
 
 const char* const kUnit = "samples/params/mill_unit.toml";
 
+TEST_CASE("setting the value that stands there already is told as unchanged, and no line ends in blanks") {
+  const Folder folder;
+  const std::string file = folder.with("p.toml", content_of(kUnit));
+  CHECK(ran({"params", "set", file, "axis.X.deadband_um=7.5", "axis.X.datum.kind=fanuc"}).code == 0);
+  CHECK(ran({"params", "set", file, "axis.X.deadband_um=7.5"}).out.starts_with("unchanged"));
+  for (const Ran& r :
+       {ran({"params", "show", file}), ran({"params", "set", file, "axis.X.datum.kind=allen_bradley"})}) {
+    CHECK(r.out.find(" \n") == std::string::npos);
+    CHECK(r.code == 0);
+  }
+}
+
 TEST_CASE("show gives every parameter as a typed value") {
   const auto j = ran({"params", "show", kUnit, "--json"}).json();
   CHECK(j["parameters"]["configuration.chain"] == "TXYZ");

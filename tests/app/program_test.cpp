@@ -77,6 +77,49 @@ TEST_CASE("an option without its value, and a value out of range, are told as th
         std::string::npos);
 }
 
+TEST_CASE("help fits 80 columns but for the examples, and shows the defaults") {
+  for (const auto& entry : ran({"--json"}).json()["verbs"]) {
+    std::vector<std::string> words;
+    std::istringstream name(entry["verb"].get<std::string>());
+    for (std::string word; name >> word;) words.push_back(word);
+    words.push_back("--help");
+    CAPTURE(entry["verb"]);
+    const std::string help = ran(words).out;
+    std::istringstream lines(help.substr(0, help.find("Example:")));
+    for (std::string line; std::getline(lines, line);) CHECK(line.size() <= 80);
+  }
+  CHECK(ran({"monitor", "--help"}).out.find("INTEGER=500") != std::string::npos);
+}
+
+TEST_CASE("a menu alone says that it needs a verb, with --json too, and an address of too many fields is told so") {
+  CHECK(ran({"params", "--json"}).json()["error"]["message"].get<std::string>().find("needs a verb") !=
+        std::string::npos);
+  CHECK(ran({"monitor", "--link", "tcp:h:502:1:7"}).messages.find("too many fields") != std::string::npos);
+}
+
+TEST_CASE("memory outside the address map is refused alike for reading and writing, before any link is opened") {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"memory", "read", "0x900000", "4"},
+                                             {"memory", "read", "0x04FFFF", "2"},
+                                             {"memory", "write", "0x900000", "00", "--yes"}}) {
+    const Ran r = ran(words);
+    CHECK(r.code == 1);
+    CHECK(r.messages.find("the unit has no memory there; it has EPROM 0x000000 to 0x00FFFF") != std::string::npos);
+  }
+}
+
+TEST_CASE("a writing verb that is refused before its link is opened still says EMULATOR") {
+  const Ran r = ran({"memory", "write", "0x48000", "00", "--link", "emulator:samples/mill/machine.toml"});
+  CHECK(r.code == 2);
+  CHECK(r.messages.starts_with("EMULATOR: "));
+  CHECK_FALSE(ran({"memory", "write", "0x48000", "00", "--link", "tcp:h:502"}).messages.starts_with("EMULATOR"));
+}
+
+TEST_CASE("a record that cannot be written is told before the link is opened") {
+  const Ran r = ran({"monitor", "--record", "/no/such/folder/x.csv", "--link", "rtu:/dev/no-such-port:9600"});
+  CHECK(r.code == 5);
+}
+
 TEST_CASE("a transfer of no bytes is refused with the number that is allowed") {
   const Folder folder;
   const std::string empty = folder.with("empty.bin", "");
