@@ -65,7 +65,7 @@ TEST_CASE("a short file takes the defaults for the rest and says which") {
   const auto file = read_parameters("samples/params/mill_unit.toml");
   REQUIRE(file.has_value());
   CHECK(file->identity.machine == "moving column mill");
-  CHECK(file->identity.serial_number == "ECS-0017");
+  CHECK(file->identity.serial_number == "MCM-0107");
   const UnitParameters& p = file->parameters;
   CHECK(p.interpolation == Interpolation::nearest);
   CHECK(p.C0Y_um_per_m == 16.0);
