@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "ecs_emulator/plan_file.hpp"
+#include "ecs_emulator/rig_verb.hpp"
 #include "ecs_emulator/serve.hpp"
 #include "ecs_emulator/workshop.hpp"
 #include "ecs_emulator/workshop_socket.hpp"
@@ -300,6 +301,7 @@ int main(int argc, char** argv) {
   CLI::App* survey = verbs.add(app, "survey", "true volumetric error of a machine without a unit");
   add_machine(survey);
   verbs.survey(survey);
+  add_rig_verb(app, exit_code);
 
   try {
     app.parse(argc, argv);
