@@ -8,6 +8,8 @@
 #include "app/numbers.hpp"
 #include "app/unit_link.hpp"
 #include "app/utility_menu.hpp"
+#include "core/bytes.hpp"
+#include "core/user_memory.hpp"
 
 namespace ecs::app {
 namespace {
@@ -74,6 +76,24 @@ struct RunArguments {
   bool yes = false;
 };
 
+/// D0 … D7, A0 … A7, PC and SR as the unit keeps them after a program has ended.
+struct KeptRegisters {
+  std::string text;
+  Json object;
+};
+Result<KeptRegisters> kept_registers(protocol::UnitClient& client) {
+  const auto bytes = client.read_memory(kUserRegisters, kUserRegisterBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  KeptRegisters kept;
+  for (std::size_t i = 0; i < kUserRegisterBytes / 4; ++i) {
+    const std::string name = i < 16 ? fmt::format("{}{}", i < 8 ? 'D' : 'A', i % 8) : (i == 16 ? "PC" : "SR");
+    const auto value = load_big<std::uint32_t>(*bytes, 4 * i);
+    kept.text += fmt::format("{} {:08X}{}", name, value, i % 4 == 3 || i == 17 ? "\n" : "   ");
+    kept.object[name] = value;
+  }
+  return kept;
+}
+
 Result<Outcome> run_program_in_unit(Session& session, const RunArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
@@ -88,8 +108,14 @@ Result<Outcome> run_program_in_unit(Session& session, const RunArguments& argume
   const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
   const auto value = unit->client().run_user_software(*address, *argument, limit);
   if (!value) return tl::unexpected(value.error());
-  return Outcome{fmt::format("the program at {} returned {} (0x{:08X})", hex_address(*address), *value, *value),
-                 one_line(Json{{"address", hex_address(*address)}, {"argument", *argument}, {"returned", *value}}),
+  const auto registers = kept_registers(unit->client());
+  if (!registers) return tl::unexpected(registers.error());
+  return Outcome{fmt::format("the program at {} returned {} (0x{:08X})\n{}", hex_address(*address), *value, *value,
+                             registers->text),
+                 one_line(Json{{"address", hex_address(*address)},
+                               {"argument", *argument},
+                               {"returned", *value},
+                               {"registers", registers->object}}),
                  kDone};
 }
 
@@ -132,7 +158,7 @@ void add_output(Menu& menu) {
 
 void add_run(Menu& menu) {
   const auto arguments = std::make_shared<RunArguments>();
-  menu.verb("run", "run machine code that lies in the unit's memory", "ecs utility run 0x048000 --argument 7 --yes")
+  menu.verb("run", "run machine code that lies in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes")
       .text("ADDRESS", arguments->address, "start address, decimal or 0x…", Need::required)
       .text("--argument", arguments->argument, "a number that the program is given")
       .number("--wait", arguments->wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)

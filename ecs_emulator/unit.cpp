@@ -40,6 +40,7 @@ void Unit::start_up() {
   staging_ = entering_compensation_ = restart_ = false;
   datum_test_.reset();
   recorder_.reset();
+  user_software_.reset();
   result_ = {};
   hung_ = false;
   hung_s_ = 0.0;

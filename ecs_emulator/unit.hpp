@@ -13,6 +13,7 @@
 #include "ecs_emulator/self_test.hpp"
 #include "ecs_emulator/simulation.hpp"
 #include "ecs_emulator/unit_memory.hpp"
+#include "ecs_emulator/user_software.hpp"
 #include "protocol/unit_face.hpp"
 
 namespace ecs::emulator {
@@ -123,6 +124,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult begin_staging(bool copy_active);
   [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
+  [[nodiscard]] protocol::CommandResult user_software_step();
   [[nodiscard]] protocol::CommandResult stop();
 
   UnitSettings settings_;
@@ -155,6 +158,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   bool restart_ = false;
   std::optional<DatumTest> datum_test_;
   std::optional<DatumRecorder> recorder_;
+  std::optional<UserSoftware> user_software_;
+  std::uint64_t user_software_since_ = 0;  ///< tick
   protocol::CommandResult result_;
 
   std::function<void()> on_commit_;

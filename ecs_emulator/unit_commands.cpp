@@ -57,6 +57,7 @@ protocol::UnitError Unit::write_memory(Address address, std::span<const std::uin
   const auto size = static_cast<std::uint32_t>(bytes.size());
   if (const UnitError error = may_write(address, size); error != UnitError::none) return error;
   memory_.write(address, bytes);
+  if (user_software_) user_software_->host_wrote(address, size);
   watch_supply();
   return UnitError::none;
 }
@@ -99,7 +100,7 @@ protocol::CommandResult Unit::begin_in_integration(const Command& command) {
       staging_ = false;
       return done();
     case CommandCode::run_user_software:
-      return refused(UnitError::unit_fault, "running 68000 programs needs the processor emulation");
+      return run_user_software(command.address, command.argument);
     case CommandCode::run_ram_test: {
       const auto failing = test_axis_memory(memory_);
       ram_test_ = failing ? protocol::TestOutcome::failed : protocol::TestOutcome::passed;
@@ -203,8 +204,40 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
                                                  : failed(UnitError::unit_fault, "the commit record does not hold");
 }
 
+protocol::CommandResult Unit::run_user_software(Address start, std::uint32_t argument) {
+  if (!UserSoftware::may_start_at(start))
+    return refused(UnitError::bad_argument, fmt::format("programs start at an even address from 0x{:06X} to 0x{:06X}",
+                                                        kUserPrograms, kSystemRam.first + kSystemRam.size - 2));
+  user_software_.emplace(memory_, start, argument);
+  user_software_since_ = ticks_;
+  return busy();
+}
+
+/// One period of the program's time.
+protocol::CommandResult Unit::user_software_step() {
+  MachineInputs inputs;
+  inputs.periods = static_cast<std::uint32_t>(ticks_ - user_software_since_);
+  for (const Axis a : kAllAxes) {
+    if (!present(a)) continue;
+    inputs.position_um[index_of(a)] = static_cast<std::int32_t>(std::lround(position_mm(a) * 1000.0));
+    inputs.present |= 1u << index_of(a);
+  }
+  user_software_->step(inputs, period_s());
+  if (user_software_->end() == UserEnd::running) return busy();
+  user_software_->keep_registers();
+  const CommandResult result =
+      user_software_->end() == UserEnd::returned
+          ? done(user_software_->registers().d[0], fmt::format("{} instructions", user_software_->instructions()))
+          : failed(user_software_->end() == UserEnd::too_long ? UnitError::time_out : UnitError::unit_fault,
+                   user_software_->why());
+  user_software_.reset();
+  return result;
+}
+
 protocol::CommandResult Unit::stop() {
-  const bool running = datum_test_ || recorder_ || entering_compensation_;
+  const bool running = datum_test_ || recorder_ || entering_compensation_ || user_software_;
+  if (user_software_) user_software_->keep_registers();
+  user_software_.reset();
   datum_test_.reset();
   recorder_.reset();
   entering_compensation_ = false;
@@ -222,6 +255,8 @@ void Unit::command_step() {
     enter_compensation();
     result_ = fault_ == Fault::none ? done(0, "reference the machine now")
                                     : failed(UnitError::unit_fault, std::string(text_of(fault_).meaning));
+  } else if (user_software_) {
+    result_ = user_software_step();
   } else if (recorder_) {
     recorder_->take(modules_[index_of(recorder_->axis())], memory_);
     result_ = recorder_->finished() ? done(kDatumRecordAddress) : busy(recorder_->per_mille());

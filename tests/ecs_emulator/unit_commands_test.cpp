@@ -242,13 +242,6 @@ TEST_CASE("the datum routine can be tested without compensating") {
   CHECK(bench.unit.status().axes[2].position_mm == doctest::Approx(0.0).epsilon(1e-3));
 }
 
-TEST_CASE("user software is refused with the reason") {
-  Bench bench;
-  const auto result = bench.tell(CommandCode::run_user_software);
-  CHECK(result.state == CommandState::refused);
-  CHECK(result.text.find("processor emulation") != std::string::npos);
-}
-
 TEST_CASE("address pointers name the value that was used last") {
   Bench bench;
   bench.compensate([](Component c, double p, Approach) { return c == Component::EXX ? -0.01 * p : 0.0; });
