@@ -22,26 +22,6 @@ double rms_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// The variable of a reading by its column name; kNotMeasured where it has none.
-double variable_of(const Observations& data, std::size_t k, const std::string& name) {
-  if (name == "x_mm") return data.position_mm[k][0];
-  if (name == "y_mm") return data.position_mm[k][1];
-  if (name == "z_mm") return data.position_mm[k][2];
-  if (name == "approach") return data.approach[k];
-  if (name == "run") return data.run[k];
-  if (name == "compensated") return data.compensated[k] ? 1.0 : 0.0;
-  if (name == "time_s") return cell(data.time_s, k);
-  if (name == "feed_mm_min") return cell(data.feed_mm_min, k);
-  if (name == "load_kg") return cell(data.load_kg, k);
-  if (name == "travel_since_reversal_mm") return cell(data.travel_since_reversal_mm, k);
-  if (name == "pressure_hPa") return cell(data.pressure_hPa, k);
-  if (name == "humidity_pct") return cell(data.humidity_pct, k);
-  if (const auto sensor = data.sensors_degC.find(name); sensor != data.sensors_degC.end())
-    return cell(sensor->second, k);
-  if (const auto extra = data.extras.find(name); extra != data.extras.end()) return cell(extra->second, k);
-  return kNotMeasured;
-}
-
 std::vector<std::string> variables_in(const Observations& data) {
   std::vector<std::string> names{"x_mm",         "y_mm",         "z_mm",
                                  "approach",     "run",          "time_s",
@@ -147,6 +127,25 @@ Observations one_place(const Model& model, const std::optional<params::Machine>&
 }
 
 }  // namespace
+
+double variable_of(const Observations& data, std::size_t k, const std::string& name) {
+  if (name == "x_mm") return data.position_mm[k][0];
+  if (name == "y_mm") return data.position_mm[k][1];
+  if (name == "z_mm") return data.position_mm[k][2];
+  if (name == "approach") return data.approach[k];
+  if (name == "run") return data.run[k];
+  if (name == "compensated") return data.compensated[k] ? 1.0 : 0.0;
+  if (name == "time_s") return cell(data.time_s, k);
+  if (name == "feed_mm_min") return cell(data.feed_mm_min, k);
+  if (name == "load_kg") return cell(data.load_kg, k);
+  if (name == "travel_since_reversal_mm") return cell(data.travel_since_reversal_mm, k);
+  if (name == "pressure_hPa") return cell(data.pressure_hPa, k);
+  if (name == "humidity_pct") return cell(data.humidity_pct, k);
+  if (const auto sensor = data.sensors_degC.find(name); sensor != data.sensors_degC.end())
+    return cell(sensor->second, k);
+  if (const auto extra = data.extras.find(name); extra != data.extras.end()) return cell(extra->second, k);
+  return kNotMeasured;
+}
 
 ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
                            const std::string& variable, std::size_t most_bins) {

@@ -62,6 +62,9 @@ struct Comparison {
 
 [[nodiscard]] Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_count = 10);
 
+/// The value of a variable in reading k, by its column name (see ResidualView); kNotMeasured where it has none.
+[[nodiscard]] double variable_of(const Observations& data, std::size_t k, const std::string& name);
+
 /// The residuals against one variable, in bins of about equal counts, one per value where there are few values.
 [[nodiscard]] ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
                                          const std::string& variable, std::size_t most_bins = 16);

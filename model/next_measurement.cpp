@@ -2,289 +2,323 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/candidates.hpp"
-#include "model/fit_core.hpp"
-#include "model/fit_report.hpp"
-#include "model/held_out.hpp"
-#include "model/search.hpp"
+#include "model/measuring_options.hpp"
+#include "model/measuring_questions.hpp"
+#include "model/words.hpp"
 
 namespace ecs::model {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
-/// What can be changed from the present set-up, one thing at a time.
-struct Variation {
-  std::string condition;
-  double feed = 1.0;  ///< times the present feed
-  double warmer_degC = 0.0;
-  double pressure_hPa = 0.0;
-  double later_s = 0.0;
-  bool unloaded = false;
-  bool map_off = false;
-  bool reversed = false;
-  bool finer = false;       ///< targets between the present ones
-  double lever_part = 0.0;  ///< part of the other axes' travel by which they are parked elsewhere
-  double set_up_minutes = 5.0;
+/// Least separation worth telling.
+constexpr double kTelling = 1.0;
+/// Separation that a person calls one.
+constexpr double kSeparates = 3.0;
+/// Separation that the next diagnosis takes for certain in spite of chance: three sigmas of difference, three of luck.
+constexpr double kDecides = 6.0;
+/// Sigmas beyond which more does not tell more.
+constexpr double kEnough = 8.0;
+constexpr std::size_t kMostLines = 3;
+constexpr std::size_t kMostProposals = 8;
+constexpr std::size_t kMostUnseen = 12;
+/// Readings beyond which the power of a set is judged on an even choice of them.
+constexpr std::size_t kManyReadings = 4000;
+
+/// What is asked of a run.
+enum class Question { separate, confirm, see };
+
+struct Worth {
+  double sure_sigma = 0.0;  ///< the group loses a member by, whichever is true; to see: of the causes seen
+  double told = 0.0;        ///< mean over what is asked, capped
 };
 
-std::vector<Variation> variations(const Observations& data) {
-  std::vector<Variation> list;
-  const auto add = [&](const char* condition, double minutes) -> Variation& {
-    list.emplace_back();
-    list.back().condition = condition;
-    list.back().set_up_minutes = minutes;
-    return list.back();
-  };
-  add("as now, another run", 5.0);
-  add("as now, targets between the present ones", 5.0).finer = true;
-  if (!data.feed_mm_min.empty()) {
-    add("at a quarter of the feed", 5.0).feed = 0.25;
-    add("at twice the feed", 5.0).feed = 2.0;
-  }
-  if (!data.sensors_degC.empty()) add("with the machine 4 degC warmer", 120.0).warmer_degC = 4.0;
-  if (!data.pressure_hPa.empty()) add("on a day with 15 hPa more", 1440.0).pressure_hPa = 15.0;
-  if (!data.load_kg.empty()) add("without load", 20.0).unloaded = true;
-  if (!data.time_s.empty()) {
-    add("two hours later", 120.0).later_s = 7200.0;
-    add("targets in reverse order", 5.0).reversed = true;
-  }
-  if (data.map) add("with compensation switched off", 2.0).map_off = true;
-  add("on a parallel line, the other axes at the far end", 15.0).lever_part = 0.8;
-  return list;
-}
-
-/// The present line of a sense as one more run, changed.
-struct Extension {
-  Observations data;      ///< present readings, then the new ones
-  std::size_t first = 0;  ///< of the new ones
-  MeasurementProposal proposal;
-};
-
-Extension extended(const Observations& data, Sense sense, Axis axis, const Variation& change) {
-  Extension out;
-  std::vector<std::size_t> rows(data.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
-  const std::size_t n = rows.size();
-  std::set<std::pair<double, int>> seen;
-  int last_run = 0;
-  double last_s = 0.0, step_s = 10.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    last_run = std::max(last_run, data.run[k]);
-    if (!data.time_s.empty() && !std::isnan(data.time_s[k])) last_s = std::max(last_s, data.time_s[k]);
-  }
-  if (last_s > 0.0) step_s = std::clamp(last_s / static_cast<double>(n), 2.0, 60.0);
-  std::vector<std::size_t> line;
-  for (std::size_t k = 0; k < n; ++k)
-    if (data.sense[k] == sense && data.axis[k] == axis && seen.insert({data.p_mm(k, axis), data.approach[k]}).second)
-      line.push_back(k);
-  if (change.reversed) std::reverse(line.begin(), line.end());
-  rows.insert(rows.end(), line.begin(), line.end());
-  out.data = subset(data, rows);
-  out.first = n;
-  MeasurementProposal& plan = out.proposal;
-  plan.axis = axis;
-  plan.sense = sense;
-  plan.condition = change.condition;
-  std::set<double> targets;
-  double travelled_mm = 0.0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const std::size_t k = n + i;
-    out.data.run[k] = last_run + 1;
-    Vector3& p = out.data.position_mm[k];
-    if (change.finer && i + 1 < line.size() && data.approach[line[i]] == data.approach[line[i + 1]])
-      p[index_of(axis)] =
-          0.5 * (data.position_mm[line[i]][index_of(axis)] + data.position_mm[line[i + 1]][index_of(axis)]);
-    for (const Axis other : kAllAxes) {
-      const auto& facts = data.machine.axes[index_of(other)];
-      if (other == axis || !facts || change.lever_part <= 0.0) continue;
-      const double far =
-          std::abs(facts->travel_mm[0] - p[index_of(other)]) > std::abs(facts->travel_mm[1] - p[index_of(other)])
-              ? facts->travel_mm[0]
-              : facts->travel_mm[1];
-      p[index_of(other)] = std::lerp(p[index_of(other)], far, change.lever_part);
+Worth worth_of(const MatrixXd& sigma, Question question) {
+  const Index count = sigma.rows();
+  Worth worth;
+  double asked = 0.0;
+  if (question != Question::separate) {
+    std::vector<double> seen;
+    for (Index i = 0; i < count; ++i) {
+      worth.told += std::min(sigma(i, count), kEnough);
+      asked += 1.0;
+      if (sigma(i, count) >= kSeparates) seen.push_back(sigma(i, count));
     }
-    if (!out.data.time_s.empty()) out.data.time_s[k] = last_s + change.later_s + 60.0 + step_s * static_cast<double>(i);
-    if (!out.data.feed_mm_min.empty()) out.data.feed_mm_min[k] *= change.feed;
-    if (!out.data.load_kg.empty() && change.unloaded) out.data.load_kg[k] = 0.0;
-    if (!out.data.pressure_hPa.empty()) out.data.pressure_hPa[k] += change.pressure_hPa;
-    for (auto& sensor : out.data.sensors_degC) sensor.second[k] += change.warmer_degC;
-    if (change.map_off) out.data.compensated[k] = false;
-    targets.insert(p[index_of(axis)]);
-    plan.parked_mm = p;
-    plan.bidirectional = plan.bidirectional && data.approach[line[i]] != 0;
-    if (i > 0) travelled_mm += std::abs(p[index_of(axis)] - out.data.position_mm[k - 1][index_of(axis)]);
+    worth.sure_sigma = seen.empty() ? sigma.col(count).maxCoeff() : *std::min_element(seen.begin(), seen.end());
+  } else {
+    worth.sure_sigma = 1e300;
+    for (Index i = 0; i < count; ++i) {
+      double most = 0.0;
+      for (Index j = 0; j < count; ++j) {
+        if (i == j) continue;
+        most = std::max(most, sigma(i, j));
+        worth.told += std::min(sigma(i, j), kEnough);
+        asked += 1.0;
+      }
+      worth.sure_sigma = std::min(worth.sure_sigma, most);
+    }
   }
-  plan.parked_mm[index_of(axis)] = 0.0;
-  plan.targets_mm.assign(targets.begin(), targets.end());
-  if (!out.data.feed_mm_min.empty() && !line.empty() && !std::isnan(out.data.feed_mm_min[n]) &&
-      out.data.feed_mm_min[n] > 0.0)
-    plan.feed_mm_min = out.data.feed_mm_min[n];
-  if (!out.data.load_kg.empty() && !line.empty() && !std::isnan(out.data.load_kg[n]))
-    plan.load_kg = out.data.load_kg[n];
-  plan.minutes = change.set_up_minutes + travelled_mm / plan.feed_mm_min +
-                 static_cast<double>(line.size()) * std::min(step_s, 15.0) / 60.0;
-  return out;
+  worth.told /= std::max(asked, 1.0);
+  return worth;
 }
 
-/// Columns of an effect and its contribution at the values found, on any observations.
-struct Effect {
-  MatrixXd columns;
-  VectorXd contribution;
+int tier_of(double sigma) { return sigma >= kDecides ? 2 : sigma >= kSeparates ? 1 : 0; }
+
+/// Whether a is to be proposed before b.
+bool before(const MeasurementProposal& a, double told_a, const MeasurementProposal& b, double told_b) {
+  const int tier_a = tier_of(a.separation_sigma), tier_b = tier_of(b.separation_sigma);
+  if (tier_a != tier_b) return tier_a > tier_b;
+  if (tier_a == 0) return a.separation_sigma > b.separation_sigma;
+  return told_a / a.minutes > told_b / b.minutes;
+}
+
+struct Weighed {
+  MeasurementProposal proposal;
+  double told = 0.0;
 };
 
-Effect effect_on(const Regressors& regressors, const Regressors& extended_regressors, const EffectInstance& effect,
-                 const VectorXd& residual) {
-  const auto value = effect.fitted.find(std::string(nonlinear_parameter_of(effect.id)));
-  const double nonlinear = value == effect.fitted.end() ? 0.0 : value->second;
-  const Columns now = regressors.columns(effect, nonlinear);
-  const Columns then = extended_regressors.columns(effect, nonlinear);
-  if (then.fixed.size() > 0) return {MatrixXd(then.fixed), then.fixed};
-  const VectorXd sizes = least_squares(now.of, residual);
-  return {then.of, then.of * sizes};
+std::vector<PairSeparation> pairs_of(const MatrixXd& sigma, const std::vector<std::string>& names, Question question) {
+  std::vector<PairSeparation> pairs;
+  const Index count = sigma.rows();
+  for (Index i = 0; i < count; ++i) {
+    const std::string& truth = names[static_cast<std::size_t>(i)];
+    if (question != Question::separate) {
+      pairs.push_back({truth, "", sigma(i, count)});
+      continue;
+    }
+    for (Index j = 0; j < count; ++j)
+      if (i != j) pairs.push_back({truth, names[static_cast<std::size_t>(j)], sigma(i, j)});
+  }
+  return pairs;
 }
 
-/// Distance in sigmas between the contribution of one effect and the best that the model with the other can do.
-double separation(const MatrixXd& base, const Effect& truth, const Effect& rival, const Whitener& whitener) {
-  Space space;
-  space.y = whitener(truth.contribution);
-  space.q.resize(space.y.size(), 0);
-  absorb(space, whitener(base));
-  absorb(space, whitener(rival.columns));
-  return std::sqrt(space.chi2());
+/// The best number of runs of each option; of options under one condition the best one.
+std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, const Separations& separations,
+                             const std::vector<std::string>& names, Question question, const MeasuringTimes& times) {
+  std::vector<Weighed> best;
+  for (std::size_t i = 0; i < options.size(); ++i)
+    for (const int runs : {1, 2, 3, 5}) {
+      Weighed one{options[i], 0.0};
+      one.proposal.runs = runs;
+      one.proposal.minutes = minutes_of(one.proposal, times);
+      const MatrixXd sigma = separations.of(i, runs);
+      const Worth worth = worth_of(sigma, question);
+      one.proposal.separation_sigma = worth.sure_sigma;
+      one.told = worth.told;
+      if (worth.sure_sigma < kTelling) continue;
+      one.proposal.pairs = pairs_of(sigma, names, question);
+      const auto same = std::find_if(best.begin(), best.end(), [&](const Weighed& w) {
+        return w.proposal.condition == one.proposal.condition && w.proposal.axis == one.proposal.axis &&
+               w.proposal.sense == one.proposal.sense;
+      });
+      if (same == best.end())
+        best.push_back(std::move(one));
+      else if (before(one.proposal, one.told, same->proposal, same->told))
+        *same = std::move(one);
+    }
+  std::stable_sort(best.begin(), best.end(),
+                   [](const Weighed& a, const Weighed& b) { return before(a.proposal, a.told, b.proposal, b.told); });
+  if (best.size() > kMostProposals) best.resize(kMostProposals);
+  return best;
 }
 
-std::string sentence_of(const MeasurementProposal& p, const std::vector<std::string>& rivals) {
-  std::string text = fmt::format("Measure {} along {} {}: {} targets, {}, feed {:.0f} mm/min; about {:.0f} min",
-                                 name_of(p.sense), letter_of(p.axis), p.condition, p.targets_mm.size(),
-                                 p.bidirectional ? "both ways" : "one way", p.feed_mm_min, p.minutes);
-  if (rivals.size() > 1)
-    text += fmt::format("; it separates {} by {:.1f} sigma", fmt::join(rivals, " and "), p.separation_sigma);
-  return text + ".";
+std::string ways_of(const MeasurementProposal& p) {
+  if (p.bidirectional) return "both ways";
+  return p.approach < 0 ? "downwards only" : "upwards only";
+}
+
+std::string what_it_tells(const MeasurementProposal& p, Question question) {
+  std::vector<std::string> apart, together;
+  for (const PairSeparation& pair : p.pairs) {
+    if (question == Question::separate && pair.truth > pair.rival) continue;  // told once
+    double sigma = pair.sigma;
+    for (const PairSeparation& back : p.pairs)
+      if (back.truth == pair.rival && back.rival == pair.truth) sigma = std::min(sigma, back.sigma);
+    const bool enough = sigma >= std::min(kSeparates, p.separation_sigma);
+    if (question != Question::separate) {
+      if (enough) apart.push_back(fmt::format("{} by {:.1f} sigma", pair.truth, sigma));
+    } else if (enough) {
+      apart.push_back(fmt::format("{} from {} by {:.1f} sigma", pair.truth, pair.rival, sigma));
+    } else {
+      together.push_back(fmt::format("{} from {}", pair.truth, pair.rival));
+    }
+  }
+  if (question == Question::see) return fmt::format("; as large as the noise it would show {}", fmt::join(apart, ", "));
+  if (question == Question::confirm) return fmt::format("; it confirms {}", fmt::join(apart, ", "));
+  std::string text = apart.empty() ? fmt::format("; by {:.1f} sigma one of the group falls", p.separation_sigma)
+                                   : fmt::format("; it separates {}", fmt::join(apart, ", "));
+  if (!together.empty()) text += fmt::format(", but not {}", fmt::join(together, ", "));
+  return text;
+}
+
+std::string sentence_of(const MeasurementProposal& p, Question question) {
+  std::string text =
+      fmt::format("Measure {} along {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min",
+                  name_of(p.sense), letter_of(p.axis), p.condition, p.targets_mm.size(), p.targets_mm.front(),
+                  p.targets_mm.back(), ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
+  if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
+  text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
+  text += fmt::format("; about {:.0f} min", p.minutes);
+  return text + what_it_tells(p, question) + ".";
+}
+
+std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
+                                             const MeasuringTimes& times) {
+  const bool on_the_fly =
+      std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.id == EffectId::servo_lag; });
+  std::vector<MeasuredLine> lines = measured_lines(data, times);
+  const auto concerns = [&](const MeasuredLine& line) {
+    return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
+      return (!e.sense || *e.sense == line.sense) && (!e.axis || *e.axis == line.axis || !e.sense);
+    });
+  };
+  std::stable_partition(lines.begin(), lines.end(), concerns);
+  if (lines.size() > kMostLines) lines.resize(kMostLines);
+  std::vector<MeasurementProposal> options;
+  for (const MeasuredLine& line : lines)
+    for (MeasurementProposal& option : measuring_options(data, line, times, on_the_fly))
+      options.push_back(std::move(option));
+  return options;
+}
+
+Observations evenly(const Observations& data, std::size_t most) {
+  std::vector<std::size_t> rows;
+  const std::size_t step = (data.size() + most - 1) / most;
+  for (std::size_t k = 0; k < data.size(); k += step) rows.push_back(k);
+  return subset(data, rows);
+}
+
+/// Everything that the answers share.
+struct Setting {
+  const Model& model;
+  const Observations& data;
+  const MeasuringTimes& times;
+};
+
+void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
+  for (Weighed& one : best) {
+    one.proposal.sentence = sentence_of(one.proposal, question);
+    next.proposals.push_back(std::move(one.proposal));
+  }
+}
+
+/// Why nothing separates a group.
+std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options,
+                    const Observations& data) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < options; ++i) most = std::max(most, separations.of(i, 5).maxCoeff());
+  const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
+  constexpr double kAlike = 0.1;
+  if (most < kAlike)
+    return fmt::format(
+        "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
+        "the "
+        "cause itself (a setting, a level, a square)",
+        fmt::join(group.names, ", "));
+  return fmt::format(
+      "no single run of up to five repeats separates {} by {:.0f} sigma or more whichever is true; the most that any "
+      "would do is {:.1f} sigma for some of them. {}",
+      fmt::join(group.names, ", "), kTelling, most, separating_measurement(group.rivals.front(), others, data));
+}
+
+Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+  next.rivals = group.names;
+  const auto options = all_options(in.data, group.rivals, in.times);
+  const WithProposals all = with_proposals(in.data, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, group.settled, {group.rivals.front()}, in.data, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  std::vector<Explanation> explanations;
+  bool zero_matters = false;
+  for (std::size_t i = 0; i < group.rivals.size(); ++i) {
+    explanations.push_back(explained_by(group.names[i], group.rivals[i], *belief, all, regressors));
+    zero_matters = zero_matters || shows_at_zero(group.rivals[i].id);
+  }
+  const Separations separations(all, options, *belief, explanations, zero_matters);
+  const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
+  take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
+  if (next.proposals.empty()) next.notes.push_back(why_not(group, separations, options.size(), in.data));
+  return {};
+}
+
+Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
+  constexpr std::size_t kMostVariables = 3;
+  const auto options = all_options(in.data, {}, in.times);
+  const WithProposals all = with_proposals(in.data, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, {}, {}, in.data, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  std::vector<Explanation> explanations;
+  for (const Dependence& dependence : diagnosis.where) {
+    if (explanations.size() == kMostVariables) break;
+    explanations.push_back(depends_on(dependence, all.data));
+    next.rivals.push_back(dependence.variable);
+  }
+  const Separations separations(all, options, *belief, explanations, false);
+  const Question question = explanations.size() > 1 ? Question::separate : Question::confirm;
+  take_proposals(next, weighed(options, separations, next.rivals, question, in.times), question);
+  next.notes.push_back(fmt::format(
+      "no effect of the library explains what is left: the run is to show whether it depends on {}; repeat it as it is "
+      "before changing anything else",
+      fmt::join(next.rivals, " or ")));
+  return {};
+}
+
+Result<void> ask_power(NextMeasurement& next, const Setting& in) {
+  const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
+  const auto options = all_options(part, {}, in.times);
+  const WithProposals all = with_proposals(part, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, {}, {}, part, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  const std::vector<Explanation> unseen = unseen_causes(*belief, all, regressors, in.model, kMostUnseen);
+  const double noise_um = belief->noise.pure.noise_um;
+  if (unseen.empty()) {
+    next.notes.push_back(fmt::format(
+        "nothing to separate: the model is adequate, and any cause of one size as large as the noise of one reading "
+        "({:.2g} um) would have been seen",
+        noise_um));
+    return {};
+  }
+  std::vector<std::string> names;
+  for (const Explanation& one : unseen) names.push_back(one.name);
+  next.rivals = names;
+  next.notes.push_back(fmt::format(
+      "the model is adequate, but these could be there unseen, as large as the noise of one reading ({:.2g} um): {}",
+      noise_um, fmt::join(names, ", ")));
+  const bool zero_matters = true;
+  const Separations separations(all, options, *belief, unseen, zero_matters);
+  take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
+  std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
+  if (next.proposals.empty())
+    next.notes.emplace_back("no single run of up to five repeats along the lines measured now would show any of them");
+  return {};
 }
 
 }  // namespace
 
-NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis) {
+NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
+                                 const MeasuringTimes& times) {
   NextMeasurement next;
-  if (diagnosis.candidates.empty()) {
-    next.notes.emplace_back("nothing to separate: the model is adequate for these data");
+  if (data.size() == 0) {
+    next.notes.emplace_back("no readings: nothing to go on from");
     return next;
   }
-  const Candidate& first = diagnosis.candidates.front();
-  std::vector<EffectInstance> effects{first.effect};
-  next.rivals.push_back(to_text(first.effect));
-  for (const Candidate& other : diagnosis.candidates) {
-    const auto& group = first.indistinguishable_from;
-    if (&other == &first || std::find(group.begin(), group.end(), to_text(other.effect)) == group.end()) continue;
-    effects.push_back(other.effect);
-    next.rivals.push_back(to_text(other.effect));
-  }
-  const Regressors regressors(data);
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) {
-    next.notes.push_back(to_text(assembly.error()));
-    return next;
-  }
-  const CoreFit core = fitted(*assembly, regressors, {});
-  const Sense sense = first.effect.sense.value_or(data.sense.front());
-  Axis axis = first.effect.axis.value_or(data.axis.front());
-  const auto measured = [&](Sense s, Axis a) {
-    for (std::size_t k = 0; k < data.size(); ++k)
-      if (data.sense[k] == s && data.axis[k] == a) return true;
-    return false;
-  };
-  Sense along = sense;
-  if (!measured(along, axis))
-    for (std::size_t k = 0; k < data.size(); ++k)
-      if (data.axis[k] == axis) along = data.sense[k];
-  if (!measured(along, axis)) {
-    along = data.sense.front();
-    axis = data.axis.front();
-  }
-  for (const Variation& change : variations(data)) {
-    Extension extension = extended(data, along, axis, change);
-    const Regressors more(extension.data);
-    auto base = Assembly::of(model, more);
-    if (!base) continue;
-    for (std::size_t s = 0; s < base->slots.size(); ++s) {
-      base->slots[s].nonlinear = assembly->slots[s].nonlinear;
-      base->renew(s, more);
-    }
-    NoiseModel noise = core.noise;
-    const Observations& all = extension.data;
-    NoiseModel wide = plain_noise(all, core.noise.pure.noise_um);
-    for (NoiseGroup& group : wide.groups)
-      for (const NoiseGroup& known : noise.groups)
-        if (known.sense == group.sense && known.axis == group.axis) group.white = known.sigma();
-    const Whitener whitener(all, wide, std::vector<bool>(all.size(), false));
-    std::vector<Effect> shapes;
-    for (const EffectInstance& effect : effects) shapes.push_back(effect_on(regressors, more, effect, core.residual));
-    double worst = 1e300;
-    for (std::size_t i = 0; i < shapes.size(); ++i)
-      for (std::size_t j = 0; j < shapes.size(); ++j)
-        if (i != j) worst = std::min(worst, separation(base->columns(), shapes[i], shapes[j], whitener));
-    if (shapes.size() == 1) {  // to confirm one effect: how far it stands above what the model alone can do
-      const Effect nothing{MatrixXd(shapes[0].columns.rows(), 0), VectorXd::Zero(shapes[0].columns.rows())};
-      worst = separation(base->columns(), shapes[0], nothing, whitener);
-    }
-    MeasurementProposal proposal = extension.proposal;
-    proposal.separation_sigma = worst;
-    proposal.sentence = sentence_of(proposal, next.rivals);
-    next.proposals.push_back(std::move(proposal));
-  }
-  constexpr double kSeparates = 1.0;
-  std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
-  std::stable_sort(
-      next.proposals.begin(), next.proposals.end(), [](const MeasurementProposal& a, const MeasurementProposal& b) {
-        constexpr double kEnough = 6.0;  // sigmas beyond which more does not tell more
-        return std::min(a.separation_sigma, kEnough) / a.minutes > std::min(b.separation_sigma, kEnough) / b.minutes;
-      });
-  if (next.proposals.empty())
-    next.notes.emplace_back(
-        "no single run along this line separates them; measure another sense, or the cause itself (a sensor, a "
-        "level, a square)");
+  const Setting setting{model, data, times};
+  Result<void> asked;
+  if (diagnosis.verdict == Verdict::missing_effect && !diagnosis.candidates.empty())
+    asked = ask_group(next, setting, open_group(diagnosis));
+  else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
+    asked = ask_structure(next, setting, diagnosis);
+  else
+    asked = ask_power(next, setting);
+  if (!asked) next.notes.push_back(to_text(asked.error()));
   return next;
-}
-
-Result<PlanCheck> check_plan(const Model& model, const Observations& plan, double noise_um) {
-  if (!(noise_um > 0.0))
-    return problem(ProblemKind::usage, fmt::format("expected a noise above 0 um, got {}", noise_um));
-  Observations expected = plan;
-  if (const auto values = predicted(model, plan)) expected.reading = *values;
-  const Regressors regressors(expected);
-  auto assembly = Assembly::of(model, regressors);
-  if (!assembly) return tl::unexpected(assembly.error());
-  CoreOptions options;
-  options.plain = true;
-  CoreFit core = fitted(*assembly, regressors, options);
-  const MatrixXd columns = assembly->columns();
-  const Whitener whitener(expected, plain_noise(expected, noise_um), std::vector<bool>(expected.size(), false));
-  const MatrixXd white = whitener(columns);
-  if (white.cols() > 0) {
-    const Index linear = white.cols();
-    const Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod(white.transpose() * white);
-    MatrixXd covariance = MatrixXd::Zero(core.covariance.rows(), core.covariance.cols());
-    covariance.topLeftCorner(linear, linear) = cod.pseudoInverse();
-    core.covariance = covariance;
-  }
-  const Fit fit = told(*assembly, regressors, core);
-  PlanCheck check;
-  check.effects = fit.effects;
-  check.condition = fit.condition;
-  check.undetermined = fit.undetermined;
-  for (const EffectFit& effect : fit.effects)
-    if (effect.readings == 0)
-      check.undetermined.push_back(fmt::format("{}: the plan does not show it", to_text(effect.effect)));
-  check.determines = check.undetermined.empty();
-  return check;
 }
 
 }  // namespace ecs::model

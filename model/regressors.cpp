@@ -58,7 +58,16 @@ double lever_m(const Observations& data, std::size_t k, Component code) {
   return sum_mm / 1000.0;
 }
 
+/// Column `set_up`: 1 or absent where the optics stand as in the first readings; another number after they were aligned
+/// and reset anew, which ends a cosine error and a dead path.
+bool first_set_up(const Observations& data, std::size_t k) {
+  const auto found = data.extras.find("set_up");
+  const double set_up = found == data.extras.end() ? 1.0 : cell(found->second, k);
+  return std::isnan(set_up) || set_up == 1.0;
+}
+
 bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance& effect) {
+  if ((effect.id == cosine || effect.id == dead_path) && !first_set_up(data, k)) return false;
   if (effect.id == angular || effect.id == squareness) return effect.code && lever_m(data, k, *effect.code) != 0.0;
   if (effect.id >= map_polarity && effect.id <= map_direction_swap) {
     if (!data.compensated[k] || !data.map) return false;
