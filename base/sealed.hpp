@@ -1,5 +1,5 @@
 // Text kept from being read by accident: compressed, in base64, below a line that says how to open it. No secret:
-// whoever wants to look, can. Does not live here: what is sealed (docs/hidden.md).
+// whoever wants to look, can. Does not live here: what is sealed (docs/emulator.md).
 #pragma once
 
 #include <string>

@@ -1,0 +1,65 @@
+#include "app/screens/menu_screen.hpp"
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::app {
+
+MenuScreen::MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices)
+    : title_(std::move(title)), help_(std::move(help)), choices_(std::move(choices)) {}
+
+std::vector<std::size_t> MenuScreen::seen() const {
+  std::vector<std::size_t> seen;
+  const std::string sought = lower(sought_.text());
+  for (std::size_t k = 0; k < choices_.size(); ++k)
+    if ((seeking_ || !choices_[k].only_sought) &&
+        (sought.empty() || lower(choices_[k].name + " " + choices_[k].help).find(sought) != std::string::npos))
+      seen.push_back(k);
+  return seen;
+}
+
+void MenuScreen::draw(Canvas& canvas, const Area& area) const {
+  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  int row = 1;
+  if (seeking_) {
+    canvas.text(inside, 0, 0, "/", Tone::strong);
+    sought_.draw(canvas, inside, 0, 1, 30, true);
+  }
+  const auto list = seen();
+  std::vector<ListRow> rows;
+  for (const std::size_t k : list) rows.push_back({fmt::format("{:<26} {}", choices_[k].name, choices_[k].help)});
+  if (rows.empty()) canvas.text(inside, row, 2, "no entry has that in its name", Tone::warning);
+  constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
+  draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);
+  if (list.empty()) return;
+  const auto chosen = std::min(static_cast<std::size_t>(place_.selected), list.size() - 1);
+  canvas.paragraph({inside.row + inside.rows - kHelpRows + 1, inside.column, kHelpRows - 1, inside.columns}, 0,
+                   choices_[list[chosen]].help, Tone::faint);
+}
+
+Step MenuScreen::on_key(const Key& key) {
+  const auto list = seen();
+  if (key.name == Key::Name::enter || (key.name == Key::Name::right && !seeking_)) {
+    if (list.empty()) return stay();
+    return opened(
+        choices_[list[static_cast<std::size_t>(std::min(place_.selected, static_cast<int>(list.size()) - 1))]].opens());
+  }
+  if (key.name == Key::Name::escape || (!seeking_ && (is_letter(key, U'q') || key.name == Key::Name::left))) {
+    if (!seeking_) return back();
+    seeking_ = false;
+    sought_.set("");
+    return stay();
+  }
+  if (place_.on_key(key, static_cast<int>(list.size()))) return stay();
+  if (!seeking_ && key.name == Key::Name::letter) seeking_ = true;
+  if (is_letter(key, U'/') && sought_.text().empty()) return stay();
+  if (seeking_ && sought_.on_key(key)) place_.selected = 0;
+  return stay();
+}
+
+std::vector<KeyHelp> MenuScreen::keys() const {
+  return {{"Enter", "open"}, {"up/down", "choose"}, {"/", "find by name"}, {"Esc", "back"}};
+}
+
+}  // namespace ecs::app

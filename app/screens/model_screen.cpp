@@ -1,0 +1,285 @@
+#include "app/screens/model_screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/model_compare_view.hpp"
+#include "app/model_diagnosis_view.hpp"
+#include "app/model_view.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kTitles[] = {"Curves", "Where it fails", "What is missing", "Ladder", "Next measurement"};
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+/// "cyclic:X:EX    4.81 -> 0.55 um   98.7 %   false 0.25 %   1 rival"
+ListRow cause_row(const model::Candidate& candidate, double rms_um) {
+  const std::string rivals = candidate.indistinguishable_from.empty()
+                                 ? ""
+                                 : fmt::format("{} rival{}", candidate.indistinguishable_from.size(),
+                                               candidate.indistinguishable_from.size() == 1 ? "" : "s");
+  return {fmt::format("{:<30} {:>8.3f} > {:<8.3f} {:>5.1f} %  {:>7.2g} %  {}", place_text(candidate.effect), rms_um,
+                      candidate.rms_after_um, 100.0 * candidate.explained, 100.0 * candidate.false_naming, rivals),
+          candidate.named ? Tone::strong : Tone::plain};
+}
+
+/// A bar of `value` on a scale that ends at `most`.
+void draw_bar(Canvas& canvas, const Area& area, int row, double value, double most, Tone tone) {
+  const int length = most > 0.0 ? static_cast<int>(std::lround(value / most * area.columns)) : 0;
+  for (int c = 0; c < std::clamp(length, 0, area.columns); ++c) canvas.put(area.row + row, area.column + c, U'█', tone);
+}
+
+}  // namespace
+
+void ModelScreen::draw(Canvas& canvas, const Area& area) const {
+  draw_tabs(canvas, area.top(1));
+  const Area body{area.row + 1, area.column, area.rows - 2, area.columns};
+  switch (page_) {
+    case Page::curves:
+      draw_curves(canvas, body);
+      break;
+    case Page::causes:
+      draw_causes(canvas, body);
+      break;
+    case Page::ladder:
+      draw_ladder(canvas, body);
+      break;
+    default:
+      draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
+  }
+  draw_standing(canvas, {area.row + area.rows - 1, area.column, 1, area.columns});
+}
+
+void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  int column = 1;
+  for (int p = 0; p < kPages; ++p) {
+    const bool here = static_cast<Page>(p) == page_;
+    column +=
+        canvas.text(area, 0, column, fmt::format("{}{} {}{}", here ? "[" : " ", p + 1, kTitles[p], here ? "]" : " "),
+                    here ? Tone::strong : Tone::faint);
+  }
+}
+
+void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
+  if (desk_->busy()) {
+    canvas.text(area, 0, 1, fmt::format("{} ... {:.0f} s, Esc gives up", desk_->working_on(), desk_->seconds_working()),
+                Tone::warning);
+    return;
+  }
+  if (!desk_->message().empty()) {
+    canvas.text(area, 0, 1, desk_->message(), desk_->message_is_problem() ? Tone::bad : Tone::good);
+    return;
+  }
+  const model::Fit& fit = desk_->fit();
+  std::string text = fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um",
+                                 desk_->data().size(), desk_->model().effects.size(),
+                                 desk_->model().effects.size() == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
+  if (desk_->changed()) text += "; not saved";
+  canvas.text(area, 0, 1, text);
+}
+
+void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
+  if (desk_->lines().empty()) return;
+  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
+  const int upper = std::max(8, area.rows * 3 / 5);
+  draw_chart(canvas, area.top(upper), measured_panel(desk_->data(), desk_->fit(), line), view_);
+  ChartView below = view_;
+  if (area.rows - upper >= 6)
+    draw_chart(canvas, area.below(upper), residual_panel(desk_->data(), desk_->fit(), line), below);
+  canvas.text_right({area.row + upper, area.column, 1, area.columns - 8}, 0,
+                    fmt::format("line {} of {}", line_ + 1, desk_->lines().size()), Tone::faint);
+}
+
+void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  if (!desk_->diagnosis()) {
+    canvas.paragraph(text, 1,
+                     desk_->busy() ? "The library is being tried on what the model leaves."
+                                   : "Press d: every effect of the library is tried on what the model leaves, and "
+                                     "weighed against noise made for this very data set.");
+    return;
+  }
+  const model::Diagnosis& d = *desk_->diagnosis();
+  const Tone tone = d.verdict == model::Verdict::adequate ? Tone::good : Tone::warning;
+  int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
+  if (d.candidates.empty()) {
+    for (const std::string& line : lines_in(diagnosis_text(d)))
+      if (row < text.rows) canvas.text(text, row++, 0, line);
+    return;
+  }
+  canvas.text(text, row++, 2, fmt::format("{:<30} {:>19}  explained  by chance", "effect:axis:sense", "rms um"),
+              Tone::faint);
+  std::vector<ListRow> rows;
+  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um));
+  const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
+  draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
+  row += list_rows + 1;
+  const auto chosen = static_cast<std::size_t>(std::clamp(cause_.selected, 0, static_cast<int>(rows.size()) - 1));
+  const model::Candidate& candidate = d.candidates[chosen];
+  const Area detail{text.row + row, text.column, text.rows - row, text.columns};
+  int at = canvas.paragraph(detail, 0, candidate.because);
+  at += canvas.paragraph(detail, at, parameters_text(candidate.parameters), Tone::strong);
+  if (!candidate.indistinguishable_from.empty())
+    at += canvas.paragraph(
+        detail, at,
+        fmt::format("These data cannot tell it from: {}.", fmt::join(candidate.indistinguishable_from, ", ")),
+        Tone::warning);
+  canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+}
+
+void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const auto& history = desk_->model().history;
+  double most = desk_->fit().rms_um;
+  for (const model::LadderStep& step : history) most = std::max({most, step.rms_um, step.rms_before_um});
+  constexpr int kName = 34, kNumbers = 10;
+  const Area bars{text.row, text.column + kName + kNumbers, text.rows, text.columns - kName - kNumbers};
+  canvas.text(text, 0, 0, "step", Tone::faint);
+  canvas.text(text, 0, kName, "rms um", Tone::faint);
+  int row = 1;
+  const auto rung = [&](const std::string& name, double rms_um) {
+    canvas.text({text.row, text.column, text.rows, kName - 1}, row, 0, name);
+    canvas.text(text, row, kName, fmt::format("{:.3f}", rms_um), Tone::strong);
+    draw_bar(canvas, bars, row++, rms_um, most, Tone::forward);
+  };
+  if (history.empty()) rung("the model as it is", desk_->fit().rms_um);
+  if (!history.empty() && !history.front().effect.empty()) rung("before", history.front().rms_before_um);
+  for (const model::LadderStep& step : history)
+    rung(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
+  canvas.text(text, row, 0, "noise of one reading", Tone::faint);
+  canvas.text(text, row, kName, fmt::format("{:.3f}", desk_->fit().noise.noise_um), Tone::faint);
+  draw_bar(canvas, bars, row, desk_->fit().noise.noise_um, most, Tone::faint);
+  const Area full{text.row, area.column, text.rows, area.columns};
+  row += 2;
+  for (const std::string& line :
+       lines_in(history.empty() ? "No effect was added yet: d finds one, a adds it." : ladder_text(history)))
+    canvas.text(full, row++, 0, line);
+}
+
+std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
+  if (page_ == Page::fails)
+    return lines_in(comparison_text(model::compare(desk_->fit(), desk_->data()), desk_->data().size()));
+  if (!desk_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
+  std::vector<std::string> lines;
+  const auto add = [&](const std::string& text) {
+    for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));
+    lines.emplace_back();
+  };
+  if (!desk_->next()->rivals.empty()) add(fmt::format("To tell apart: {}", fmt::join(desk_->next()->rivals, ", ")));
+  for (const model::MeasurementProposal& proposal : desk_->next()->proposals) add(proposal.sentence);
+  for (const std::string& note : desk_->next()->notes) add(note);
+  if (lines.empty()) add("Nothing is in doubt that a measurement could settle.");
+  return lines;
+}
+
+void ModelScreen::turn_page(int by) {
+  page_ = static_cast<Page>((static_cast<int>(page_) + by + kPages) % kPages);
+  scroll_ = {};
+}
+
+bool ModelScreen::on_curve_key(const Key& key) {
+  const int count = static_cast<int>(desk_->lines().size());
+  if (count == 0) return false;
+  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
+  if (key.name == Key::Name::down || key.name == Key::Name::up) {
+    line_ = (line_ + (key.name == Key::Name::down ? 1 : count - 1)) % count;
+    view_ = {};
+    return true;
+  }
+  const PlotPanel panel = measured_panel(desk_->data(), desk_->fit(), line);
+  if (key.name == Key::Name::left || key.name == Key::Name::right) {
+    view_ = stepped(panel, view_, key.name == Key::Name::right ? 1 : -1);
+    return true;
+  }
+  if (is_letter(key, U'+') || is_letter(key, U'-')) {
+    view_ = zoomed(panel, view_, is_letter(key, U'+') ? 0.5 : 2.0);
+    return true;
+  }
+  if (is_letter(key, U'0')) {
+    view_ = {};
+    return true;
+  }
+  return false;
+}
+
+Step ModelScreen::on_key(const Key& key) {
+  const bool leaving = asked_to_leave_;
+  asked_to_leave_ = false;
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (desk_->busy()) {
+      desk_->cancel();
+      return stay();
+    }
+    if (!desk_->changed() || leaving) return back();
+    asked_to_leave_ = true;
+    return stay();
+  }
+  if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
+    turn_page(key.name == Key::Name::tab ? 1 : -1);
+    return stay();
+  }
+  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kPages) {
+    page_ = static_cast<Page>(static_cast<int>(key.letter - U'1'));
+    scroll_ = {};
+    return stay();
+  }
+  if (is_letter(key, U'd')) {
+    page_ = Page::causes;
+    cause_ = {};
+    desk_->start_diagnosis();
+  } else if (is_letter(key, U'a') && desk_->diagnosis()) {
+    page_ = Page::ladder;
+    desk_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
+  } else if (is_letter(key, U'u')) {
+    desk_->undo();
+  } else if (is_letter(key, U's')) {
+    desk_->save();
+  } else if (is_letter(key, U'e')) {
+    desk_->export_picture(desk_->model_file() + ".svg");
+  } else if (page_ == Page::curves) {
+    (void)on_curve_key(key);
+  } else if (page_ == Page::causes) {
+    const int count = desk_->diagnosis() ? static_cast<int>(desk_->diagnosis()->candidates.size()) : 0;
+    (void)cause_.on_key(key, count);
+  } else {
+    (void)scroll_.on_key(key);
+  }
+  return stay();
+}
+
+std::vector<KeyHelp> ModelScreen::keys() const {
+  if (asked_to_leave_) return {{"Esc", "again: leave, the model is not saved"}, {"s", "save"}};
+  std::vector<KeyHelp> keys;
+  if (page_ == Page::curves)
+    keys = {{"up/down", "line"}, {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"d", "diagnose"}, {"Tab", "page"}};
+  else
+    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
+  if (desk_->diagnosis() && !desk_->diagnosis()->candidates.empty()) keys.insert(keys.begin(), {"a", "add"});
+  keys.push_back({"u", "undo"});
+  keys.push_back({"s", "save"});
+  keys.push_back({"e", "picture"});
+  return keys;
+}
+
+std::string ModelScreen::help() const {
+  return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
+         "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
+         "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
+         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise.";
+}
+
+std::string ModelScreen::unsaved() const {
+  return desk_->changed() ? desk_->model_file() + " has changes that are not saved" : "";
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,173 @@
+#include "app/screens/monitor_screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "app/screens/chart.hpp"
+#include "app/status_view.hpp"
+#include "base/file.hpp"
+#include "core/fault.hpp"
+
+namespace ecs::app {
+namespace {
+
+using protocol::AxisSample;
+using protocol::MonitorSample;
+
+constexpr double kOld_s = 1.0;  ///< what is older is called old
+constexpr int kBarColumns = 11;
+
+double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
+
+/// A bar from its middle: `share` −1 … 1.
+void draw_bar(Canvas& canvas, const Area& area, int row, int column, double share) {
+  const int half = kBarColumns / 2;
+  const int length = static_cast<int>(std::lround(std::clamp(share, -1.0, 1.0) * half));
+  for (int c = -half; c <= half; ++c) {
+    const bool inside = length >= 0 ? c > 0 && c <= length : c < 0 && c >= length;
+    canvas.put(area.row + row, area.column + column + half + c, c == 0 ? U'│' : (inside ? U'█' : U'·'),
+               inside ? Tone::forward : Tone::faint);
+  }
+}
+
+double largest_compensation(const WatchedUnit& unit) {
+  double most = 1.0;
+  for (const MonitorSample& sample : unit.samples)
+    for (const AxisSample& axis : sample.axes) most = std::max(most, std::abs(axis.compensation_um));
+  return most;
+}
+
+constexpr int kReferenceColumn = 27;
+constexpr int kBarColumn = 58;
+
+std::string heading() {
+  return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", "position mm", "mm/min", "ref", "sw",
+                     "mark", "approach", "um", "added", "relay");
+}
+
+void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um) {
+  canvas.text(area, row, 1,
+              fmt::format("{} {:>11.4f} {:>9.1f}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), a.position_mm,
+                          a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
+                          a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
+              Tone::strong);
+  canvas.paint({area.row + row, area.column + kReferenceColumn, 1, 3}, a.referenced ? Tone::good : Tone::warning);
+  draw_bar(canvas, area, row, kBarColumn, a.compensation_um / most_um);
+  canvas.text(area, row, kBarColumn + kBarColumns + 2, a.relay_closed ? "closed" : "open",
+              a.relay_closed ? Tone::good : Tone::faint);
+}
+
+}  // namespace
+
+void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s) {
+  if (unit.samples.empty()) {
+    canvas.paragraph({area.row + 1, area.column + 1, area.rows, area.columns - 2}, 0,
+                     unit.problem.empty() ? "opening the line ..." : unit.problem,
+                     unit.problem.empty() ? Tone::warning : Tone::bad);
+    return;
+  }
+  const MonitorSample& sample = unit.samples.back();
+  const std::string fault = sample.fault == Fault::none ? "no fault" : std::string(ecs::text_of(sample.fault).meaning);
+  int c = 1 + canvas.text(area, 0, 1, fmt::format("{}  ", ecs::name_of(sample.mode)), Tone::strong);
+  canvas.text(area, 0, c, fault, sample.fault == Fault::none ? Tone::good : Tone::bad);
+  const bool old = age_s > kOld_s;
+  canvas.text_right(area, 0,
+                    fmt::format("{:.1f} a second, {} failed, {} ", unit.per_second, unit.failed,
+                                old ? fmt::format("OLD: {:.0f} s", age_s) : fmt::format("{:.0f} ms old", 1e3 * age_s)),
+                    old ? Tone::bad : Tone::faint);
+  canvas.text(area, 2, 1, heading(), Tone::faint);
+  const double most_um = largest_compensation(unit);
+  int row = 3;
+  for (const Axis axis : kAllAxes)
+    if (sample.axes[index_of(axis)].present) draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um);
+  if (!unit.problem.empty()) canvas.text(area, row + 1, 1, unit.problem, Tone::bad);
+}
+
+std::string monitor_csv(const std::deque<MonitorSample>& samples) {
+  std::string text =
+      "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,"
+      "output_counts,relay_closed\n";
+  for (const MonitorSample& sample : samples)
+    for (const Axis axis : kAllAxes) {
+      const AxisSample& a = sample.axes[index_of(axis)];
+      if (!a.present) continue;
+      text += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d}\n", time_s(sample),
+                          ecs::name_of(sample.mode), ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm,
+                          a.speed_mm_min, a.referenced, a.switch_active, a.marker, static_cast<int>(a.approach),
+                          a.compensation_um, a.output_counts, a.relay_closed);
+    }
+  return text;
+}
+
+void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
+  const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
+  draw_monitor(canvas, area, seen_, age_s);
+  constexpr int kAbove = 8;
+  PlotPanel panel;
+  panel.x_label = "s";
+  const char* units[] = {"mm", "mm/min", "um"};
+  const char* names[] = {"position", "speed", "compensation"};
+  panel.title =
+      fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
+  panel.y_label = units[static_cast<int>(strip_)];
+  PlotSeries series{"", Mark::forward, {}};
+  for (const MonitorSample& sample : seen_.samples) {
+    const AxisSample& a = sample.axes[index_of(axis_)];
+    const double value =
+        strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);
+    series.points.push_back({time_s(sample), value});
+  }
+  if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
+  if (area.rows > kAbove + 6)
+    draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, panel);
+  canvas.text(area, area.rows - 1, 1, message_, Tone::good);
+}
+
+bool MonitorScreen::advance() {
+  if (frozen_) return false;
+  const std::uint64_t changes = watch_.changes();
+  const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
+  if (changes == changes_ && !old) return false;
+  changes_ = changes;
+  seen_ = watch_.now();
+  return true;
+}
+
+void MonitorScreen::write_record() {
+  const std::string name = fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
+  const auto written = write_file(name, monitor_csv(seen_.samples));
+  message_ = written ? fmt::format("{} samples written to {}", seen_.samples.size(), name) : to_text(written.error());
+}
+
+Step MonitorScreen::on_key(const Key& key) {
+  message_.clear();
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) return back();
+  if (is_letter(key, U'f')) frozen_ = !frozen_;
+  if (is_letter(key, U'r')) write_record();
+  if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
+  for (const Axis axis : kAllAxes)
+    if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
+  return stay();
+}
+
+std::vector<KeyHelp> MonitorScreen::keys() const {
+  return {{"f", frozen_ ? "go on" : "freeze"},
+          {"r", "write to CSV"},
+          {"x y z", "axis of the strip"},
+          {"v", "position, speed, compensation"},
+          {"Esc", "back"}};
+}
+
+std::string MonitorScreen::help() const {
+  return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
+         "and "
+         "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
+         "the "
+         "age of what is shown. A lost line is opened again by itself. r writes the samples kept (the last 1,200).";
+}
+
+}  // namespace ecs::app

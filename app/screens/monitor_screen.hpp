@@ -1,0 +1,38 @@
+// ON LINE MONITOR: what the unit sees of its axes, as it happens. Does not live here: asking (unit_watch.hpp).
+#pragma once
+
+#include "app/screens/screen.hpp"
+#include "app/screens/unit_watch.hpp"
+
+namespace ecs::app {
+
+class MonitorScreen final : public Screen {
+ public:
+  explicit MonitorScreen(const std::string& link) : watch_(link) {}
+
+  [[nodiscard]] std::string title() const override { return "ON LINE MONITOR"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override;
+
+ private:
+  enum class Strip { position, speed, compensation };
+  UnitWatch watch_;
+  WatchedUnit seen_;
+  std::uint64_t changes_ = 0;
+  bool frozen_ = false;
+  Axis axis_ = Axis::X;
+  Strip strip_ = Strip::compensation;
+  std::string message_;
+
+  void write_record();
+};
+
+/// The picture of one moment. @param age_s  of the newest sample
+void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s);
+/// What the strip chart shows of one axis.
+[[nodiscard]] std::string monitor_csv(const std::deque<protocol::MonitorSample>& samples);
+
+}  // namespace ecs::app

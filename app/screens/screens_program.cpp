@@ -1,0 +1,125 @@
+#include "app/screens/screens_program.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/interrupt.hpp"
+#include "app/screens/widgets.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr int kWait_ms = 40;  ///< between two looks at running work
+
+void draw_key_line(Canvas& canvas, const Area& line, const std::vector<KeyHelp>& keys) {
+  canvas.fill(line, U' ', Tone::faint);
+  int column = 0;
+  const std::string more = "? help ";  // the last cell of a terminal stays empty
+  for (const KeyHelp& key : keys) {
+    const std::string text = key.keys + " " + key.does;
+    if (column + width_of(text) + 2 > line.columns - width_of(more)) break;
+    column += canvas.text(line, 0, column, key.keys, Tone::strong);
+    column += canvas.text(line, 0, column, " " + key.does, Tone::faint) + 2;
+  }
+  canvas.text_right(line, 0, more, Tone::strong);
+}
+
+void draw_help(Canvas& canvas, const Screen& screen) {
+  std::vector<std::string> lines = wrapped(screen.help(), std::max(20, canvas.columns() - 8));
+  lines.emplace_back();
+  for (const KeyHelp& key : screen.keys()) lines.push_back(fmt::format("{:<14} {}", key.keys, key.does));
+  lines.push_back(fmt::format("{:<14} {}", "Esc", "back; on the first screen: leave"));
+  const int rows = std::min(static_cast<int>(lines.size()) + 2, canvas.rows() - 2);
+  const Area box{(canvas.rows() - rows) / 2, 2, rows, canvas.columns() - 4};
+  canvas.fill(box);
+  canvas.frame(box, screen.title() + ": help, any key goes on", Tone::plain);
+  for (int r = 0; r < rows - 2; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(r)]);
+}
+
+/// The screens one behind the other.
+class Stack {
+ public:
+  explicit Stack(std::unique_ptr<Screen> first) { screens_.push_back(std::move(first)); }
+  [[nodiscard]] bool empty() const { return screens_.empty(); }
+  [[nodiscard]] Screen& front() { return *screens_.back(); }
+  [[nodiscard]] std::string path() const {
+    std::string path;
+    for (const auto& screen : screens_) path += (path.empty() ? "" : " > ") + screen->title();
+    return path;
+  }
+  void take(Step step) {
+    if (step.kind == Step::Kind::open && step.next) screens_.push_back(std::move(step.next));
+    if (step.kind == Step::Kind::back) screens_.pop_back();
+    if (step.kind == Step::Kind::leave) screens_.clear();
+  }
+  [[nodiscard]] std::string unsaved() const {
+    for (const auto& screen : screens_)
+      if (std::string work = screen->unsaved(); !work.empty()) return work;
+    return {};
+  }
+
+ private:
+  std::vector<std::unique_ptr<Screen>> screens_;
+};
+
+}  // namespace
+
+Area screen_area(const Canvas& canvas) { return {1, 0, std::max(0, canvas.rows() - 2), canvas.columns()}; }
+
+Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
+                  bool with_help) {
+  const Area header = canvas.whole().top(1);
+  canvas.fill(header, U' ', Tone::selected);
+  canvas.text(header, 0, 1, path, Tone::selected);
+  const std::string right =
+      standing.link.empty() ? "" : standing.link + (standing.state.empty() ? "" : ", " + standing.state);
+  canvas.text_right({header.row, header.column, 1, header.columns - 1}, 0, right, Tone::selected);
+  screen.draw(canvas, screen_area(canvas));
+  draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys());
+  if (with_help) draw_help(canvas, screen);
+  return canvas;
+}
+
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first) {
+  catch_signals();
+  Stack stack(std::move(first));
+  bool help = false;
+  bool changed = true;
+  bool sure = false;  ///< asked once about unsaved work
+  while (!stack.empty() && interrupting_signal() == 0) {
+    Screen& screen = stack.front();
+    changed = screen.advance() || changed;
+    if (auto next = screen.opens_by_itself()) {
+      stack.take(opened(std::move(next)));
+      changed = true;
+      continue;
+    }
+    if (changed) {
+      const Canvas canvas = picture_of(screen, stack.path(), {}, terminal.canvas(), help);
+      terminal.show(canvas, help ? Place{-1, -1} : screen.cursor(screen_area(canvas)));
+    }
+    changed = true;
+    const Key key = terminal.read(kWait_ms);
+    if (key.name == Key::Name::none) {
+      changed = false;
+    } else if (help) {
+      help = key.name == Key::Name::resized;
+    } else if (key.name == Key::Name::control && key.letter == U'l') {
+      terminal.redraw();
+    } else if (key.name == Key::Name::control && key.letter == U'c') {
+      if (stack.unsaved().empty() || sure) return 0;
+      sure = true;
+    } else if (is_letter(key, U'?') && !screen.typing()) {
+      help = true;
+    } else {
+      sure = false;
+      stack.take(screen.on_key(key));
+    }
+  }
+  const int signal = interrupting_signal();
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,47 @@
+#include "app/screens/start.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "app/outcome.hpp"
+#include "app/screens/menu_screen.hpp"
+#include "app/screens/screens_program.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Asked {
+  bool ascii = false;
+  std::string link;
+};
+
+std::optional<Asked> asked_for(const std::vector<std::string>& words) {
+  Asked asked;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (words[k] == "--ascii") {
+      asked.ascii = true;
+    } else if (words[k] == "--link" && k + 1 < words.size()) {
+      asked.link = words[++k];
+    } else {
+      return std::nullopt;
+    }
+  }
+  return asked;
+}
+
+}  // namespace
+
+std::optional<int> screens_started(const std::vector<std::string>& words) {
+  const auto asked = asked_for(words);
+  if (!asked || ::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return std::nullopt;
+  TerminalOptions options;
+  options.ascii = asked->ascii;
+  const auto terminal = Terminal::open(options);
+  if (terminal) return run_screens(**terminal, main_menu(asked->link));
+  fmt::print(stderr, "{}\n", to_text(terminal.error()));
+  return exit_code_of(ProblemKind::usage);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,15 @@
+// `ecs` alone opens the screens. Does not live here: what they show.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ecs::app {
+
+/// Runs the screens where the words ask for nothing else (none, --ascii, --link LINK) and stdin and stdout are a
+/// terminal that can show them; else says why on stderr where that is not plain.
+/// @return exit code; nothing: the command line is not for the screens
+[[nodiscard]] std::optional<int> screens_started(const std::vector<std::string>& words);
+
+}  // namespace ecs::app

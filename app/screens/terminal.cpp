@@ -1,0 +1,226 @@
+#include "app/screens/terminal.hpp"
+
+#include <algorithm>
+#include <array>
+#include <clocale>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include <langinfo.h>
+#include <unistd.h>
+
+#define NCURSES_WIDECHAR 1
+#include <curses.h>
+
+namespace ecs::app {
+namespace {
+
+/// Mouse off, main screen, cursor on, plain letters: works on terminals that know it, does nothing on others.
+constexpr char kPutRight[] = "\033[?1000l\033[?1006l\033[?1049l\033[?25h\033[0m";
+
+extern "C" void on_crash(int signal) {
+  const ssize_t written = ::write(STDOUT_FILENO, kPutRight, sizeof kPutRight - 1);
+  (void)written;
+  ::reset_shell_mode();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void catch_crashes() {
+  struct sigaction action {};
+  action.sa_handler = on_crash;
+  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) ::sigaction(signal, &action, nullptr);
+}
+
+struct Look {
+  short foreground = -1;  ///< of eight colours; −1: the terminal's own
+  attr_t with_colour = A_NORMAL;
+  attr_t without = A_NORMAL;
+};
+
+Look look_of(Tone tone) {
+  switch (tone) {
+    case Tone::faint:
+      return {COLOR_CYAN, A_NORMAL, A_NORMAL};
+    case Tone::strong:
+      return {-1, A_BOLD, A_BOLD};
+    case Tone::selected:
+      return {-1, A_REVERSE, A_REVERSE};
+    case Tone::good:
+      return {COLOR_GREEN, A_NORMAL, A_NORMAL};
+    case Tone::warning:
+      return {COLOR_YELLOW, A_BOLD, A_BOLD};
+    case Tone::bad:
+      return {COLOR_RED, A_BOLD, A_BOLD};
+    case Tone::forward:
+      return {COLOR_BLUE, A_BOLD, A_NORMAL};
+    case Tone::reverse:
+      return {COLOR_MAGENTA, A_NORMAL, A_NORMAL};
+    case Tone::plain:
+      break;
+  }
+  return {};
+}
+
+constexpr std::size_t kTones = 9;
+
+Key named(Key::Name name) { return {name, 0, 0, 0, 0}; }
+
+Key key_of_code(wint_t code) {
+  switch (code) {
+    case KEY_UP:
+      return named(Key::Name::up);
+    case KEY_DOWN:
+      return named(Key::Name::down);
+    case KEY_LEFT:
+      return named(Key::Name::left);
+    case KEY_RIGHT:
+      return named(Key::Name::right);
+    case KEY_PPAGE:
+      return named(Key::Name::page_up);
+    case KEY_NPAGE:
+      return named(Key::Name::page_down);
+    case KEY_HOME:
+      return named(Key::Name::home);
+    case KEY_END:
+      return named(Key::Name::end);
+    case KEY_DC:
+      return named(Key::Name::erase);
+    case KEY_BACKSPACE:
+      return named(Key::Name::backspace);
+    case KEY_BTAB:
+      return named(Key::Name::back_tab);
+    case KEY_ENTER:
+      return named(Key::Name::enter);
+    case KEY_RESIZE:
+      return named(Key::Name::resized);
+    default:
+      break;
+  }
+  if (code > KEY_F0 && code <= KEY_F(12)) return {Key::Name::function, 0, static_cast<int>(code) - KEY_F0, 0, 0};
+  return {};
+}
+
+Key key_of_letter(wint_t code) {
+  switch (code) {
+    case L'\r':
+    case L'\n':
+      return named(Key::Name::enter);
+    case 27:
+      return named(Key::Name::escape);
+    case L'\t':
+      return named(Key::Name::tab);
+    case 127:
+    case 8:
+      return named(Key::Name::backspace);
+    default:
+      break;
+  }
+  if (code < 32) return {Key::Name::control, static_cast<char32_t>(code + 'a' - 1), 0, 0, 0};
+  return {Key::Name::letter, static_cast<char32_t>(code), 0, 0, 0};
+}
+
+Key pressed_at() {
+  MEVENT event{};
+  if (::getmouse(&event) != OK) return {};
+  if ((event.bstate & (BUTTON1_PRESSED | BUTTON1_CLICKED)) == 0) return {};
+  return {Key::Name::mouse, 0, 0, event.y, event.x};
+}
+
+bool has_colour(const TerminalOptions& options) {
+  const char* no = std::getenv("NO_COLOR");
+  return options.colour && (no == nullptr || *no == '\0');
+}
+
+}  // namespace
+
+struct Terminal::Screen {
+  SCREEN* curses = nullptr;
+  Glyphs glyphs = Glyphs::ascii;
+  std::array<attr_t, kTones> attributes{};
+
+  Screen() = default;
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+  ~Screen() {
+    if (curses == nullptr) return;
+    ::endwin();
+    ::delscreen(curses);
+  }
+
+  void choose_looks(bool colour) {
+    const bool able = colour && ::has_colors();
+    if (able) {
+      ::start_color();
+      ::use_default_colors();
+    }
+    for (std::size_t t = 0; t < kTones; ++t) {
+      const Look look = look_of(static_cast<Tone>(t));
+      attributes[t] = able ? look.with_colour : look.without;
+      if (!able || look.foreground < 0) continue;
+      const auto pair = static_cast<short>(t + 1);
+      ::init_pair(pair, look.foreground, -1);
+      attributes[t] |= static_cast<attr_t>(COLOR_PAIR(pair));
+    }
+  }
+};
+
+Terminal::Terminal(std::unique_ptr<Screen> screen) : screen_(std::move(screen)) {}
+Terminal::~Terminal() = default;
+
+Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options) {
+  if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0)
+    return problem(ProblemKind::usage, "the screens need a terminal; from a script use the verbs: `ecs --help`");
+  std::setlocale(LC_CTYPE, "");
+  auto screen = std::make_unique<Screen>();
+  screen->curses = ::newterm(nullptr, stdout, stdin);
+  const char* name = std::getenv("TERM");
+  if (screen->curses == nullptr)
+    return problem(ProblemKind::usage, std::string("the terminal type TERM=") + (name == nullptr ? "" : name) +
+                                           " is not known here; set TERM=vt100, or use the verbs: `ecs --help`");
+  if (::tigetstr("cup") == nullptr || ::tigetstr("cup") == reinterpret_cast<char*>(-1))
+    return problem(ProblemKind::usage, "this terminal cannot place the cursor; use the verbs: `ecs --help`");
+  const bool utf8 = std::strcmp(::nl_langinfo(CODESET), "UTF-8") == 0;
+  screen->glyphs = utf8 && !options.ascii ? Glyphs::unicode : Glyphs::ascii;
+  ::raw();  // Ctrl-C is a key: the screens end in order
+  ::noecho();
+  ::nonl();
+  ::keypad(stdscr, TRUE);
+  ::set_escdelay(50);
+  if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED, nullptr);
+  screen->choose_looks(has_colour(options));
+  catch_crashes();
+  return std::unique_ptr<Terminal>(new Terminal(std::move(screen)));
+}
+
+Canvas Terminal::canvas() const { return {LINES, COLS, screen_->glyphs}; }
+
+void Terminal::show(const Canvas& canvas, Place cursor) {
+  for (int r = 0; r < std::min(canvas.rows(), LINES); ++r)
+    for (int c = 0; c < std::min(canvas.columns(), COLS); ++c) {
+      if (r == LINES - 1 && c == COLS - 1) continue;  // writing there scrolls old terminals
+      const Cell& cell = canvas.at(r, c);
+      const std::array<wchar_t, 2> text{static_cast<wchar_t>(cell.glyph), 0};
+      const attr_t attributes = screen_->attributes[static_cast<std::size_t>(cell.tone)];
+      cchar_t sign{};
+      ::setcchar(&sign, text.data(), attributes, static_cast<short>(PAIR_NUMBER(attributes)), nullptr);
+      mvadd_wch(r, c, &sign);
+    }
+  ::curs_set(cursor.row >= 0 ? 1 : 0);
+  if (cursor.row >= 0) move(cursor.row, cursor.column);
+  refresh();
+}
+
+Key Terminal::read(int wait_ms) {
+  timeout(wait_ms);
+  wint_t code = 0;
+  const int kind = get_wch(&code);
+  if (kind == ERR) return {};
+  if (kind != KEY_CODE_YES) return key_of_letter(code);
+  return code == KEY_MOUSE ? pressed_at() : key_of_code(code);
+}
+
+void Terminal::redraw() { ::clearok(stdscr, TRUE); }
+
+}  // namespace ecs::app

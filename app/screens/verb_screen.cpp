@@ -1,0 +1,210 @@
+#include "app/screens/verb_screen.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/program.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+}  // namespace
+
+VerbScreen::VerbScreen(VerbEntry verb, const std::string& link) : verb_(std::move(verb)) {
+  for (const VerbOption& option : verb_.options) values_.emplace_back(option.name == "--link" ? link : option.value);
+}
+
+int VerbScreen::name_columns() const {
+  int most = 4;
+  for (const VerbOption& option : verb_.options) most = std::max(most, width_of(option.name));
+  return std::min(most + 3, 24);
+}
+
+int VerbScreen::field_rows(const Area& area) const {
+  const int all = static_cast<int>(verb_.options.size());
+  return std::min(all, answer_ || job_.running() ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
+}
+
+std::string VerbScreen::lacking() const {
+  for (std::size_t k = 0; k < values_.size(); ++k)
+    if (verb_.options[k].required && values_[k].text().empty()) return verb_.options[k].name;
+  return {};
+}
+
+void VerbScreen::draw_fields(Canvas& canvas, const Area& area) const {
+  const int names = name_columns();
+  const int count = static_cast<int>(values_.size());
+  field_.first = std::clamp(field_.first, std::max(0, field_.selected - area.rows + 1), std::max(0, field_.selected));
+  for (int r = 0; r < std::min(area.rows, count - field_.first); ++r) {
+    const auto k = static_cast<std::size_t>(field_.first + r);
+    const VerbOption& option = verb_.options[k];
+    const bool here = !reading_ && field_.first + r == field_.selected;
+    canvas.text(area, r, 0, here ? ">" : " ", Tone::strong);
+    canvas.text({area.row, area.column, area.rows, names}, r, 2, option.name + (option.required ? " *" : ""),
+                here ? Tone::strong : Tone::plain);
+    values_[k].draw(canvas, area, r, names, std::max(8, area.columns - names - 1), here);
+  }
+  if (field_.first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
+  if (field_.first + area.rows < count)
+    canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
+}
+
+void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
+  if (job_.running()) {
+    canvas.text(area, 0, 0, "running ...", Tone::warning);
+    return;
+  }
+  if (!answer_) return;
+  const Tone tone = answer_->exit_code == 0 ? Tone::good : (answer_->exit_code == 1 ? Tone::warning : Tone::bad);
+  canvas.text(area, 0, 0, answer_->exit_code == 0 ? "done" : fmt::format("ended with code {}", answer_->exit_code),
+              tone);
+  draw_scrolled(canvas, area.below(1), answer_->lines, scroll_);
+}
+
+void VerbScreen::draw(Canvas& canvas, const Area& area) const {
+  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  int row = canvas.paragraph(inside, 0, verb_.help, Tone::strong);
+  const int fields = field_rows(area);
+  if (values_.empty())
+    canvas.text(inside, row, 0, "Enter runs it.", Tone::faint);
+  else
+    draw_fields(canvas, {inside.row + row, inside.column, fields, inside.columns});
+  row += std::max(1, fields);
+  std::string hint = hint_;
+  if (hint.empty() && !values_.empty()) {
+    const VerbOption& option = verb_.options[static_cast<std::size_t>(field_.selected)];
+    hint = option.help;
+    if (!option.choices.empty()) hint += fmt::format(" ({})", fmt::join(option.choices, ", "));
+    if (option.flag) hint += " (Space: yes or no)";
+  }
+  const auto lines = wrapped(hint, inside.columns);
+  for (std::size_t k = 0; k < std::min<std::size_t>(2, lines.size()); ++k)
+    canvas.text(inside, row + static_cast<int>(k), 0, lines[k], Tone::faint);
+  row += 2;
+  draw_answer(canvas, {inside.row + row, inside.column, inside.rows - row, inside.columns});
+}
+
+Place VerbScreen::cursor(const Area& area) const {
+  if (reading_ || values_.empty()) return {-1, -1};
+  const int names = name_columns();
+  const int heading = static_cast<int>(wrapped(verb_.help, area.columns - 2).size());
+  const int columns = std::max(8, area.columns - 2 - names - 1);
+  return {area.row + heading + field_.selected - field_.first,
+          area.column + 1 + names + values_[static_cast<std::size_t>(field_.selected)].cursor_column(columns)};
+}
+
+void VerbScreen::run() {
+  if (const std::string name = lacking(); !name.empty()) {
+    hint_ = fmt::format("{} is needed", name);
+    return;
+  }
+  std::vector<std::string> values;
+  for (const TextLine& value : values_) values.push_back(value.text());
+  answer_.reset();
+  scroll_ = {};
+  job_.start([words = command_line(verb_, values)](JobSigns&) {
+    std::ostringstream out, messages;
+    const int code = run_program(words, out, messages);
+    Answer answer{lines_in(messages.str()), code};
+    for (std::string& line : lines_in(out.str())) answer.lines.push_back(std::move(line));
+    return answer;
+  });
+}
+
+void VerbScreen::complete() {
+  TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
+  const std::string text = value.text();
+  const std::size_t blank = text.rfind(' ');
+  const std::string before = blank == std::string::npos ? "" : text.substr(0, blank + 1);
+  const PathCompletion found = completed_path(blank == std::string::npos ? text : text.substr(blank + 1));
+  value.set(before + found.completed);
+  hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
+}
+
+void VerbScreen::next_choice(int by) {
+  const VerbOption& option = verb_.options[static_cast<std::size_t>(field_.selected)];
+  TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
+  const auto at = std::find(option.choices.begin(), option.choices.end(), value.text());
+  const auto count = static_cast<int>(option.choices.size());
+  const int now = at == option.choices.end() ? (by > 0 ? -1 : 0) : static_cast<int>(at - option.choices.begin());
+  value.set(option.choices[static_cast<std::size_t>((now + by + count) % count)]);
+}
+
+Step VerbScreen::on_key(const Key& key) {
+  hint_.clear();
+  if (key.name == Key::Name::escape) {
+    if (job_.running()) {
+      hint_ = "still running: it ends by itself";
+      return stay();
+    }
+    if (!reading_) return back();
+    reading_ = false;
+    return stay();
+  }
+  if (job_.running()) return stay();
+  if (key.name == Key::Name::enter || (key.name == Key::Name::function && key.number == 5)) {
+    run();
+    return stay();
+  }
+  if (reading_) {
+    if (key.name == Key::Name::back_tab || is_letter(key, U'e')) reading_ = false;
+    (void)scroll_.on_key(key);
+    return stay();
+  }
+  if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) {
+    (void)scroll_.on_key(key);
+    return stay();
+  }
+  const int count = static_cast<int>(values_.size());
+  if (count == 0) return stay();
+  if (key.name == Key::Name::up || key.name == Key::Name::down) {
+    (void)field_.on_key(key, count);
+    return stay();
+  }
+  const VerbOption& option = verb_.options[static_cast<std::size_t>(field_.selected)];
+  TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
+  if (key.name == Key::Name::tab) {
+    complete();
+  } else if (option.flag) {
+    if (is_letter(key, U' ')) value.set(value.text().empty() ? "yes" : "");
+  } else if (!option.choices.empty() &&
+             (is_letter(key, U' ') || key.name == Key::Name::left || key.name == Key::Name::right)) {
+    next_choice(key.name == Key::Name::left ? -1 : 1);
+  } else {
+    (void)value.on_key(key);
+  }
+  return stay();
+}
+
+bool VerbScreen::advance() {
+  auto answer = job_.take();
+  if (!answer) return job_.running();
+  answer_ = std::move(*answer);
+  return true;
+}
+
+std::vector<KeyHelp> VerbScreen::keys() const {
+  return {{"Enter", "run"},
+          {"up/down", "field"},
+          {"Tab", "complete a path"},
+          {"Space", "choose"},
+          {"PgUp/PgDn", "read the answer"},
+          {"Esc", "back"}};
+}
+
+std::string VerbScreen::help() const {
+  return verb_.help + ". The fields are the options of the verb `ecs " + verb_.name() + "`; those with * are needed. " +
+         "Several files are separated by blanks. " + verb_.example;
+}
+
+}  // namespace ecs::app

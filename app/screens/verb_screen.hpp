@@ -1,0 +1,53 @@
+// A verb as a form: its options as fields with their help, Enter runs it, the answer scrolls below.
+// Does not live here: the verbs (app/menus.hpp), which there are (verb_catalogue.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/screens/job.hpp"
+#include "app/screens/screen.hpp"
+#include "app/screens/verb_catalogue.hpp"
+#include "app/screens/widgets.hpp"
+
+namespace ecs::app {
+
+class VerbScreen final : public Screen {
+ public:
+  /// @param link  filled in where the verb takes one
+  VerbScreen(VerbEntry verb, const std::string& link);
+
+  [[nodiscard]] std::string title() const override { return verb_.name(); }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override;
+  [[nodiscard]] bool typing() const override { return !reading_; }
+  [[nodiscard]] Place cursor(const Area& area) const override;
+
+ private:
+  struct Answer {
+    std::vector<std::string> lines;
+    int exit_code = 0;
+  };
+  [[nodiscard]] int field_rows(const Area& area) const;
+  [[nodiscard]] int name_columns() const;
+  [[nodiscard]] std::string lacking() const;
+  void draw_fields(Canvas& canvas, const Area& area) const;
+  void draw_answer(Canvas& canvas, const Area& area) const;
+  void run();
+  void complete();
+  void next_choice(int by);
+
+  VerbEntry verb_;
+  std::vector<TextLine> values_;
+  ListPlace field_;
+  bool reading_ = false;  ///< the keys scroll the answer
+  ScrollPlace scroll_;
+  std::string hint_;
+  std::optional<Answer> answer_;
+  Job<Answer> job_;
+};
+
+}  // namespace ecs::app

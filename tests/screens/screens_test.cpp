@@ -1,0 +1,184 @@
+// The screens as text: keys in, picture out, no terminal.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include <doctest/doctest.h>
+
+#include "app/screens/menu_screen.hpp"
+#include "app/screens/model_form.hpp"
+#include "app/screens/model_screen.hpp"
+#include "app/screens/screens_program.hpp"
+#include "app/screens/verb_screen.hpp"
+#include "base/file.hpp"
+
+using namespace ecs::app;
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+std::string seen(const Screen& screen, Glyphs glyphs = Glyphs::unicode) {
+  return picture_of(screen, screen.title(), {}, Canvas(24, 80, glyphs), false).plain_text();
+}
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+void type(Screen& screen, const std::string& text) {
+  for (const char c : text) (void)screen.on_key({Key::Name::letter, static_cast<char32_t>(c)});
+}
+Step press(Screen& screen, Key::Name name) { return screen.on_key({name}); }
+
+/// Until its work is done; a minute at most.
+void finish(Screen& screen) {
+  for (int k = 0; k < 6000 && screen.advance(); ++k) std::this_thread::sleep_for(10ms);
+}
+
+const VerbEntry& entry(const std::vector<MenuEntry>& menus, const std::string& name) {
+  for (const MenuEntry& menu : menus)
+    for (const VerbEntry& verb : menu.verbs)
+      if (verb.name() == name) return verb;
+  FAIL("no verb " << name);
+  return menus.front().verbs.front();
+}
+
+/// A line of X measured three times both ways: a screw error of 8 mm period that the model lacks, and noise.
+struct Case {
+  fs::path folder = fs::temp_directory_path() / "ecs-screens-test";
+  ModelArguments files;
+  Case() {
+    fs::create_directories(folder);
+    std::string csv = "axis,x_mm,sense,reading,approach,run\n";
+    unsigned seed = 7;
+    const auto noise = [&seed] {  // uniform, standard deviation about 0.2
+      seed = seed * 1664525u + 1013904223u;
+      return (static_cast<double>(seed >> 8) / 16777216.0 - 0.5) * 0.7;
+    };
+    for (int run = 1; run <= 3; ++run)
+      for (const int approach : {1, -1})
+        for (int k = 0; k <= 60; ++k) {
+          const double x = 3.3 * k;
+          const double um = 2.0 * std::sin(2.0 * 3.14159265358979 * x / 8.0) + 0.01 * x + noise();
+          csv += "X," + std::to_string(x) + ",EX," + std::to_string(um) + "," + std::to_string(approach) + "," +
+                 std::to_string(run) + "\n";
+        }
+    REQUIRE(ecs::write_file(folder / "data.csv", csv));
+    REQUIRE(ecs::write_file(folder / "model.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n"));
+    files.model = (folder / "model.toml").string();
+    files.data = {(folder / "data.csv").string()};
+  }
+  ~Case() { fs::remove_all(folder); }
+  [[nodiscard]] ModelScreen screen() const {
+    std::ostringstream out, messages;
+    Face face(out, messages);
+    Session session{face, {}, {}};
+    auto desk = ModelDesk::open(session, files);
+    REQUIRE(desk);
+    return ModelScreen(std::move(*desk));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an action by its name") {
+  const auto menu = main_menu("");
+  const std::string text = seen(*menu);
+  for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
+    CHECK(has(text, title));
+  type(*menu, "/datum rec");
+  CHECK(has(seen(*menu), "> utility datum record"));
+  CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("every verb is in the catalogue with its options, and its form becomes its command line") {
+  const auto menus = verb_catalogue();
+  const VerbEntry& stats = entry(menus, "laser stats");
+  REQUIRE_FALSE(stats.options.empty());
+  CHECK(stats.options.front().by_place);
+  CHECK(stats.options.front().required);
+  std::vector<std::string> values(stats.options.size());
+  values.front() = "a.csv 'b c.csv'";
+  CHECK(command_line(stats, values) == std::vector<std::string>{"laser", "stats", "a.csv", "b c.csv"});
+}
+
+TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), "");
+  (void)press(form, Key::Name::enter);
+  CHECK(has(seen(form), "is needed"));
+  type(form, "samples/laser/x_axis.csv");
+  (void)press(form, Key::Name::enter);
+  finish(form);
+  const std::string text = seen(form);
+  CHECK(has(text, "done"));
+  CHECK(has(text, "samples/laser/x_axis.csv: EXX"));
+}
+
+TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), "");
+  type(form, "no_such_file.csv");
+  (void)press(form, Key::Name::enter);
+  finish(form);
+  CHECK(has(seen(form), "ended with code 3"));
+  CHECK(has(seen(form), "no_such_file.csv"));
+}
+
+TEST_CASE("the model screen finds the missing effect, adds it on one key, and the error visibly falls") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  CHECK(has(seen(screen), "what the model leaves"));
+  (void)screen.on_key({Key::Name::letter, U'd'});
+  CHECK(has(seen(screen), "looking for what is missing"));
+  finish(screen);
+  CHECK(has(seen(screen), "> cyclic:X:EX"));
+  (void)screen.on_key({Key::Name::letter, U'a'});
+  finish(screen);
+  const std::string ladder = seen(screen);
+  CHECK(has(ladder, "+ cyclic:X:EX"));
+  CHECK(has(ladder, "noise of one reading"));
+  CHECK_FALSE(screen.unsaved().empty());
+  (void)screen.on_key({Key::Name::letter, U's'});
+  CHECK(screen.unsaved().empty());
+  CHECK(has(ecs::read_file(one.files.model).value(), "cyclic"));
+  (void)screen.on_key({Key::Name::letter, U'u'});
+  CHECK(has(seen(screen), "taken back: cyclic:X:EX"));
+}
+
+TEST_CASE("leaving with unsaved work asks once") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  (void)screen.on_key({Key::Name::letter, U'd'});
+  finish(screen);
+  (void)screen.on_key({Key::Name::letter, U'a'});
+  finish(screen);
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(has(seen(screen), "not saved"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("the model screen fits any size and any terminal") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}})
+    for (int page = 0; page < 5; ++page) {
+      (void)screen.on_key({Key::Name::tab});
+      const std::string text = picture_of(screen, "MODEL", {}, Canvas(rows, columns, Glyphs::ascii), true).plain_text();
+      CHECK(std::count(text.begin(), text.end(), '\n') == rows);
+    }
+}
+
+TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {
+  ModelForm form;
+  type(form, "no_model.toml");
+  (void)press(form, Key::Name::enter);
+  type(form, "no_data.csv");
+  (void)press(form, Key::Name::enter);
+  (void)press(form, Key::Name::enter);
+  finish(form);
+  const std::string text = seen(form);
+  CHECK(has(text, "no_model.toml"));
+  CHECK(has(text, "no_data.csv"));
+  CHECK(form.opens_by_itself() == nullptr);
+}
