@@ -33,6 +33,13 @@ std::optional<double> median_of(const Column& column, const std::vector<std::siz
   return median(std::move(values));
 }
 
+/// The last measured value: what is so now.
+std::optional<double> last_of(const Column& column, const std::vector<std::size_t>& rows) {
+  for (auto k = rows.rbegin(); k != rows.rend() && !column.empty(); ++k)
+    if (!std::isnan(column[*k])) return column[*k];
+  return std::nullopt;
+}
+
 std::vector<double> thinned(const std::vector<double>& values, std::size_t most) {
   if (values.size() <= most) return values;
   std::vector<double> kept;
@@ -70,10 +77,12 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   now.approach = reverse && !forward ? -1 : 1;
   now.feed_mm_min = std::max(1.0, median_of(data.feed_mm_min, rows).value_or(now.feed_mm_min));
   now.load_kg = median_of(data.load_kg, rows);
-  now.pressure_hPa = median_of(data.pressure_hPa, rows);
-  now.humidity_pct = median_of(data.humidity_pct, rows);
+  now.pressure_hPa = last_of(data.pressure_hPa, rows);
+  now.humidity_pct = last_of(data.humidity_pct, rows);
+  if (const auto column = data.extras.find("set_up"); column != data.extras.end())
+    now.set_up = static_cast<int>(last_of(column->second, rows).value_or(1.0));
   for (const auto& [sensor, column] : data.sensors_degC)
-    if (const auto degC = median_of(column, rows)) now.temperatures_degC[sensor] = *degC;
+    if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
   const Range range = range_of(data, axis);
   now.overrun_mm = std::min(now.overrun_mm, 0.02 * (range[1] - range[0]));
   now.targets_mm = with_room(now.targets_mm, range, now.overrun_mm);
@@ -194,6 +203,7 @@ class Conditions {
     if (!is_rotation(now_.sense) && direction_of(now_.sense) == now_.axis)
       add("after aligning the beam and resetting anew, optics close together", [&](MeasurementProposal& p) {
         p.new_set_up = true;
+        p.set_up = next_set_up();
         p.set_up_minutes += times_.align_minutes;
       });
   }
@@ -218,8 +228,17 @@ class Conditions {
       add(line_name(place), [&](MeasurementProposal& p) {
         p.parked_mm = place;
         p.other_line = p.new_set_up = true;
+        p.set_up = next_set_up();
         p.set_up_minutes = times_.line_minutes;
       });
+  }
+
+  [[nodiscard]] int next_set_up() const {
+    double last = 1.0;
+    if (const auto column = data_.extras.find("set_up"); column != data_.extras.end())
+      for (const double number : column->second)
+        if (number > last) last = number;
+    return 1 + static_cast<int>(last);
   }
 
   [[nodiscard]] std::string line_name(const Vector3& place) const {

@@ -34,7 +34,7 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
   for (auto& [sensor, column] : data.sensors_degC)
     if (const auto degC = proposal.temperatures_degC.find(sensor); degC != proposal.temperatures_degC.end())
       set(column, k, degC->second);
-  if (proposal.new_set_up) data.extras["set_up"][k] = 2.0;
+  if (const auto set_up = data.extras.find("set_up"); set_up != data.extras.end()) set_up->second[k] = proposal.set_up;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
   double last_s = 0.0;
   for (const double t : present.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
-  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.new_set_up; }))
+  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.set_up != 1; }))
     all.data.extras.try_emplace("set_up", Column(rows.size(), 1.0));
   for (std::size_t i = 0; i < proposals.size(); ++i) {
     const double start_s = last_s + 60.0 * (proposals[i].wait_minutes + proposals[i].set_up_minutes);

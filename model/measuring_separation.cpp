@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/held_out.hpp"
 #include "model/search.hpp"
 
 namespace ecs::model {
@@ -59,6 +58,41 @@ Columns free_columns(const Regressors& regressors, const EffectInstance& effect,
       append(free.of, all.of.col(j));
   }
   return free;
+}
+
+/// Sizes of whitened columns beside a base that is absorbed first; 0 for what the base or the others do as well.
+VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const VectorXd& target) {
+  constexpr double kDependent = 1e-5;
+  Space space;
+  space.y = target;
+  space.q.resize(target.size(), 0);
+  absorb(space, base);
+  VectorXd sizes = VectorXd::Zero(columns.cols());
+  MatrixXd left = columns - space.q * (space.q.transpose() * columns);
+  std::vector<Index> kept;
+  for (Index j = 0; j < columns.cols(); ++j)
+    if (left.col(j).norm() > kDependent * columns.col(j).norm()) kept.push_back(j);
+  if (kept.empty()) return sizes;
+  MatrixXd own(target.size(), static_cast<Index>(kept.size()));
+  VectorXd scale(own.cols());
+  for (Index j = 0; j < own.cols(); ++j) {
+    const auto column = kept[static_cast<std::size_t>(j)];
+    scale(j) = 1.0 / left.col(column).norm();
+    own.col(j) = left.col(column) * scale(j);
+  }
+  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+  qr.setThreshold(kDependent);
+  qr.compute(own);
+  const Index rank = qr.rank();
+  const VectorXd first = qr.matrixR()
+                             .topLeftCorner(rank, rank)
+                             .template triangularView<Eigen::Upper>()
+                             .solve(VectorXd((qr.householderQ().transpose() * space.y).head(rank)));
+  for (Index i = 0; i < rank; ++i) {
+    const Index j = qr.colsPermutation().indices()(i);
+    sizes(kept[static_cast<std::size_t>(j)]) = first(i) * scale(j);
+  }
+  return sizes;
 }
 
 /// Leading columns of a curve that the present readings call for (Schwarz); all of anything else.
@@ -156,9 +190,8 @@ Explanation explained_by(const std::string& name, const EffectInstance& effect, 
   const VectorXd target = belief.target - one.fixed.head(present);
   const MatrixXd base = belief.columns.topRows(present);
   const Index used = columns_called_for(effect, columns, base, target, whitener);
-  MatrixXd joint = base;
-  append(joint, columns.of.topRows(present).leftCols(used));
-  const VectorXd sizes = least_squares(whitener(joint), whitener(target)).tail(used);
+  const VectorXd sizes =
+      sizes_beside(whitener(base), whitener(MatrixXd(columns.of.topRows(present).leftCols(used))), whitener(target));
   one.truth = one.fixed + columns.of.leftCols(used) * sizes;
   if (!parameter.empty() && effect.id != EffectId::step && !effect.parameters.contains(parameter)) {
     const double change = std::max(std::abs(nonlinear) * 1e-5, 1e-7);
@@ -226,14 +259,16 @@ MatrixXd Separations::of(std::size_t proposal, int runs) const {
   const auto count = static_cast<Index>(all_.count[proposal]);
   const bool zero = proposals_[proposal].new_set_up;
   const Index extra = zero ? 1 : 0;
-  // a zero of its own for optics that were reset: free on another line, to one reading on the same
+  // optics that were reset have a zero of their own: free on another line, as good as the mean of ten readings on the
+  // same line, where it is set at the same target
   const Index prior = zero && !proposals_[proposal].other_line && !zero_matters_ ? 1 : 0;
   MatrixXd rows = MatrixXd::Zero(present_.rows() + count + prior, white_.cols() + extra);
   rows.topLeftCorner(present_.rows(), white_.cols()) = present_;
   const double weight = std::sqrt(static_cast<double>(runs));
   rows.block(present_.rows(), 0, count, white_.cols()) = weight * white_.middleRows(first, count);
   if (zero) rows.block(present_.rows(), white_.cols(), count, 1).setConstant(weight / sigma_[proposal]);
-  if (prior > 0) rows(rows.rows() - 1, white_.cols()) = 1.0 / sigma_[proposal];
+  constexpr double kReadings = 10.0;
+  if (prior > 0) rows(rows.rows() - 1, white_.cols()) = std::sqrt(kReadings) / sigma_[proposal];
   return (squares(rows, zero) - present_squares_).cwiseMax(0.0).cwiseSqrt();
 }
 

@@ -211,10 +211,13 @@ void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question q
 std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options,
                     const Observations& data) {
   double most = 0.0;
-  for (std::size_t i = 0; i < options; ++i) most = std::max(most, separations.of(i, 5).maxCoeff());
+  const auto count = static_cast<Index>(group.rivals.size());
+  for (std::size_t i = 0; i < options; ++i) {
+    const MatrixXd sigma = separations.of(i, 5);
+    most = std::max(most, count > 1 ? sigma.leftCols(count).maxCoeff() : sigma.maxCoeff());
+  }
   const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
-  constexpr double kAlike = 0.1;
-  if (most < kAlike)
+  if (most < kSeparates)
     return fmt::format(
         "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
         "the "

@@ -33,11 +33,12 @@ struct MeasurementProposal {
   int runs = 1;
   int first_run = 1;  ///< number of the first run, so that the run can join the present readings
   double feed_mm_min = 2000.0;
-  std::optional<double> second_feed_mm_min;  ///< all runs once more at this feed
-  double dwell_s = 2.0;                      ///< at a target before the reading; 0: on the fly
-  double trigger_s = 1.0;                    ///< between M08 and M09
-  bool new_set_up = false;                   ///< optics aligned and reset anew: `set_up` = 2 in the target list
-  bool other_line = false;                   ///< the other axes stand elsewhere than now
+  std::optional<double> second_feed_mm_min;                      ///< all runs once more at this feed
+  double dwell_s = 2.0;                                          ///< at a target before the reading; 0: on the fly
+  double trigger_s = 1.0;                                        ///< between M08 and M09
+  int set_up = 1;                                                ///< number of the optical set-up, column `set_up`
+  bool new_set_up = false;                                       ///< optics aligned and reset anew for this run
+  bool other_line = false;                                       ///< the other axes stand elsewhere than now
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
   std::optional<double> pressure_hPa, humidity_pct, load_kg;
   std::optional<bool> compensated;  ///< absent: no map is known
@@ -53,7 +54,7 @@ struct MeasurementProposal {
 struct MeasuringTimes {
   double rapid_mm_min = 6000.0;
   double start_minutes = 5.0;              ///< same line again
-  double line_minutes = 20.0;              ///< optics moved to another line
+  double line_minutes = 25.0;              ///< optics moved to another line
   double align_minutes = 15.0;             ///< beam aligned and reset anew
   double load_minutes = 20.0;              ///< load put on or taken off
   double map_minutes = 2.0;                ///< compensation switched

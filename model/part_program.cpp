@@ -71,7 +71,8 @@ class ProgramWriter {
         where += fmt::format(" {} {} mm", letter_of(a), word(plan_.parked_mm[index_of(a)]));
     note(fmt::format("  optics for {} on the line with{}", name_of(plan_.sense),
                      where.empty() ? " the other axes as now" : where));
-    if (plan_.new_set_up) note("  align the beam and reset anew, optics close together; write set_up = 2");
+    if (plan_.new_set_up)
+      note(fmt::format("  align the beam and reset anew, optics close together; write set_up = {}", plan_.set_up));
     conditions();
     note(fmt::format("{} targets, {} {}, {}", targets_.size(), plan_.runs, plan_.runs == 1 ? "run" : "runs",
                      plan_.bidirectional  ? "both ways"
@@ -179,7 +180,7 @@ laser::Reading row_of(const MeasurementProposal& plan, const Stop& stop) {
   row.humidity_pct = plan.humidity_pct;
   row.compensated = plan.compensated;
   row.sensors_degC = plan.temperatures_degC;
-  if (plan.new_set_up) row.extras["set_up"] = 2.0;
+  if (plan.set_up != 1) row.extras["set_up"] = plan.set_up;
   return row;
 }
 

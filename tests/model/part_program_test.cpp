@@ -260,6 +260,7 @@ TEST_CASE("the operator reads what to set up before the first block") {
   plan.compensated = false;
   plan.wait_minutes = 60.0;
   plan.new_set_up = true;
+  plan.set_up = 2;
   const std::string program = part_program(plan, mill());
   const std::string head = program.substr(0, program.find("\n>"));
   for (const char* word : {"4 degC warmer", "t_material_degC at about 24.5", "300 kg", "COMPENSATION OFF", "60 min",
@@ -272,6 +273,7 @@ TEST_CASE("the target list is a measurement set with every known condition") {
   plan.temperatures_degC["t_material_degC"] = 24.5;
   plan.compensated = true;
   plan.new_set_up = true;
+  plan.set_up = 2;
   plan.first_run = 4;
   const auto list = laser::parse_measurement_set(target_list(plan), "targets.csv");
   REQUIRE(list);

@@ -1,0 +1,569 @@
+#include "model/next_measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "model/part_program.hpp"
+#include "synthetic.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using enum ecs::model::EffectId;
+
+namespace {
+
+constexpr double kNoise_um = 0.3;
+
+/// Modified Edlén in its linear form about 20 degC, 1013.25 hPa, 50 %RH, 1e-6 (NPL Good Practice Guide 11): good to a
+/// few percent here.
+double air_ppm(const laser::Reading& r) {
+  return -0.93 * (r.sensors_degC.at("t_air_degC") - 20.0) + 0.27 * (*r.pressure_hPa - 1013.25) -
+         0.0096 * (*r.humidity_pct - 50.0);
+}
+double degC(const laser::Reading& r, const char* sensor = "t_material_degC") { return r.sensors_degC.at(sensor); }
+bool first_optics(const laser::Reading& r) {
+  const auto set_up = r.extras.find("set_up");
+  return set_up == r.extras.end() || set_up->second == 1.0;
+}
+double z_lever_m(const laser::Reading& r) { return p(r, Axis::Z) / 1000.0; }
+/// A roll of the X carriage, um/m: a bump in the guideway, without the mean and slope over 0 … 1000 mm that a line
+/// alone cannot tell from an offset and a scale.
+double roll(double x_mm) {
+  const auto bump = [](double x) { return 16.0 * std::exp(-std::pow((x - 350.0) / 170.0, 2)); };
+  static const auto line = [&] {
+    double mean = 0.0, slope = 0.0;
+    for (int i = 0; i <= 1000; ++i) {
+      mean += bump(i) / 1001.0;
+      slope += bump(i) * (i - 500.0) / (1001.0 * 1002.0 * 1000.0 / 12.0);
+    }
+    return std::pair{mean, slope};
+  }();
+  return bump(x_mm) - line.first - line.second * (x_mm - 500.0);
+}
+
+/// A measurement in which several causes look alike, and the truth about it.
+struct Case {
+  std::string truth_name;
+  Model model;
+  laser::MeasurementSet set;
+  Truth truth;
+};
+
+/// One session; `conditions` changes every reading before the truth is asked.
+laser::MeasurementSet session(const Plan& plan, const Truth& truth,
+                              const std::function<void(laser::Reading&)>& conditions) {
+  auto set = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0.0, kNoise_um);
+  for (auto& r : set.readings) {
+    r.sensors_degC.clear();
+    conditions(r);
+    r.error = truth(r) + noise(random);
+  }
+  return set;
+}
+
+Model offset_only(Axis axis = Axis::X, Sense sense = Sense::EX) {
+  Model model;
+  model.effects = {effect(offset, axis, sense)};
+  return model;
+}
+
+Case case_of(const std::string& truth_name, const Model& model, const Plan& plan, const Truth& truth,
+             const std::function<void(laser::Reading&)>& conditions) {
+  return {truth_name, model, session(plan, truth, conditions), truth};
+}
+
+std::string group_of(const Diagnosis& found) {
+  if (found.candidates.empty()) return "";
+  std::string text = to_text(found.candidates.front().effect);
+  for (const std::string& rival : found.candidates.front().indistinguishable_from) text += ", " + rival;
+  return text;
+}
+std::size_t size_of_group(const Diagnosis& found) {
+  return found.candidates.empty() ? 0 : 1 + found.candidates.front().indistinguishable_from.size();
+}
+bool in_group(const Diagnosis& found, const std::string& name) {
+  return (", " + group_of(found) + ",").find(" " + name + ",") != std::string::npos;
+}
+
+/// The readings that following the proposal gives, after the present ones.
+laser::MeasurementSet followed(const laser::MeasurementSet& present, const MeasurementProposal& proposal,
+                               const Truth& truth) {
+  laser::MeasurementSet all = present;
+  const double start_s = *present.readings.back().time_s + 60.0 * (proposal.wait_minutes + proposal.set_up_minutes);
+  std::mt19937_64 random(23);
+  std::normal_distribution<double> noise(0.0, kNoise_um);
+  for (laser::Reading r : target_set(proposal).readings) {
+    *r.time_s += start_s;
+    r.row = static_cast<int>(all.readings.size()) + 1;
+    r.error = truth(r) + noise(random);
+    all.readings.push_back(r);
+  }
+  return all;
+}
+
+/// χ² that a rival leaves above what the truth leaves.
+double chi2_apart(const Model& model, const Observations& data, const EffectInstance& truth,
+                  const EffectInstance& rival) {
+  const auto chi2 = [&](const EffectInstance& added) {
+    Model with = model;
+    with.effects.push_back(added);
+    FitOptions plain;
+    plain.plain = true;
+    const auto result = fit(with, data, plain);
+    REQUIRE(result);
+    double sum = 0.0;
+    for (const double r : result->residual) sum += r * r;
+    return sum / (kNoise_um * kNoise_um);
+  };
+  return chi2(rival) - chi2(truth);
+}
+
+const EffectInstance* instance_of(const Diagnosis& found, const std::string& name) {
+  for (const Candidate& candidate : found.candidates)
+    if (to_text(candidate.effect) == name) return &candidate.effect;
+  return nullptr;
+}
+
+/// Diagnose, follow the first proposal, join, diagnose again.
+void check_case(const Case& one) {
+  CAPTURE(one.truth_name);
+  const auto machine = mill();
+  const Observations data = observations_of(one.set, one.model, machine);
+  const auto before = diagnose(one.model, data);
+  REQUIRE(before);
+  CAPTURE(group_of(*before));
+  REQUIRE(in_group(*before, one.truth_name));
+  REQUIRE(size_of_group(*before) >= 2);
+
+  const NextMeasurement next = next_measurement(one.model, data, *before);
+  REQUIRE_MESSAGE(!next.proposals.empty(), (next.notes.empty() ? "" : next.notes.front()));
+  const MeasurementProposal& first = next.proposals.front();
+  CAPTURE(first.sentence);
+  CHECK(first.separation_sigma >= 3.0);
+  CHECK(first.minutes > 0.0);
+
+  const auto joined = followed(one.set, first, one.truth);
+  const Observations more = observations_of(joined, one.model, machine);
+  const auto after = diagnose(one.model, more);
+  REQUIRE(after);
+  CAPTURE(group_of(*after));
+  CHECK(after->verdict == Verdict::missing_effect);
+  CHECK(in_group(*after, one.truth_name));
+  CHECK(size_of_group(*after) < size_of_group(*before));
+
+  for (const PairSeparation& pair : first.pairs) {
+    if (pair.truth.rfind(one.truth_name, 0) != 0 || pair.sigma < 5.0) continue;
+    const EffectInstance* truth = instance_of(*before, one.truth_name);
+    const EffectInstance* rival = instance_of(*before, pair.rival.substr(0, pair.rival.find(' ')));
+    REQUIRE(truth != nullptr);
+    REQUIRE(rival != nullptr);
+    const double achieved = std::sqrt(
+        std::max(0.0, chi2_apart(one.model, more, *truth, *rival) - chi2_apart(one.model, data, *truth, *rival)));
+    CAPTURE(pair.rival);
+    CAPTURE(pair.sigma);
+    CAPTURE(achieved);
+    CHECK(achieved < 1.5 * pair.sigma);
+    CHECK(achieved > pair.sigma / 1.5);
+  }
+}
+
+const auto kBare = [](laser::Reading&) {};
+const auto kWarmMaterial = [](laser::Reading& r) { r.sensors_degC["t_material_degC"] = 22.0; };
+const auto kOtherAir = [](laser::Reading& r) {
+  r.sensors_degC["t_air_degC"] = 22.0;
+  r.pressure_hPa = 985.0;
+  r.humidity_pct = 45.0;
+};
+
+}  // namespace
+
+TEST_CASE("scale, expansion or misalignment: one slope at one temperature") {
+  check_case(case_of(
+      "scale:X:EX", offset_only(), {}, [](const laser::Reading& r) { return -9.0 * p(r) / 1000.0; }, kWarmMaterial));
+  check_case(case_of(
+      "thermal_scale:X:EX", offset_only(), {},
+      [](const laser::Reading& r) { return -4.5 * (degC(r) - 20.0) * p(r) / 1000.0; }, kWarmMaterial));
+  check_case(case_of(
+      "cosine:X:EX", offset_only(), {},
+      [](const laser::Reading& r) { return first_optics(r) ? -9.0 * p(r) / 1000.0 : 0.0; }, kBare));
+  check_case(case_of(
+      "scale:X:EX", offset_only(), {}, [](const laser::Reading& r) { return -9.0 * p(r) / 1000.0; }, kBare));
+}
+
+TEST_CASE("followed step by step, the proposals leave the truth alone") {
+  const auto check_chain = [](const std::string& name, const Truth& truth) {
+    CAPTURE(name);
+    Case one = case_of(name, offset_only(), {}, truth, kWarmMaterial);
+    std::size_t size = 3;
+    for (int step = 0; step < 4 && size > 1; ++step) {
+      const Observations data = observations_of(one.set, one.model, mill());
+      const auto found = diagnose(one.model, data);
+      REQUIRE(found);
+      CAPTURE(group_of(*found));
+      CHECK(in_group(*found, name));
+      size = size_of_group(*found);
+      if (size == 1) break;
+      const NextMeasurement next = next_measurement(one.model, data, *found);
+      REQUIRE_FALSE(next.proposals.empty());
+      one.set = followed(one.set, next.proposals.front(), truth);
+    }
+    CHECK(size == 1);
+  };
+  check_chain("scale:X:EX", [](const laser::Reading& r) { return -9.0 * p(r) / 1000.0; });
+  check_chain("thermal_scale:X:EX", [](const laser::Reading& r) { return -4.5 * (degC(r) - 20.0) * p(r) / 1000.0; });
+  check_chain("cosine:X:EX", [](const laser::Reading& r) { return first_optics(r) ? -9.0 * p(r) / 1000.0 : 0.0; });
+}
+
+TEST_CASE("air not corrected or a scale: one slope in one weather") {
+  check_case(case_of(
+      "air_refraction:X:EX", offset_only(), {}, [](const laser::Reading& r) { return air_ppm(r) * p(r) / 1000.0; },
+      kOtherAir));
+  check_case(case_of(
+      "scale:X:EX", offset_only(), {}, [](const laser::Reading& r) { return -9.0 * p(r) / 1000.0; }, kOtherAir));
+}
+
+TEST_CASE("backlash or following error: two levels at one feed") {
+  const auto feed = [](laser::Reading& r) { r.feed_mm_min = 2000.0; };
+  check_case(case_of(
+      "backlash:X:EX", straight(), {}, [](const laser::Reading& r) { return 1.0 * d(r); }, feed));
+  check_case(case_of(
+      "servo_lag:X:EX", straight(), {}, [](const laser::Reading& r) { return 0.5 * *r.feed_mm_min / 1000.0 * d(r); },
+      feed));
+}
+
+TEST_CASE("offset or dead path: one shift in one weather") {
+  Model model;
+  model.effects = {effect(scale, Axis::X, Sense::EX)};
+  check_case(case_of(
+      "offset:X:EX", model, {}, [](const laser::Reading&) { return 4.0; }, kOtherAir));
+  check_case(case_of(
+      "dead_path:X:EX", model, {}, [](const laser::Reading& r) { return first_optics(r) ? 0.6 * air_ppm(r) : 0.0; },
+      kOtherAir));
+}
+
+TEST_CASE("a roll through a lever or the guideway's own form: one line") {
+  Plan plan;
+  plan.sense = Sense::EY;
+  plan.parked_mm = {0.0, 100.0, 400.0};
+  // E_Y of TXYZ contains −EAX·Z
+  check_case(case_of(
+      "angular:X:EAX", straight(Axis::X, Sense::EY), plan,
+      [](const laser::Reading& r) { return -roll(p(r)) * z_lever_m(r); }, kBare));
+  check_case(case_of(
+      "progressive:X:EY", straight(Axis::X, Sense::EY), plan, [](const laser::Reading& r) { return 0.4 * roll(p(r)); },
+      kBare));
+}
+
+TEST_CASE("a wrong gain of the map or a scale: a straight map") {
+  Model model = offset_only();
+  laser::ErrorMap map;
+  map.tables.push_back({Component::EXX, Approach::unknown, {-10.0, 1010.0}, {0.2, -20.2}});
+  model.map = map;
+  const auto on = [](laser::Reading& r) { r.compensated = true; };
+  const auto compensation = [](const laser::Reading& r) { return -20.0 * p(r) / 1000.0; };
+  check_case(case_of(
+      "map_gain:X:EX", model, {}, [=](const laser::Reading& r) { return *r.compensated ? 0.3 * compensation(r) : 0.0; },
+      on));
+  check_case(case_of(
+      "scale:X:EX", model, {}, [](const laser::Reading& r) { return -6.0 * p(r) / 1000.0; }, on));
+}
+
+TEST_CASE("warming up, creep or the spindle's growth: one short session") {
+  Plan plan;
+  plan.targets = 21;
+  plan.step_mm = 50.0;
+  const auto warming = [](laser::Reading& r) { r.sensors_degC["t_spindle_degC"] = 20.0 + 1.5 * *r.time_s / 1800.0; };
+  check_case(case_of(
+      "time_drift:X:EX", straight(), plan, [](const laser::Reading& r) { return 5.0 * *r.time_s / 1800.0; }, warming));
+  check_case(case_of(
+      "thermal_drift:X:EX", straight(), plan,
+      [](const laser::Reading& r) { return 3.0 * (degC(r, "t_spindle_degC") - 20.0); }, warming));
+}
+
+TEST_CASE("a weak backlash at one feed takes more runs to tell from a following error") {
+  const auto feed = [](laser::Reading& r) { r.feed_mm_min = 2000.0; };
+  Plan plan;
+  plan.targets = 21;
+  plan.step_mm = 50.0;
+  check_case(case_of(
+      "backlash:X:EX", straight(), plan, [](const laser::Reading& r) { return 0.2 * d(r); }, feed));
+}
+
+TEST_CASE("load or scale: one load") {
+  const auto loaded = [](laser::Reading& r) { r.load_kg = 200.0; };
+  check_case(case_of(
+      "load:X:EX", offset_only(), {}, [](const laser::Reading& r) { return 0.03 * *r.load_kg * p(r) / 1000.0; },
+      loaded));
+  check_case(case_of(
+      "scale:X:EX", offset_only(), {}, [](const laser::Reading& r) { return 6.0 * p(r) / 1000.0; }, loaded));
+}
+
+TEST_CASE("a polarity of the map and a gain of minus one are the same thing: said, not measured") {
+  Model model = straight();
+  laser::ErrorMap map;
+  map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});
+  for (int i = 0; i <= 40; ++i) {
+    map.tables[0].position_mm.push_back(25.0 * i);
+    map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
+  }
+  model.map = map;
+  auto set = measured({}, kNoise_um,
+                      [&](const laser::Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+  const Observations data = observations_of(set, model, mill());
+  auto found = diagnose(model, data);
+  REQUIRE(found);
+  std::erase_if(found->candidates,
+                [](const Candidate& c) { return c.effect.id != map_polarity && c.effect.id != map_gain; });
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(next.rivals.size() == 2);
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 1);
+  CAPTURE(next.notes[0]);
+  CHECK(next.notes[0].find("contribute alike") != std::string::npos);
+}
+
+TEST_CASE("proposals stay inside the travel with their overrun, or inside what was measured") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  for (const bool with_machine : {true, false}) {
+    const Observations data = observations_of(set, model, with_machine ? std::optional(mill()) : std::nullopt);
+    const auto found = diagnose(model, data);
+    REQUIRE(found);
+    const NextMeasurement next = next_measurement(model, data, *found);
+    REQUIRE_FALSE(next.proposals.empty());
+    double least = 0.0, greatest = 1000.0;
+    if (!with_machine) {
+      const auto ends = std::minmax_element(set.readings.begin(), set.readings.end(),
+                                            [](const auto& a, const auto& b) { return p(a) < p(b); });
+      least = p(*ends.first);
+      greatest = p(*ends.second);
+    }
+    for (const MeasurementProposal& proposal : next.proposals) {
+      CHECK(proposal.targets_mm.front() - proposal.overrun_mm >= least - 1e-9);
+      CHECK(proposal.targets_mm.back() + proposal.overrun_mm <= greatest + 1e-9);
+      CHECK(proposal.first_run == 4);
+    }
+  }
+}
+
+TEST_CASE("three readings, no machine, no times, no approach: an answer without a proposal beyond what was measured") {
+  Plan plan;
+  plan.targets = 3;
+  plan.runs = 1;
+  plan.both_ways = false;
+  auto set = measured(plan, kNoise_um, [](const laser::Reading&) { return 0.0; });
+  for (auto& r : set.readings) {
+    r.time_s.reset();
+    r.sensors_degC.clear();
+    r.approach = Approach::unknown;
+  }
+  const Model model = straight();
+  const Observations data = observations_of(set, model, std::nullopt);
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK_FALSE(next.notes.empty());
+  for (const MeasurementProposal& proposal : next.proposals)
+    for (const double target : proposal.targets_mm) {
+      CHECK(target >= p(set.readings.front()));
+      CHECK(target <= p(set.readings.back()));
+    }
+  CHECK_FALSE(next_measurement(model, Observations{}, Diagnosis{}).notes.empty());
+}
+
+TEST_CASE("an adequate model with few readings says what it could not have seen, and what would show it") {
+  Plan plan;
+  plan.targets = 6;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.step_mm = 190.0;
+  auto set = session(
+      plan, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; },
+      [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::adequate);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(next.rivals.size() >= 2);
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma >= 3.0);
+}
+
+TEST_CASE("an adequate model with many readings asks for nothing") {
+  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; });
+  for (auto& r : set.readings) {
+    r.time_s.reset();
+    r.sensors_degC.clear();
+  }
+  params::Machine one = mill("TX");
+  one.axes[1].reset();
+  one.axes[2].reset();
+  const Model model = straight();
+  const Observations data = observations_of(set, model, one);
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::adequate);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.notes.empty());
+  CAPTURE(next.notes.front());
+  const auto names = [&](const char* name) {
+    return std::find(next.rivals.begin(), next.rivals.end(), name) != next.rivals.end();
+  };
+  CHECK(names("cosine:X:EX"));  // beside a scale it is never seen
+  CHECK_FALSE(names("backlash:X:EX"));
+}
+
+TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
+  Plan plan;
+  plan.runs = 5;
+  const auto set = measured(plan, kNoise_um, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::unexplained_structure);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
+  CHECK_FALSE(next.notes.empty());
+}
+
+TEST_CASE("before measuring: the sigma of each parameter from textbook formulas") {
+  Plan plan;
+  plan.targets = 11;
+  plan.runs = 2;
+  const auto set = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
+  REQUIRE(check);
+  CHECK(check->determines);
+  CHECK(check->undetermined.empty());
+  double sum = 0.0, square = 0.0;
+  const double n = static_cast<double>(set.readings.size());
+  for (const auto& r : set.readings) {
+    sum += p(r) / 1000.0;
+    square += std::pow(p(r) / 1000.0, 2);
+  }
+  const double spread = square - sum * sum / n;
+  CHECK(*check->effects[1].parameters[0].sigma == Approx(0.5 / std::sqrt(spread)).epsilon(1e-9));
+  CHECK(*check->effects[0].parameters[0].sigma == Approx(0.5 * std::sqrt(square / n / spread)).epsilon(1e-9));
+  CHECK(*check->effects[2].parameters[0].sigma == Approx(2.0 * 0.5 / std::sqrt(n)).epsilon(1e-9));
+}
+
+TEST_CASE("before measuring: what a plan cannot determine is named with what it collides with") {
+  auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  for (auto& r : set.readings) {
+    r.sensors_degC["t_material_degC"] = 22.0;
+    r.feed_mm_min = 2000.0;
+  }
+  Model model = straight();
+  model.effects.push_back(effect(thermal_scale, Axis::X, Sense::EX));
+  model.effects.push_back(effect(load, Axis::X, Sense::EX));
+  model.effects.push_back(effect(offset, Axis::Y, Sense::EY));
+  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
+  REQUIRE(check);
+  CHECK_FALSE(check->determines);
+  const auto says = [&](const char* text) {
+    return std::any_of(check->undetermined.begin(), check->undetermined.end(),
+                       [&](const std::string& each) { return each.find(text) != std::string::npos; });
+  };
+  CHECK(says("thermal_scale:X:EX cannot be told from scale:X:EX"));
+  CHECK(says("load:X:EX: the plan lacks load_kg"));
+  CHECK(says("offset:Y:EY: the plan does not show it"));
+  CHECK_FALSE(says("offset:X:EX"));
+  CHECK(check->effects[0].parameters[0].sigma);
+  CHECK_FALSE(check->effects[1].parameters[0].sigma);
+}
+
+TEST_CASE("before measuring: nonlinear parameters and curves, as accurate as a fit then finds them") {
+  Plan plan;
+  plan.step_mm = 25.0;
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  model.effects[2].fitted = {
+      {"period_mm", 90.0}, {"amplitude_um", 2.0}, {"phase_rad", 0.4}, {"amplitude2_um", 0.0}, {"phase2_rad", 0.0}};
+  model.effects[2].parameters = {{"amplitude2_um", 0.0}};
+  const auto empty = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
+  const auto check = check_plan(model, observations_of(empty, model, mill()), kNoise_um);
+  REQUIRE(check);
+  CHECK(check->determines);
+  const auto of = [](const std::vector<ParameterEstimate>& list, const char* name) {
+    return *std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.name == name; });
+  };
+  const auto& expected = check->effects[2].parameters;
+  REQUIRE(of(expected, "period_mm").sigma);
+  // what simulated measurements scatter by
+  double sum = 0.0, square = 0.0;
+  constexpr int kTrials = 40;
+  for (unsigned seed = 1; seed <= kTrials; ++seed) {
+    const auto set = measured(
+        plan, kNoise_um,
+        [](const laser::Reading& r) { return 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0 + 0.4); }, seed);
+    const auto result = fit(model, observations_of(set, model, mill()));
+    REQUIRE(result);
+    const double period = of(result->effects[2].parameters, "period_mm").value;
+    sum += period;
+    square += period * period;
+  }
+  const double scatter = std::sqrt((square - sum * sum / kTrials) / (kTrials - 1));
+  CHECK(*of(expected, "period_mm").sigma == Approx(scatter).epsilon(0.35));
+
+  Model curve = straight();
+  curve.effects.push_back(effect(progressive, Axis::X, Sense::EX));
+  const auto of_curve = check_plan(curve, observations_of(empty, curve, mill()), kNoise_um);
+  REQUIRE(of_curve);
+  CHECK(of_curve->determines);
+  const auto& rms = of_curve->effects[2].parameters.front();
+  REQUIRE(rms.sigma);
+  // 14 functions on 246 readings: the mean variance of a fitted value is 14/246 of the noise's
+  CHECK(*rms.sigma == Approx(kNoise_um * std::sqrt(14.0 / 246.0)).epsilon(0.1));
+}
+
+TEST_CASE("before measuring: a model without values is judged at values that are told") {
+  const auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  Model model = straight();
+  model.effects.push_back(effect(warm_up, Axis::X, Sense::EX));
+  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
+  REQUIRE(check);
+  CHECK(check->assumed.size() == 2);
+  CHECK(check->assumed.front().find("tau_s") != std::string::npos);
+  CHECK(check->effects[2].parameters.front().sigma);
+  CHECK_FALSE(check_plan(model, observations_of(set, model, mill()), 0.0));
+}
+
+TEST_CASE("a target list is a plan to check") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  const auto two_feeds = std::find_if(next.proposals.begin(), next.proposals.end(),
+                                      [](const auto& each) { return each.second_feed_mm_min.has_value(); });
+  REQUIRE(two_feeds != next.proposals.end());
+  two_feeds->bidirectional = true;
+  const auto plan = laser::parse_measurement_set(target_list(*two_feeds), "targets.csv");
+  REQUIRE(plan);
+  Model both = model;
+  both.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  both.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
+  const auto alone = check_plan(both, observations_of(*plan, both, mill()), kNoise_um);
+  REQUIRE(alone);
+  CHECK(alone->determines);
+  const auto at_one_feed = check_plan(both, data, kNoise_um);
+  REQUIRE(at_one_feed);
+  CHECK_FALSE(at_one_feed->determines);
+}
