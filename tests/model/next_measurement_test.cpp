@@ -288,6 +288,15 @@ TEST_CASE("warming up, creep or the spindle's growth: one short session") {
       [](const laser::Reading& r) { return 3.0 * (degC(r, "t_spindle_degC") - 20.0); }, warming));
 }
 
+TEST_CASE("warming up or creep: a session shorter than the time that warming takes") {
+  Plan plan;
+  plan.targets = 21;
+  plan.step_mm = 50.0;
+  check_case(case_of(
+      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -30.0 * std::expm1(-*r.time_s / 9000.0); },
+      kBare));
+}
+
 TEST_CASE("a weak backlash at one feed takes more runs to tell from a following error") {
   const auto feed = [](laser::Reading& r) { r.feed_mm_min = 2000.0; };
   Plan plan;
@@ -436,110 +445,6 @@ TEST_CASE("structure that no effect explains: the run that shows on which variab
   const NextMeasurement next = next_measurement(model, data, *found);
   CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
   CHECK_FALSE(next.notes.empty());
-}
-
-TEST_CASE("before measuring: the sigma of each parameter from textbook formulas") {
-  Plan plan;
-  plan.targets = 11;
-  plan.runs = 2;
-  const auto set = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
-  Model model = straight();
-  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
-  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
-  REQUIRE(check);
-  CHECK(check->determines);
-  CHECK(check->undetermined.empty());
-  double sum = 0.0, square = 0.0;
-  const double n = static_cast<double>(set.readings.size());
-  for (const auto& r : set.readings) {
-    sum += p(r) / 1000.0;
-    square += std::pow(p(r) / 1000.0, 2);
-  }
-  const double spread = square - sum * sum / n;
-  CHECK(*check->effects[1].parameters[0].sigma == Approx(0.5 / std::sqrt(spread)).epsilon(1e-9));
-  CHECK(*check->effects[0].parameters[0].sigma == Approx(0.5 * std::sqrt(square / n / spread)).epsilon(1e-9));
-  CHECK(*check->effects[2].parameters[0].sigma == Approx(2.0 * 0.5 / std::sqrt(n)).epsilon(1e-9));
-}
-
-TEST_CASE("before measuring: what a plan cannot determine is named with what it collides with") {
-  auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
-  for (auto& r : set.readings) {
-    r.sensors_degC["t_material_degC"] = 22.0;
-    r.feed_mm_min = 2000.0;
-  }
-  Model model = straight();
-  model.effects.push_back(effect(thermal_scale, Axis::X, Sense::EX));
-  model.effects.push_back(effect(load, Axis::X, Sense::EX));
-  model.effects.push_back(effect(offset, Axis::Y, Sense::EY));
-  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
-  REQUIRE(check);
-  CHECK_FALSE(check->determines);
-  const auto says = [&](const char* text) {
-    return std::any_of(check->undetermined.begin(), check->undetermined.end(),
-                       [&](const std::string& each) { return each.find(text) != std::string::npos; });
-  };
-  CHECK(says("thermal_scale:X:EX cannot be told from scale:X:EX"));
-  CHECK(says("load:X:EX: the plan lacks load_kg"));
-  CHECK(says("offset:Y:EY: the plan does not show it"));
-  CHECK_FALSE(says("offset:X:EX"));
-  CHECK(check->effects[0].parameters[0].sigma);
-  CHECK_FALSE(check->effects[1].parameters[0].sigma);
-}
-
-TEST_CASE("before measuring: nonlinear parameters and curves, as accurate as a fit then finds them") {
-  Plan plan;
-  plan.step_mm = 25.0;
-  Model model = straight();
-  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
-  model.effects[2].fitted = {
-      {"period_mm", 90.0}, {"amplitude_um", 2.0}, {"phase_rad", 0.4}, {"amplitude2_um", 0.0}, {"phase2_rad", 0.0}};
-  model.effects[2].parameters = {{"amplitude2_um", 0.0}};
-  const auto empty = measured(plan, 0.0, [](const laser::Reading&) { return 0.0; });
-  const auto check = check_plan(model, observations_of(empty, model, mill()), kNoise_um);
-  REQUIRE(check);
-  CHECK(check->determines);
-  const auto of = [](const std::vector<ParameterEstimate>& list, const char* name) {
-    return *std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.name == name; });
-  };
-  const auto& expected = check->effects[2].parameters;
-  REQUIRE(of(expected, "period_mm").sigma);
-  // what simulated measurements scatter by
-  double sum = 0.0, square = 0.0;
-  constexpr int kTrials = 40;
-  for (unsigned seed = 1; seed <= kTrials; ++seed) {
-    const auto set = measured(
-        plan, kNoise_um,
-        [](const laser::Reading& r) { return 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0 + 0.4); }, seed);
-    const auto result = fit(model, observations_of(set, model, mill()));
-    REQUIRE(result);
-    const double period = of(result->effects[2].parameters, "period_mm").value;
-    sum += period;
-    square += period * period;
-  }
-  const double scatter = std::sqrt((square - sum * sum / kTrials) / (kTrials - 1));
-  CHECK(*of(expected, "period_mm").sigma == Approx(scatter).epsilon(0.35));
-
-  Model curve = straight();
-  curve.effects.push_back(effect(progressive, Axis::X, Sense::EX));
-  const auto of_curve = check_plan(curve, observations_of(empty, curve, mill()), kNoise_um);
-  REQUIRE(of_curve);
-  CHECK(of_curve->determines);
-  const auto& rms = of_curve->effects[2].parameters.front();
-  REQUIRE(rms.sigma);
-  // 14 functions on 246 readings: the mean variance of a fitted value is 14/246 of the noise's
-  CHECK(*rms.sigma == Approx(kNoise_um * std::sqrt(14.0 / 246.0)).epsilon(0.1));
-}
-
-TEST_CASE("before measuring: a model without values is judged at values that are told") {
-  const auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
-  Model model = straight();
-  model.effects.push_back(effect(warm_up, Axis::X, Sense::EX));
-  const auto check = check_plan(model, observations_of(set, model, mill()), 0.5);
-  REQUIRE(check);
-  CHECK(check->assumed.size() == 2);
-  CHECK(check->assumed.front().find("tau_s") != std::string::npos);
-  CHECK(check->effects[2].parameters.front().sigma);
-  CHECK_FALSE(check_plan(model, observations_of(set, model, mill()), 0.0));
 }
 
 TEST_CASE("a target list is a plan to check") {
