@@ -1,11 +1,14 @@
 // `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest.
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "app/declared_zero.hpp"
 #include "app/laser_files.hpp"
 #include "app/map_checks.hpp"
+#include "app/map_from_model.hpp"
 #include "app/map_menu.hpp"
 #include "app/map_view.hpp"
 #include "base/file.hpp"
@@ -26,6 +29,9 @@ struct Arguments {
   std::string customer;
   std::string engineer;
   std::string date;
+  std::string from_model;
+  std::string machine;
+  std::optional<double> increment_mm;
 };
 
 struct Recipe {
@@ -48,22 +54,16 @@ Result<Recipe> recipe_of(const Arguments& arguments, const UnitParameters& param
   return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
 }
 
-/// `EBY=reason`
 Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    const std::size_t sign = word.find('=');
-    const auto component = component_of(trimmed(std::string_view(word).substr(0, sign)));
-    const std::string reason = sign == std::string::npos ? "" : std::string(trimmed(word.substr(sign + 1)));
-    if (!component || reason.empty())
-      return problem(
-          ProblemKind::usage,
-          fmt::format("--zero: expected CODE=\"reason\", as in EBY=\"too small to measure\", got \"{}\"", word));
-    const auto same = [&](const auto& other) { return other.component == *component; };
+    const auto zero = declared_zero_in(word);
+    if (!zero) return tl::unexpected(zero.error());
+    const auto same = [&](const auto& other) { return other.component == zero->component; };
     if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
         std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
-      return problem(ProblemKind::usage,
-                     fmt::format("--zero {}: it is measured or declared zero already: keep one", name_of(*component)));
-    recipe.declared_zero.push_back({*component, reason});
+      return problem(ProblemKind::usage, fmt::format("--zero {}: it is measured or declared zero already: keep one",
+                                                     name_of(zero->component)));
+    recipe.declared_zero.push_back(*zero);
   }
   return {};
 }
@@ -241,7 +241,26 @@ Problem nothing_built(const Built& b) {
   return folded(std::move(problems));
 }
 
+Result<Outcome> from_model(Session& session, const Arguments& a) {
+  if (!a.files.empty())
+    return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
+  return map_from_model(session, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out, a.zero,
+                                  a.customer, a.engineer, a.date});
+}
+
+Result<void> enough_given(const Arguments& arguments) {
+  if (arguments.files.empty())
+    return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
+  if (arguments.params.empty())
+    return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
+  if (arguments.increment_mm)
+    return problem(ProblemKind::usage, "--increment goes with --from-model; a recipe says increment_mm by component");
+  return {};
+}
+
 Result<Outcome> build(Session& session, const Arguments& arguments) {
+  if (!arguments.from_model.empty()) return from_model(session, arguments);
+  if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
   const auto b = built(arguments);
@@ -257,9 +276,13 @@ Result<Outcome> build(Session& session, const Arguments& arguments) {
 void add_map_build(Menu& menu) {
   const auto arguments = std::make_shared<Arguments>();
   menu.verb("build", "the error map from measured files, by a recipe or as the files suggest",
-            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml")
-      .texts("FILE", arguments->files, "a recipe (.toml), or measurement files", Need::required)
-      .text("--params", arguments->params, "parameters of the unit", Need::required)
+            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv")
+      .texts("FILE", arguments->files, "a recipe (.toml), or measurement files")
+      .text("--params", arguments->params, "parameters of the unit; with --from-model those of the machine by default")
+      .text("--from-model", arguments->from_model, "a fitted model (.toml) in place of measured files")
+      .text("--machine", arguments->machine, "the machine (.toml), for --from-model")
+      .number("--increment", arguments->increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
       .text("-o,--output", arguments->output, "map CSV to write")
       .text("--params-out", arguments->params_out, "parameters to write, with the squareness that was measured")
       .texts("--zero", arguments->zero, "declare a component zero: EBY=\"too small to measure\"")

@@ -9,6 +9,7 @@ void add_all_menus(Menu& root) {
   add_map_menu(root);
   add_utility_menu(root);
   add_memory_menu(root);
+  add_model_menu(root);
   add_batch_verb(root);
   add_doctor_verb(root);
 }

@@ -14,6 +14,7 @@ void add_laser_menu(Menu& root);
 void add_map_menu(Menu& root);
 void add_utility_menu(Menu& root);
 void add_memory_menu(Menu& root);
+void add_model_menu(Menu& root);
 void add_batch_verb(Menu& root);
 void add_doctor_verb(Menu& root);
 

@@ -15,6 +15,8 @@ enum class Mark {
   forward_reading,  ///< small open triangles upward, no line
   reverse_reading,  ///< small open triangles downward, no line
   reading,          ///< small open circles, no line
+  bar,              ///< a filled bar from zero
+  level,            ///< a thick dashed line without marks, such as a limit
 };
 
 struct PlotPoint {
@@ -32,7 +34,8 @@ struct PlotPanel {
   std::string title;
   std::string x_label;
   std::string y_label;
-  std::vector<PlotSeries> series;  ///< drawn in this order
+  std::vector<PlotSeries> series;      ///< drawn in this order
+  std::vector<std::string> x_names{};  ///< words at 0, 1, 2 … in place of numbers; empty: numbers
 };
 
 struct PlotFigure {

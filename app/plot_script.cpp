@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/plot_gnuplot.hpp"
 
@@ -62,6 +63,10 @@ std::string_view style_of(Mark mark) {
       return "points pt 8 ps 0.7 lw 0.7 lc rgb '#6090c0'";
     case Mark::reverse_reading:
       return "points pt 10 ps 0.7 lw 0.7 lc rgb '#d08060'";
+    case Mark::bar:
+      return "boxes fc rgb '#b8cfe6' fs solid 1.0 border rgb '#0050a0'";
+    case Mark::level:
+      return "lines lw 2.5 dt (12,6) lc rgb '#c04000'";
     case Mark::reading:
       break;
   }
@@ -92,10 +97,21 @@ std::string plot_command(const PlotPanel& panel, std::size_t place) {
   return parts.empty() ? "plot 0 notitle lc rgb '#808080'\n" : fmt::format("plot {}\n", fmt::join(parts, ", "));
 }
 
+/// Words in place of the numbers of the abscissa, bars that start at zero; undone for the next panel.
+std::string x_names_commands(const PlotPanel& panel, const Ranges& ranges) {
+  if (panel.x_names.empty()) return "set xtics auto\nset mxtics\n";
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < panel.x_names.size(); ++i)
+    names.push_back(fmt::format("{} {}", literal(panel.x_names[i]), i));
+  return fmt::format("set xtics ({})\nunset mxtics\nset boxwidth 0.6\nset xrange [-0.7:{}]\nset yrange [0:{:.9g}]\n",
+                     fmt::join(names, ", "), static_cast<double>(names.size()) - 0.3,
+                     ranges.y.most > 0.0 ? 1.1 * ranges.y.most : 1.0);
+}
+
 std::string panel_commands(const PlotPanel& panel, std::size_t place, const Ranges& ranges) {
-  return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}",
+  return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}{}",
                      literal(panel.title), literal(panel.x_label), literal(panel.y_label), ranges.x.padded(0.02),
-                     ranges.y.padded(0.06), plot_command(panel, place));
+                     ranges.y.padded(0.06), x_names_commands(panel, ranges), plot_command(panel, place));
 }
 
 std::string terminal_commands(PlotFormat format, int columns, int rows) {
@@ -120,7 +136,8 @@ std::string plot_script(const PlotFigure& figure, PlotFormat format) {
       "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset "
       "mytics\n"
       "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key tmargin center horizontal samplen 3\n";
-  script += fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
+  script +=
+      fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     Ranges own;
     own.take(figure.panels[i]);
