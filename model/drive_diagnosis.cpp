@@ -137,7 +137,7 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
     const bool recorded = std::any_of(trace_.signals.begin(), trace_.signals.end(),
                                       [&](const RecordedSignal& s) { return s.id == info.id; });
     if (recorded) continue;
-    SignalDifference least{info.id, 1e300, 0.0, 0.0};
+    SignalDifference least{info.id, 1e300, 0.0, candidate.alternatives.front().constant, 0.0};
     for (std::size_t i = 1; i < responses.size(); ++i) {
       double square = 0.0, a_square = 0.0, b_square = 0.0, a_most = 0.0, b_most = 0.0;
       const double span = trace_.time_s.back() - trace_.time_s.front();
@@ -150,7 +150,7 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
         b_most = std::max(b_most, std::abs(b));
       }
       const double relative = std::sqrt(square / std::max(1e-300, std::min(a_square, b_square)));
-      if (relative < least.relative) least = {info.id, relative, a_most, b_most};
+      if (relative < least.relative) least = {info.id, relative, a_most, candidate.alternatives[i].constant, b_most};
     }
     candidate.signals.push_back(least);
   }

@@ -37,7 +37,8 @@ struct SignalDifference {
   DriveSignal signal = DriveSignal::tacho;
   double relative = 0.0;  ///< rms of the difference over rms of the signal, least over the members of the group
   double first = 0.0;     ///< largest value with the first member mended
-  double other = 0.0;     ///< with the member that is hardest to tell from it
+  DriveConstant against = DriveConstant::Kd;  ///< the member that is hardest to tell from the first
+  double other = 0.0;                         ///< largest value with that one mended
 };
 
 struct DriveCandidate {
