@@ -291,7 +291,7 @@ std::vector<MeasuredLine> measured_lines(const Observations& data, const Measuri
 }
 
 std::vector<MeasurementProposal> measuring_options(const Observations& data, const MeasuredLine& line,
-                                                   const MeasuringTimes& times, bool on_the_fly) {
+                                                   const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
   std::vector<MeasurementProposal> options;
   for (const MeasurementProposal& condition : Conditions(data, line.now, times).all())
     for (const std::size_t most : {kManyTargets, kFewTargets})
@@ -299,6 +299,7 @@ std::vector<MeasurementProposal> measuring_options(const Observations& data, con
         MeasurementProposal one = condition;
         one.targets_mm = thinned(one.targets_mm, most);
         if (most == kManyTargets && condition.targets_mm.size() <= kFewTargets) continue;
+        if (of_approach && !both) continue;
         one.bidirectional = both;
         if (on_the_fly) one.dwell_s = 0.0;
         options.push_back(std::move(one));

@@ -23,8 +23,10 @@ struct MeasuredLine {
 [[nodiscard]] Range range_of(const Observations& data, Axis axis);
 
 /// Runs worth weighing, one run of each: every condition with many and with few targets, both ways and one way.
-/// @param on_the_fly  readings without a dwell, as a following error needs
+/// @param of_approach  causes that depend on the approach are in question: both ways only
+/// @param on_the_fly   readings without a dwell, as a following error needs
 [[nodiscard]] std::vector<MeasurementProposal> measuring_options(const Observations& data, const MeasuredLine& line,
-                                                                 const MeasuringTimes& times, bool on_the_fly);
+                                                                 const MeasuringTimes& times, bool of_approach,
+                                                                 bool on_the_fly);
 
 }  // namespace ecs::model

@@ -171,6 +171,9 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
                                              const MeasuringTimes& times) {
   const bool on_the_fly =
       std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.id == EffectId::servo_lag; });
+  const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
+    return info_of(e.id).of_approach || e.approach != ApproachMode::both;
+  });
   std::vector<MeasuredLine> lines = measured_lines(data, times);
   const auto concerns = [&](const MeasuredLine& line) {
     return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
@@ -181,7 +184,7 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   if (lines.size() > kMostLines) lines.resize(kMostLines);
   std::vector<MeasurementProposal> options;
   for (const MeasuredLine& line : lines)
-    for (MeasurementProposal& option : measuring_options(data, line, times, on_the_fly))
+    for (MeasurementProposal& option : measuring_options(data, line, times, of_approach, on_the_fly))
       options.push_back(std::move(option));
   return options;
 }

@@ -293,7 +293,7 @@ TEST_CASE("warming up or creep: a session shorter than the time that warming tak
   plan.targets = 21;
   plan.step_mm = 50.0;
   check_case(case_of(
-      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -30.0 * std::expm1(-*r.time_s / 9000.0); },
+      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -4.0 * std::expm1(-*r.time_s / 2700.0); },
       kBare));
 }
 
