@@ -30,7 +30,8 @@ std::optional<std::string> shared_text(const std::string& file) {
   const char* shared = std::getenv("ECS_SHARED_DATA");
   const std::filesystem::path path = std::filesystem::path(shared != nullptr ? shared : "../shared/data") / file;
   if (!std::filesystem::exists(path)) {
-    MESSAGE("skipped: no " + path.string());
+    const std::string why = "skipped: no " + path.string();
+    MESSAGE(why);
     return std::nullopt;
   }
   return read_file(path).value();
@@ -89,7 +90,8 @@ Diagnosis diagnosed_real(const char* what, const Model& model, const Set& set,
                          const std::optional<params::Machine>& machine = std::nullopt) {
   const auto result = diagnose(model, observations_of(set, model, machine));
   REQUIRE(result);
-  MESSAGE(std::string(what) + ": " + told(*result));
+  const std::string answer = std::string(what) + ": " + told(*result);
+  MESSAGE(answer);
   return *result;
 }
 
