@@ -42,7 +42,6 @@ class DriveSearch {
     found_.floor_V = std::hypot(1.2 * found_.noise_V, 0.5 * given_.drive[DriveConstant::Kd]);
     found_.rms_V = fitter_.rms(given_, 0);
     found_.measured = shape_of(trace_.time_s, trace_.dac().value, found_.noise_V);
-    found_.as_given_V = fitter_.predicted(given_, 0);
     found_.as_given = simulated_shape(given_);
     if (!given_.possible) found_.notes.emplace_back("the loop as given is unstable: its simulation runs away");
     DriveFit best = given_;
@@ -260,6 +259,9 @@ void DriveSearch::conclude(const DriveFit& best) {
   found_.mended_drive = best.drive;
   found_.start_s = best.start_s;
   found_.mended_V = fitter_.predicted(best, 0);
+  DriveFit beside = best;  // as given, on the clock and the zero of the mended one
+  beside.drive = given_.drive;
+  found_.as_given_V = fitter_.predicted(beside, 0);
   found_.mended = simulated_shape(best);
   found_.silent = silent_at(fitter_.sensitivities(best));
 }
