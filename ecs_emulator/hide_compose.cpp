@@ -48,10 +48,11 @@ bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorb
   const double size = used.left_of(structure).norm();
   if (size < std::sqrt(kLeastShare) * structure.norm()) return false;
   for (int step = 0; step < kLibrarySteps; ++step) {
-    const auto rivals = rivals_of(scene, ground, used, structure, 1.0, true);
+    const auto explains = [&](const Rival& rival) { return rival.separation < kForeign * size; };
+    const auto rivals = rivals_of(scene, ground, used, structure, 1.0, true, explains);
+    if (rivals.empty() || explains(rivals.back())) return rivals.empty();
     const auto best = std::min_element(rivals.begin(), rivals.end(),
                                        [](const Rival& a, const Rival& b) { return a.separation < b.separation; });
-    if (best == rivals.end() || best->separation < kForeign * size) return false;
     used.add(columns_of(scene, ground, best->effect));
   }
   return true;

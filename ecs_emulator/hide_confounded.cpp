@@ -109,18 +109,20 @@ bool has_own_lever(const Scene& scene, const PlacedEffect& effect) {
 
 /// All that do the same as the hidden effect; empty where somebody comes too near without being the same.
 std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, const Absorbed& absorbed, bool curves) {
-  const PlacedEffect& hidden = c.hidden.front().effect;
   std::vector<std::string> group;
-  for (const Rival& rival :
-       rivals_of(c.scene, ground, absorbed, vector_of(contribution(c.scene, hidden)), c.noise.sigma_um, true)) {
-    if (rival.separation >= kApart) continue;
+  bool disturbed = false;
+  const auto weigh = [&](const Rival& rival) {
+    if (rival.separation >= kApart) return false;
+    const EffectKind kind = rival.effect.kind;
     const bool expected =
-        !rival.flexible ||
-        (curves && (rival.effect.kind == EffectKind::progressive || rival.effect.kind == EffectKind::angular));
-    if (rival.separation > kSame || !expected || !is_natural(rival) || has_own_lever(c.scene, rival.effect)) return {};
+        !rival.flexible || (curves && (kind == EffectKind::progressive || kind == EffectKind::angular));
+    disturbed = rival.separation > kSame || !expected || !is_natural(rival) || has_own_lever(c.scene, rival.effect);
     group.push_back(place_of(rival.effect));
-  }
-  return group;
+    return disturbed;
+  };
+  const auto hidden = vector_of(contribution(c.scene, c.hidden.front().effect));
+  const auto tried = rivals_of(c.scene, ground, absorbed, hidden, c.noise.sigma_um, true, weigh);
+  return disturbed || tried.empty() ? std::vector<std::string>{} : group;
 }
 
 std::optional<PlacedEffect> member(Random& random, const Wanted& wanted, const Scene& scene, const Ground& ground) {

@@ -166,11 +166,11 @@ double amount(const Scene& scene, const PlacedEffect& e, const Stop& stop) {
 
 double share_in(const Scene& scene, Component component, const Stop& stop) {
   const Axis direction = direction_of(stop.sense);
-  if (is_rotation(stop.sense)) return is_angular(component) && sense_of(component) == stop.sense ? 1.0 : 0.0;
+  const bool as_it_is = is_rotation(stop.sense) || !(is_angular(component) || is_squareness(component));
+  if (as_it_is) return !is_squareness(component) && sense_of(component) == stop.sense ? 1.0 : 0.0;
   double share = 0.0;
   for (const Term& term : scene.terms) {
     if (term.component != component || term.observed != direction) continue;
-    if (!term.has_lever) share += term.sign;
     if (!term.uses_coordinate) continue;
     double lever_mm = stop.position_mm[index_of(term.lever)];
     if (!is_squareness(component)) lever_mm -= scene.lines_mm[index_of(moving_axis(component))][index_of(term.lever)];

@@ -40,7 +40,7 @@ double value_at(const SmoothCurve& curve, double p_mm) {
   return value;
 }
 
-double PlacedEffect::parameter(const std::string& name) const {
+double PlacedEffect::parameter(std::string_view name) const {
   const auto found = parameters.find(name);
   return found == parameters.end() ? 0.0 : found->second;
 }

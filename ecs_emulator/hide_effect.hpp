@@ -77,9 +77,9 @@ struct PlacedEffect {
   std::optional<Component> code;
   Approach approach = Approach::unknown;  ///< unknown: both
   std::string sensor;                     ///< column of the sensor of a thermal drift
-  std::map<std::string, double> parameters;
+  std::map<std::string, double, std::less<>> parameters;
   SmoothCurve curve;
-  [[nodiscard]] double parameter(const std::string& name) const;  ///< 0 where there is none
+  [[nodiscard]] double parameter(std::string_view name) const;  ///< 0 where there is none
 };
 
 /// "cyclic:X:EX", "angular:X:ECX", "map_polarity" (the whole map).

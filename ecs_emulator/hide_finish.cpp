@@ -12,8 +12,9 @@ namespace {
 constexpr double kLeastSigma_um = 0.02;
 constexpr double kMostSigma_um = 20.0;
 constexpr double kMostSensorError = 0.15;  ///< what sensors leave of thermal errors, in sigmas
-constexpr double kSame = 0.3;              ///< rivals this close, in sigmas, are the same
-constexpr double kOwnPart = 0.3;           ///< of a hidden effect's mean square that its companion must leave
+constexpr double kMostBend = 0.15;  ///< what exact matrices make of large rotations beyond first order, in sigmas
+constexpr double kSame = 0.3;       ///< rivals this close, in sigmas, are the same
+constexpr double kOwnPart = 0.3;    ///< of a hidden effect's mean square that its companion must leave
 
 Noise draw_noise_level(Random& random, double sigma_um) {
   Noise noise;
@@ -92,10 +93,17 @@ class Finishing {
   bool measure() {
     case_.recorded = as_recorded(random_, case_.scene);
     const auto effects = all_effects();
-    Eigen::VectorXd blur = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(case_.scene.stops.size()));
-    for (const PlacedEffect& effect : effects) blur += of(effect) - vector_of(contribution(case_.recorded, effect));
-    if (rms_of(blur) > kMostSensorError * case_.noise.sigma_um) return false;
+    Eigen::VectorXd straight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(case_.scene.stops.size()));
+    Eigen::VectorXd blur = straight;
+    for (const PlacedEffect& effect : effects) {
+      const Eigen::VectorXd own = of(effect);
+      straight += own;
+      blur += own - vector_of(contribution(case_.recorded, effect));
+    }
+    if (!case_.structure.value.empty()) straight += vector_of(case_.structure.value);
     case_.readings = exact_errors(case_.scene, effects, case_.structure.value);
+    if (rms_of(blur) > kMostSensorError * case_.noise.sigma_um) return false;
+    if (rms_of(vector_of(case_.readings) - straight) > kMostBend * case_.noise.sigma_um) return false;
     const auto noise = draw_noise(random_, case_.scene, case_.noise);
     for (std::size_t k = 0; k < noise.size(); ++k)
       case_.readings[k] = rounded(case_.readings[k] + noise[k], case_.noise.per_unit);

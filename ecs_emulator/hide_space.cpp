@@ -114,7 +114,8 @@ Eigen::VectorXd Absorbed::left_of(const Eigen::VectorXd& values) const {
 }
 
 std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Absorbed& absorbed,
-                             const Eigen::VectorXd& hidden, double sigma_um, bool flexible) {
+                             const Eigen::VectorXd& hidden, double sigma_um, bool flexible,
+                             const std::function<bool(const Rival&)>& enough) {
   const Eigen::VectorXd left = absorbed.left_of(hidden);
   std::vector<Rival> rivals;
   for (std::size_t kind = 0; kind < kEffectKinds; ++kind) {
@@ -136,6 +137,7 @@ std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Abs
         }
       }
       rivals.push_back(rival);
+      if (enough && enough(rival)) return rivals;
     }
   }
   return rivals;

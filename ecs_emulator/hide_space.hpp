@@ -2,6 +2,7 @@
 // Does not live here: which model (hide_case.cpp).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -39,7 +40,9 @@ struct Rival {
 /// Every effect of the library, at every place, against what is left of `hidden` once `absorbed` is taken out.
 /// @param hidden  contribution at its size [um]; the sign of a cosine counts
 /// @param flexible  try curves and nonlinear parameters too
+/// @param enough    the search ends with the first rival of which this is true
 [[nodiscard]] std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Absorbed& absorbed,
-                                           const Eigen::VectorXd& hidden, double sigma_um, bool flexible);
+                                           const Eigen::VectorXd& hidden, double sigma_um, bool flexible,
+                                           const std::function<bool(const Rival&)>& enough = {});
 
 }  // namespace ecs::emulator
