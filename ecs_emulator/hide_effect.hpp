@@ -82,7 +82,7 @@ struct PlacedEffect {
   [[nodiscard]] double parameter(std::string_view name) const;  ///< 0 where there is none
 };
 
-/// "cyclic:X:EX", "angular:X:ECX", "map_polarity" (the whole map).
+/// "cyclic:X:EX", "angular:X:ECX", "map_polarity:X" (all curves of X), "map_polarity" (the whole map).
 [[nodiscard]] std::string place_of(const PlacedEffect& effect);
 /// The same with a contribution `factor` times as large. @pre not a fault of the map; a cosine keeps its sign
 [[nodiscard]] PlacedEffect scaled(PlacedEffect effect, double factor);

@@ -72,7 +72,7 @@ class Places {
           if (!good_ || (sensor != "t_air_degC" && sensor != "t_material_degC")) add(natural, s, {}, sensor);
         return;
       case EffectKind::dead_path:
-        if (has_air() && (!good_ || along(s, natural))) add(natural, s);
+        if (has_air() && along(s, natural)) add(natural, s);
         return;
       default:
         for (const Axis a : kAllAxes) of_sense_and_axis(s, a);
@@ -89,10 +89,10 @@ class Places {
         if (!scene_.sensor("t_material_degC") || (good_ && !along(s, a))) return;
         break;
       case EffectKind::air_refraction:
-        if (!has_air() || (good_ && !along(s, a))) return;
+        if (!has_air() || !along(s, a)) return;
         break;
       case EffectKind::cosine:
-        if (good_ && !along(s, a)) return;
+        if (!along(s, a)) return;
         break;
       case EffectKind::warm_up:
         if (!shown.time || (cover.places_mm.size() < 2 && a != ground_.natural_axis(s))) return;
@@ -150,17 +150,21 @@ class Places {
           add(moving_axis(known.code), s, known.code);
   }
 
+  /// The whole map, all of one axis, or one curve: each where it is not the same as a smaller part.
   void faults_of_map() {
     if (scene_.map.empty()) return;
-    const bool two_ways = scene_.map.front().approach != Approach::unknown;
-    if (kind_ == EffectKind::map_direction_swap && !two_ways) return;
-    std::vector<std::pair<Axis, Sense>> curves;
+    if (kind_ == EffectKind::map_direction_swap && scene_.map.front().approach == Approach::unknown) return;
+    PerAxis<int> curves{};
     for (const UnitTable& table : scene_.map)
-      if (std::find(curves.begin(), curves.end(), std::pair(table.axis, table.sense)) == curves.end())
-        curves.emplace_back(table.axis, table.sense);
-    add({}, {});
-    if (curves.size() > 1 || !good_)
-      for (const auto& [axis, sense] : curves) add(axis, sense);
+      if (table.approach != Approach::reverse) ++curves[index_of(table.axis)];
+    int axes = 0;
+    for (const Axis a : kAllAxes) {
+      axes += curves[index_of(a)] > 0 ? 1 : 0;
+      if (curves[index_of(a)] > (good_ ? 1 : 0)) add(a, {});
+    }
+    if (axes > (good_ ? 1 : 0)) add({}, {});
+    for (const UnitTable& table : scene_.map)
+      if (table.approach != Approach::reverse) add(table.axis, table.sense);
   }
 
   [[nodiscard]] bool has_air() const { return scene_.shown.air && scene_.sensor("t_air_degC"); }

@@ -303,7 +303,8 @@ TEST_CASE("a fault of the unit changes the readings by what it makes of the map"
         double expected = 0.0;
         for (const UnitTable& table : c.scene.map) {
           if (table.approach == Approach::reverse || table.sense != stop.sense) continue;
-          if (fault.axis && (table.axis != *fault.axis || table.sense != *fault.sense)) continue;
+          if (fault.axis.value_or(table.axis) != table.axis || fault.sense.value_or(table.sense) != table.sense)
+            continue;
           const double p_mm = stop.position_mm[index_of(table.axis)];
           const int way = table.axis == stop.axis ? stop.approach : 1;
           const double map = in_map(c.scene, table, p_mm, way);
