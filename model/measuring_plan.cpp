@@ -8,7 +8,6 @@
 
 #include "model/fit_core.hpp"
 #include "model/fit_report.hpp"
-#include "model/held_out.hpp"
 #include "model/next_measurement.hpp"
 
 namespace ecs::model {
@@ -64,7 +63,7 @@ std::optional<VectorXd> sizes_given(const Model& model, std::size_t s, const Slo
   const auto values = predicted(alone, plan);
   if (!values) return std::nullopt;
   const VectorXd sum = Eigen::Map<const VectorXd>(values->data(), static_cast<Index>(values->size()));
-  return least_squares(slot.columns, sum - slot.fixed);
+  return VectorXd(Eigen::CompleteOrthogonalDecomposition<MatrixXd>(slot.columns).solve(sum - slot.fixed));
 }
 
 class PlanJudge {

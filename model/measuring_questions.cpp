@@ -26,6 +26,11 @@ bool lists(const Candidate& candidate, const EffectInstance& other) {
   return std::find(list.begin(), list.end(), to_text(other)) != list.end();
 }
 
+/// Causes whose size depends on a condition that a run can set: as large as the noise where that is set.
+bool of_condition(EffectId id) {
+  return id == thermal_scale || id == thermal_drift || id == air_refraction || id == dead_path || id == load;
+}
+
 /// Least separation at which a cause counts as seen.
 constexpr double kSeen = 3.0;
 
@@ -73,6 +78,8 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
   return group;
 }
 
+bool says_what_comes(const std::string& variable) { return variable != "run" && variable != "time_s"; }
+
 Explanation depends_on(const Dependence& dependence, const Observations& all) {
   const auto n = static_cast<Index>(all.size());
   const std::vector<double>& at = dependence.at;
@@ -80,7 +87,7 @@ Explanation depends_on(const Dependence& dependence, const Observations& all) {
   one.name = dependence.variable;
   one.fixed = one.truth = VectorXd::Zero(n);
   one.columns = MatrixXd::Zero(n, static_cast<Index>(at.size()));
-  const bool unknown_beyond = one.name == "run" || one.name == "time_s";
+  const bool unknown_beyond = !says_what_comes(one.name);
   for (Index k = 0; k < n; ++k) {
     const double value = variable_of(all, static_cast<std::size_t>(k), one.name);
     if (std::isnan(value) || at.empty()) continue;
@@ -122,11 +129,15 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
     if (free_shape || believed) continue;
     Explanation one;
     one.name = name_with_sensor(effect);
-    one.columns = regressors.columns(effect, 0.0).of.leftCols(1);
-    const double rms = rms_where_not_zero(one.columns.col(0).head(present));
-    const double size = rms > 0.0 ? rms : rms_where_not_zero(one.columns.col(0));
+    // of an angle its slope: the mean is lost where the readout is zeroed on another line
+    const Index shown = effect.id == angular ? 1 : 0;
+    one.columns = regressors.columns(effect, 0.0).of.leftCols(shown + 1);
+    const VectorXd shape = one.columns.col(shown);
+    double size = rms_where_not_zero(shape.head(present));
+    if (of_condition(effect.id) || size <= 0.0)
+      size = std::max(size, rms_where_not_zero(shape.tail(shape.size() - present)));
     if (size <= 0.0) continue;
-    one.truth = one.columns.col(0) * (noise.pure.noise_um / size);
+    one.truth = shape * (noise.pure.noise_um / size);
     one.fixed = VectorXd::Zero(one.truth.size());
     VectorXd left = whitener(VectorXd(one.truth.head(present)));
     left -= base.q * (base.q.transpose() * left);

@@ -24,6 +24,9 @@ struct OpenGroup {
 /// Whether the effect shows at the place where the readout was zeroed.
 [[nodiscard]] bool shows_at_zero(EffectId id);
 
+/// Whether a dependence on the variable says what a new run shows: not where each run is another, or each hour.
+[[nodiscard]] bool says_what_comes(const std::string& variable);
+
 /// The residual as a function of one variable, for structure that no effect explains.
 [[nodiscard]] Explanation depends_on(const Dependence& dependence, const Observations& all);
 

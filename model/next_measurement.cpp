@@ -8,6 +8,7 @@
 
 #include "model/measuring_options.hpp"
 #include "model/measuring_questions.hpp"
+#include "model/measuring_sentences.hpp"
 #include "model/words.hpp"
 
 namespace ecs::model {
@@ -18,20 +19,17 @@ using Eigen::MatrixXd;
 
 /// Least separation worth telling.
 constexpr double kTelling = 1.0;
-/// Separation that a person calls one.
-constexpr double kSeparates = 3.0;
 /// Separation that the next diagnosis takes for certain in spite of chance: three sigmas of difference, three of luck.
 constexpr double kDecides = 6.0;
 /// Sigmas beyond which more does not tell more.
 constexpr double kEnough = 8.0;
-constexpr std::size_t kMostLines = 3;
+constexpr std::size_t kMostLines = 6;
 constexpr std::size_t kMostProposals = 8;
+/// To confirm a lone cause any run does, and where none separates all are alike: the best few.
+constexpr std::size_t kFewProposals = 3;
 constexpr std::size_t kMostUnseen = 12;
 /// Readings beyond which the power of a set is judged on an even choice of them.
 constexpr std::size_t kManyReadings = 4000;
-
-/// What is asked of a run.
-enum class Question { separate, confirm, see };
 
 struct Worth {
   double sure_sigma = 0.0;  ///< the group loses a member by, whichever is true; to see: of the causes seen
@@ -97,6 +95,29 @@ std::vector<PairSeparation> pairs_of(const MatrixXd& sigma, const std::vector<st
   return pairs;
 }
 
+/// Whether b tells no more than a of anything, and takes no less time.
+bool outdone(const MeasurementProposal& a, const MeasurementProposal& b) {
+  constexpr double kNoMore = 1.02;
+  if (a.minutes > b.minutes || a.pairs.size() != b.pairs.size()) return false;
+  for (std::size_t i = 0; i < a.pairs.size(); ++i)
+    if (b.pairs[i].sigma > kNoMore * a.pairs[i].sigma) return false;
+  return true;
+}
+
+/// @param ranked  best first
+std::vector<Weighed> worth_telling(std::vector<Weighed> ranked, Question question) {
+  const bool any_separates = !ranked.empty() && ranked.front().proposal.separation_sigma >= kSeparates;
+  std::vector<Weighed> kept;
+  const std::size_t most = any_separates && question != Question::confirm ? kMostProposals : kFewProposals;
+  for (Weighed& one : ranked) {
+    if (kept.size() == most) break;
+    if (any_separates && one.proposal.separation_sigma < kSeparates) continue;
+    if (std::none_of(kept.begin(), kept.end(), [&](const Weighed& w) { return outdone(w.proposal, one.proposal); }))
+      kept.push_back(std::move(one));
+  }
+  return kept;
+}
+
 /// The best number of runs of each option; of options under one condition the best one.
 std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, const Separations& separations,
                              const std::vector<std::string>& names, Question question, const MeasuringTimes& times) {
@@ -123,48 +144,7 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
     }
   std::stable_sort(best.begin(), best.end(),
                    [](const Weighed& a, const Weighed& b) { return before(a.proposal, a.told, b.proposal, b.told); });
-  if (best.size() > kMostProposals) best.resize(kMostProposals);
-  return best;
-}
-
-std::string ways_of(const MeasurementProposal& p) {
-  if (p.bidirectional) return "both ways";
-  return p.approach < 0 ? "downwards only" : "upwards only";
-}
-
-std::string what_it_tells(const MeasurementProposal& p, Question question) {
-  std::vector<std::string> apart, together;
-  for (const PairSeparation& pair : p.pairs) {
-    if (question == Question::separate && pair.truth > pair.rival) continue;  // told once
-    double sigma = pair.sigma;
-    for (const PairSeparation& back : p.pairs)
-      if (back.truth == pair.rival && back.rival == pair.truth) sigma = std::min(sigma, back.sigma);
-    const bool enough = sigma >= std::min(kSeparates, p.separation_sigma);
-    if (question != Question::separate) {
-      if (enough) apart.push_back(fmt::format("{} by {:.1f} sigma", pair.truth, sigma));
-    } else if (enough) {
-      apart.push_back(fmt::format("{} from {} by {:.1f} sigma", pair.truth, pair.rival, sigma));
-    } else {
-      together.push_back(fmt::format("{} from {}", pair.truth, pair.rival));
-    }
-  }
-  if (question == Question::see) return fmt::format("; as large as the noise it would show {}", fmt::join(apart, ", "));
-  if (question == Question::confirm) return fmt::format("; it confirms {}", fmt::join(apart, ", "));
-  std::string text = apart.empty() ? fmt::format("; by {:.1f} sigma one of the group falls", p.separation_sigma)
-                                   : fmt::format("; it separates {}", fmt::join(apart, ", "));
-  if (!together.empty()) text += fmt::format(", but not {}", fmt::join(together, ", "));
-  return text;
-}
-
-std::string sentence_of(const MeasurementProposal& p, Question question) {
-  std::string text =
-      fmt::format("Measure {} along {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min",
-                  name_of(p.sense), letter_of(p.axis), p.condition, p.targets_mm.size(), p.targets_mm.front(),
-                  p.targets_mm.back(), ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
-  if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
-  text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
-  text += fmt::format("; about {:.0f} min", p.minutes);
-  return text + what_it_tells(p, question) + ".";
+  return worth_telling(std::move(best), question);
 }
 
 std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
@@ -213,23 +193,29 @@ void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question q
 /// Why nothing separates a group.
 std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options,
                     const Observations& data) {
-  double most = 0.0;
+  double apart = 0.0, seen = 0.0;
   const auto count = static_cast<Index>(group.rivals.size());
   for (std::size_t i = 0; i < options; ++i) {
     const MatrixXd sigma = separations.of(i, 5);
-    most = std::max(most, count > 1 ? sigma.leftCols(count).maxCoeff() : sigma.maxCoeff());
+    apart = std::max(apart, sigma.leftCols(count).maxCoeff());
+    seen = std::max(seen, sigma.col(count).maxCoeff());
   }
-  const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
-  if (most < kSeparates)
+  const std::string names = fmt::format("{}", fmt::join(group.names, ", "));
+  if (apart < kSeparates && seen >= kSeparates)
     return fmt::format(
         "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
         "the "
         "cause itself (a setting, a level, a square)",
-        fmt::join(group.names, ", "));
+        names);
+  if (apart < kSeparates)
+    return fmt::format("too weak to separate {}: no single run of up to five repeats adds more than {:.1f} sigma",
+                       names, std::max(apart, seen));
+  const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
   return fmt::format(
-      "no single run of up to five repeats separates {} by {:.0f} sigma or more whichever is true; the most that any "
-      "would do is {:.1f} sigma for some of them. {}",
-      fmt::join(group.names, ", "), kTelling, most, separating_measurement(group.rivals.front(), others, data));
+      "no single run of up to five repeats is sure to tell one of {} from another; the most that any would do is "
+      "{:.1f} "
+      "sigma, for some of them. {}",
+      names, apart, separating_measurement(group.rivals.front(), others, data));
 }
 
 Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
@@ -248,8 +234,23 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   const Separations separations(all, options, *belief, explanations, zero_matters);
   const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
   take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
-  if (next.proposals.empty()) next.notes.push_back(why_not(group, separations, options.size(), in.data));
+  if (next.proposals.empty())
+    next.notes.push_back(why_not(group, separations, options.size(), in.data));
+  else if (next.proposals.front().separation_sigma < kSeparates)
+    next.notes.push_back(fmt::format("no run of up to five repeats reaches {:.0f} sigma; these do most", kSeparates));
   return {};
+}
+
+/// The line as it is measured now, once more: whether what is left comes back.
+void take_repetition(NextMeasurement& next, const Setting& in) {
+  std::vector<MeasuredLine> lines = measured_lines(in.data, in.times);
+  if (lines.empty()) return;
+  MeasurementProposal again = lines.front().now;
+  constexpr int kRuns = 2;
+  again.runs = kRuns;
+  again.minutes = minutes_of(again, in.times);
+  again.sentence = sentence_of(again, Question::repeat);
+  next.proposals.push_back(std::move(again));
 }
 
 Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
@@ -260,18 +261,27 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
   const auto belief = belief_of(in.model, {}, {}, in.data, regressors);
   if (!belief) return tl::unexpected(belief.error());
   std::vector<Explanation> explanations;
+  std::vector<std::string> names;
   for (const Dependence& dependence : diagnosis.where) {
-    if (explanations.size() == kMostVariables) break;
-    explanations.push_back(depends_on(dependence, all.data));
+    if (next.rivals.size() == kMostVariables) break;
     next.rivals.push_back(dependence.variable);
+    if (!says_what_comes(dependence.variable)) continue;
+    explanations.push_back(depends_on(dependence, all.data));
+    names.push_back(dependence.variable);
   }
-  const Separations separations(all, options, *belief, explanations, false);
-  const Question question = explanations.size() > 1 ? Question::separate : Question::confirm;
-  take_proposals(next, weighed(options, separations, next.rivals, question, in.times), question);
-  next.notes.push_back(fmt::format(
-      "no effect of the library explains what is left: the run is to show whether it depends on {}; repeat it as it is "
-      "before changing anything else",
-      fmt::join(next.rivals, " or ")));
+  next.notes.push_back(
+      fmt::format("no effect of the library explains what is left; it depends on {}, and the run is to show whether it "
+                  "does so again",
+                  fmt::join(next.rivals, " or ")));
+  // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
+  const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
+  if (foretold) {
+    const Separations separations(all, options, *belief, explanations, false);
+    const Question question = explanations.size() > 1 ? Question::separate : Question::confirm;
+    take_proposals(next, weighed(options, separations, names, question, in.times), question);
+    std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
+  }
+  if (next.proposals.empty()) take_repetition(next, in);
   return {};
 }
 

@@ -143,6 +143,10 @@ TEST_CASE("structure that no effect explains: the run that shows on which variab
   const NextMeasurement next = next_measurement(model, data, *found);
   CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
   CHECK_FALSE(next.notes.empty());
+  REQUIRE(next.proposals.size() == 1);  // what a bad run does next time nothing foretells: once more as it is
+  CHECK(next.proposals.front().sentence.find("comes back") != std::string::npos);
+  CHECK(next.proposals.front().bidirectional);
+  CHECK(next.proposals.front().targets_mm.size() == 41);
 }
 
 TEST_CASE("a target list is a plan to check") {
