@@ -95,25 +95,26 @@ std::string group_text(const DriveCandidate& candidate, const model::DriveParame
   return text;
 }
 
+/// "at most 0.994 V if it is Kw, 9.93 V if it is K", for the members that this signal tells from the first.
+std::string separation_by(const model::SignalDifference& difference, DriveConstant first) {
+  const auto& info = model::info_of(difference.signal);
+  std::vector<std::string> others;
+  for (const model::MemberDifference& m : difference.members)
+    if (m.relative >= model::kClearDifference)
+      others.push_back(fmt::format("{} {} if it is {}", few_digits(m.peak), info.unit, name_of(m.member)));
+  if (others.empty()) return "";
+  return paragraph(fmt::format("To tell {} apart record {} ({}): at most {} {} if it is {}, {}.",
+                               others.size() == difference.members.size() ? "them" : "some of them", info.name,
+                               info.words, few_digits(difference.peak), info.unit, name_of(first),
+                               fmt::join(others, ", ")));
+}
+
 std::string separation_text(const DriveCandidate& candidate) {
   if (candidate.alternatives.size() < 2 || candidate.together) return "";
-  if (candidate.separated_by.empty())
-    return paragraph(fmt::format("No other signal of the axis tells them apart{}.",
-                                 candidate.signals.empty() || candidate.signals.front().relative < 0.01
-                                     ? ": only both together act on it"
-                                     : " clearly"));
   std::string text;
-  for (const model::SignalDifference& s : candidate.signals) {
-    if (std::find(candidate.separated_by.begin(), candidate.separated_by.end(), s.signal) ==
-        candidate.separated_by.end())
-      continue;
-    const auto& info = model::info_of(s.signal);
-    text += paragraph(fmt::format("To tell them apart record {} ({}): at most {} {} if it is {}, {} {} if it is {}.",
-                                  info.name, info.words, few_digits(s.first), info.unit,
-                                  name_of(candidate.alternatives.front().constant), few_digits(s.other), info.unit,
-                                  name_of(s.against)));
-  }
-  return text;
+  for (const model::SignalDifference& s : candidate.signals)
+    text += separation_by(s, candidate.alternatives.front().constant);
+  return text.empty() ? "No other signal of the axis tells them apart.\n" : text;
 }
 
 std::string verdict_text(const DriveDiagnosis& d) {
@@ -177,12 +178,16 @@ Json json_of(const DriveCandidate& candidate, double rms_V) {
     each[name] = number_or_null(c.rms_after);
   }
   for (const model::DriveSignal s : candidate.separated_by) separated.push_back(model::info_of(s).name);
-  for (const model::SignalDifference& s : candidate.signals)
-    signals.push_back({{"signal", model::info_of(s.signal).name},
-                       {"relative_difference", number_or_null(s.relative)},
-                       {"against", name_of(s.against)},
-                       {"peak_first", number_or_null(s.first)},
-                       {"peak_other", number_or_null(s.other)}});
+  for (const model::SignalDifference& s : candidate.signals) {
+    Json members = Json::object(), peaks = Json::object();
+    peaks[name_of(candidate.alternatives.front().constant)] = number_or_null(s.peak);
+    for (const model::MemberDifference& m : s.members) {
+      members[name_of(m.member)] = number_or_null(m.relative);
+      peaks[name_of(m.member)] = number_or_null(m.peak);
+    }
+    signals.push_back(
+        {{"signal", model::info_of(s.signal).name}, {"relative_difference", members}, {"peak_if", peaks}});
+  }
   Json object{{"parameters", parameters},
               {"together", candidate.together},
               {"explains", candidate.explains},

@@ -17,10 +17,10 @@ namespace {
 constexpr double kAlike = 0.06;
 /// What a change leaves of the difference it was to explain, without being told from a full explanation.
 constexpr double kModelError = 0.004;
-/// A signal that differs by this share between two mended axes tells them apart at a glance.
-constexpr double kClearDifference = 0.25;
 /// A change that leaves more than this share of the loss is no candidate.
 constexpr double kLeastFall = 0.95;
+/// A pair has one of so many of the best single directions in it.
+constexpr std::size_t kMostFirsts = 4;
 /// Sensitivities below this share of the largest are no sensitivities.
 constexpr double kSilent = 1e-3;
 
@@ -76,6 +76,8 @@ class DriveSearch {
   void try_singles();
   void gather_groups();
   void try_pairs();
+  [[nodiscard]] std::vector<std::vector<DriveConstant>> directions() const;
+  [[nodiscard]] DriveFit best_pair(DriveConstant one, DriveConstant two) const;
   [[nodiscard]] DriveChange change_of(DriveConstant constant, const DriveFit& fit) const;
   void compare_signals(DriveCandidate& candidate, const std::vector<const DriveFit*>& fits) const;
   void conclude(const DriveFit& best);
@@ -136,27 +138,27 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
     const bool recorded = std::any_of(trace_.signals.begin(), trace_.signals.end(),
                                       [&](const RecordedSignal& s) { return s.id == info.id; });
     if (recorded) continue;
-    SignalDifference least{info.id, 1e300, 0.0, candidate.alternatives.front().constant, 0.0};
+    SignalDifference difference{info.id, 0.0, {}};
     for (std::size_t i = 1; i < responses.size(); ++i) {
-      double square = 0.0, a_square = 0.0, b_square = 0.0, a_most = 0.0, b_most = 0.0;
+      double square = 0.0, a_square = 0.0, b_square = 0.0, b_most = 0.0;
       const double span = trace_.time_s.back() - trace_.time_s.front();
       for (double t = 0.0; t <= span; t += fitter_.step_s()) {
         const double a = responses[0].at(info.id, t), b = responses[i].at(info.id, t);
         square += (a - b) * (a - b);
         a_square += a * a;
         b_square += b * b;
-        a_most = std::max(a_most, std::abs(a));
+        difference.peak = std::max(difference.peak, std::abs(a));
         b_most = std::max(b_most, std::abs(b));
       }
-      const double relative = std::sqrt(square / std::max(1e-300, std::min(a_square, b_square)));
-      if (relative < least.relative) least = {info.id, relative, a_most, candidate.alternatives[i].constant, b_most};
+      const double smaller = std::max(1e-300, std::min(a_square, b_square));
+      difference.members.push_back({candidate.alternatives[i].constant, std::sqrt(square / smaller), b_most});
     }
-    candidate.signals.push_back(least);
+    candidate.signals.push_back(std::move(difference));
   }
   std::stable_sort(candidate.signals.begin(), candidate.signals.end(),
-                   [](const auto& a, const auto& b) { return a.relative > b.relative; });
+                   [](const auto& a, const auto& b) { return a.least() > b.least(); });
   for (const SignalDifference& s : candidate.signals)
-    if (s.relative >= kClearDifference) candidate.separated_by.push_back(s.signal);
+    if (s.least() >= kClearDifference) candidate.separated_by.push_back(s.signal);
 }
 
 /// The best single becomes the head of a group: all whose effect on the recording is its own, as far as the recording
@@ -187,37 +189,52 @@ void DriveSearch::gather_groups() {
   }
 }
 
+/// Constants that act as one on the recording as the best single leaves it; those whose single fit gained most first.
+std::vector<std::vector<DriveConstant>> DriveSearch::directions() const {
+  const Eigen::MatrixXd columns = fitter_.sensitivities(singles_.front().fit);
+  const std::vector<DriveConstant> silent = silent_at(columns);
+  std::vector<DriveConstant> order;
+  for (const Single& single : singles_) order.push_back(single.constant);
+  for (const DriveConstantInfo& info : drive_constants())
+    if (std::find(order.begin(), order.end(), info.id) == order.end()) order.push_back(info.id);
+  std::vector<std::vector<DriveConstant>> found;
+  for (const DriveConstant c : order) {
+    if (std::find(silent.begin(), silent.end(), c) != silent.end()) continue;
+    const auto home = std::find_if(found.begin(), found.end(), [&](const auto& direction) {
+      return sine_between(columns, direction.front(), c) < kAlike;
+    });
+    if (home != found.end())
+      home->push_back(c);
+    else
+      found.push_back({c});
+  }
+  return found;
+}
+
+/// The best fit of two constants, from the single fits of either.
+DriveFit DriveSearch::best_pair(DriveConstant one, DriveConstant two) const {
+  DriveFit best = given_;
+  for (const auto& [from, free] : {std::pair(one, two), std::pair(two, one)}) {
+    const auto single =
+        std::find_if(singles_.begin(), singles_.end(), [&](const Single& s) { return s.constant == from; });
+    if (single == singles_.end()) continue;
+    for (const DriveFit& begin : {single->fit, fitter_.best_factor(single->fit, free)}) {
+      const DriveFit fit = fitter_.fitted(begin, {one, two});
+      if (fit.possible && (fit.cost < best.cost || best.ln_factor.empty())) best = fit;
+    }
+  }
+  return best;
+}
+
 /// Pairs of directions: of constants that act as one only the first is tried, the others are named beside it.
 void DriveSearch::try_pairs() {
   if (singles_.empty()) return;
-  const Eigen::MatrixXd columns = fitter_.sensitivities(singles_.front().fit);
-  const std::vector<DriveConstant> silent = silent_at(columns);
-  std::vector<std::vector<DriveConstant>> directions;
-  for (const Single& single : singles_) {
-    if (std::find(silent.begin(), silent.end(), single.constant) != silent.end()) continue;
-    const auto home = std::find_if(directions.begin(), directions.end(), [&](const auto& direction) {
-      return sine_between(columns, direction.front(), single.constant) < kAlike;
-    });
-    if (home != directions.end())
-      home->push_back(single.constant);
-    else
-      directions.push_back({single.constant});
-  }
-  const auto single_of = [&](DriveConstant c) {
-    return std::find_if(singles_.begin(), singles_.end(), [&](const Single& s) { return s.constant == c; });
-  };
+  const auto all = directions();
   std::vector<std::pair<DriveCandidate, double>> pairs;
-  for (std::size_t a = 0; a < directions.size(); ++a)
-    for (std::size_t b = a + 1; b < directions.size(); ++b) {
-      const DriveConstant one = directions[a].front(), two = directions[b].front();
-      DriveFit best = given_;
-      for (const auto& [from, free] : {std::pair(one, two), std::pair(two, one)}) {
-        const DriveFit& start = single_of(from)->fit;
-        for (const DriveFit& begin : {start, fitter_.best_factor(start, free)}) {
-          const DriveFit fit = fitter_.fitted(begin, {one, two});
-          if (fit.possible && (fit.cost < best.cost || best.ln_factor.empty())) best = fit;
-        }
-      }
+  for (std::size_t a = 0; a < std::min(kMostFirsts, all.size()); ++a)
+    for (std::size_t b = a + 1; b < all.size(); ++b) {
+      const DriveConstant one = all[a].front(), two = all[b].front();
+      const DriveFit best = best_pair(one, two);
       if (best.ln_factor.size() < 2 || !explains(best)) continue;
       DriveCandidate candidate;
       candidate.together = true;
@@ -225,17 +242,16 @@ void DriveSearch::try_pairs() {
       candidate.rms_after_V = fitter_.rms(best, 0);
       candidate.cost = best.cost;
       candidate.alternatives = {change_of(one, best), change_of(two, best)};
-      candidate.like_first = {directions[a].begin() + 1, directions[a].end()};
-      candidate.like_second = {directions[b].begin() + 1, directions[b].end()};
-      const double far = std::abs(best.ln_factor[one]) + std::abs(best.ln_factor[two]);
-      pairs.emplace_back(std::move(candidate), far);
+      candidate.like_first = {all[a].begin() + 1, all[a].end()};
+      candidate.like_second = {all[b].begin() + 1, all[b].end()};
+      pairs.emplace_back(std::move(candidate), std::abs(best.ln_factor.at(one)) + std::abs(best.ln_factor.at(two)));
     }
   // of pairs that explain alike the smaller change stands first
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  std::vector<DriveCandidate> all;
-  for (auto& [candidate, far] : pairs) all.push_back(std::move(candidate));
-  for (DriveCandidate& candidate : found_.candidates) all.push_back(std::move(candidate));
-  found_.candidates = std::move(all);
+  std::vector<DriveCandidate> ranked;
+  for (auto& [candidate, far] : pairs) ranked.push_back(std::move(candidate));
+  for (DriveCandidate& candidate : found_.candidates) ranked.push_back(std::move(candidate));
+  found_.candidates = std::move(ranked);
 }
 
 DriveFit DriveSearch::search() {
@@ -267,6 +283,12 @@ void DriveSearch::conclude(const DriveFit& best) {
 }
 
 }  // namespace
+
+double SignalDifference::least() const {
+  double least = members.empty() ? 0.0 : members.front().relative;
+  for (const MemberDifference& m : members) least = std::min(least, m.relative);
+  return least;
+}
 
 std::string_view name_of(DriveVerdict verdict) {
   switch (verdict) {

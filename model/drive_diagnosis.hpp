@@ -32,13 +32,18 @@ struct DriveChange {
   double rms_after = 0.0;  ///< of dac_V with this change alone, V; of a pair: with both
 };
 
-/// How much another signal differs between two mended axes that the recording cannot tell apart.
+/// One member of a group against its first member: another signal, simulated with each of them mended.
+struct MemberDifference {
+  DriveConstant member = DriveConstant::Kd;
+  double relative = 0.0;  ///< rms of the difference over the smaller rms of the two
+  double peak = 0.0;      ///< largest size of the signal with this member mended
+};
 struct SignalDifference {
   DriveSignal signal = DriveSignal::tacho;
-  double relative = 0.0;  ///< rms of the difference over rms of the signal, least over the members of the group
-  double first = 0.0;     ///< largest value with the first member mended
-  DriveConstant against = DriveConstant::Kd;  ///< the member that is hardest to tell from the first
-  double other = 0.0;                         ///< largest value with that one mended
+  double peak = 0.0;                      ///< with the first member mended
+  std::vector<MemberDifference> members;  ///< all but the first
+  /// Least over the members: 0.25 and more tells the first from all others.
+  [[nodiscard]] double least() const;
 };
 
 struct DriveCandidate {
@@ -50,7 +55,7 @@ struct DriveCandidate {
   std::vector<DriveConstant> like_first;   ///< of a pair: constants that may stand for the first
   std::vector<DriveConstant> like_second;  ///< and for the second
   std::vector<DriveSignal> separated_by;   ///< signals that tell the members of the group apart
-  std::vector<SignalDifference> signals;   ///< all that were not recorded, largest difference first
+  std::vector<SignalDifference> signals;   ///< all that were not recorded, largest least() first
 };
 
 struct DriveDiagnosis {
@@ -67,6 +72,9 @@ struct DriveDiagnosis {
   std::vector<double> as_given_V, mended_V;  ///< simulated dac_V at the samples
   std::vector<std::string> notes;
 };
+
+/// Two mended axes whose signals differ by this share of their rms are told apart at a glance.
+inline constexpr double kClearDifference = 0.25;
 
 [[nodiscard]] DriveDiagnosis diagnose_drive(const DriveParameters& drive, const DriveTrace& trace);
 

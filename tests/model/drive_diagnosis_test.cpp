@@ -98,8 +98,9 @@ TEST_CASE(
     CHECK(change.rms_after < found.floor_V);
   }
   REQUIRE(first.separated_by == std::vector{DriveSignal::tacho});
-  CHECK(first.signals.front().first == Approx(0.993).epsilon(0.01));
-  CHECK(first.signals.front().other == Approx(9.93).epsilon(0.01));
+  CHECK(first.signals.front().peak == Approx(0.993).epsilon(0.01));
+  REQUIRE(first.signals.front().members.size() == 1);
+  CHECK(first.signals.front().members.front().peak == Approx(9.93).epsilon(0.01));
   for (std::size_t i = 1; i < found.candidates.size(); ++i) CHECK_FALSE(found.candidates[i].explains);
 }
 
@@ -140,6 +141,26 @@ TEST_CASE("each constant that the D/A voltage shows is named, with those that ac
   CHECK(names_of(with(pitch, 0.8)) == std::vector{pitch});
   CHECK(names_of(with(Kw, 0.7)) == std::vector{K, Kw});
   CHECK(names_of(with(J1, 30.0)) == std::vector{J1});  // the motor's own inertia cannot be taken below nothing
+}
+
+TEST_CASE(
+    "an axis heavier than believed: inertias that no signal tells apart, gains that the current tells from them") {
+  DriveParameters truth = true_machine();
+  truth[J1] = 0.01;
+  const DriveCandidate group = named(truth, true_machine());
+  CHECK(names_of(group) == std::vector{Ka, Kt, Jm, J1});
+  CHECK(group.separated_by.empty());
+  const auto current = std::find_if(group.signals.begin(), group.signals.end(),
+                                    [](const auto& s) { return s.signal == DriveSignal::current; });
+  REQUIRE(current != group.signals.end());
+  for (const MemberDifference& m : current->members) {
+    if (m.member == J1 || m.member == Jm) CHECK(m.relative < 1e-3);
+    if (m.member == Kt) CHECK(m.relative > kClearDifference);
+  }
+  DriveParameters believed = true_machine();  // and with the tacho gain ten times too large beside it
+  believed[Kw] *= 10.0;
+  const DriveDiagnosis found = diagnose_drive(believed, recorded(truth));
+  CHECK(found.verdict == wrong_constants);
 }
 
 TEST_CASE("a limit of the converter is found") {
