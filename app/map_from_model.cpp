@@ -11,6 +11,7 @@
 #include "app/declared_zero.hpp"
 #include "app/laser_files.hpp"
 #include "app/map_checks.hpp"
+#include "app/map_own_levers.hpp"
 #include "app/map_view.hpp"
 #include "app/model_work.hpp"
 #include "app/paragraph.hpp"
@@ -48,16 +49,36 @@ double round_down(double value) {
   return decade;
 }
 
-/// A hundredth of the shortest travel, and an eighth of the shortest period.
+constexpr double kMostPoints = 5000.0;    ///< of a table that nobody asked to be finer
+constexpr double kPointsPerPeriod = 4.0;  ///< fewer cannot follow a period
+
+std::optional<double> period_of(const EffectInstance& effect) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
+      return period->second;
+  return std::nullopt;
+}
+
+/// A hundredth of the shortest travel, and an eighth of the shortest period, as far as tables stay of sensible length.
 double fine_enough(const Model& model, const params::Machine& machine) {
-  double increment = 1e9;
-  for (const auto& axis : machine.axes)
-    if (axis) increment = std::min(increment, (axis->travel_mm[1] - axis->travel_mm[0]) / 100.0);
+  double increment = 1e9, longest = 0.0;
+  for (const auto& axis : machine.axes) {
+    if (!axis) continue;
+    increment = std::min(increment, (axis->travel_mm[1] - axis->travel_mm[0]) / 100.0);
+    longest = std::max(longest, axis->travel_mm[1] - axis->travel_mm[0]);
+  }
   for (const EffectInstance& effect : model.effects)
-    for (const auto* values : {&effect.parameters, &effect.fitted})
-      if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
-        increment = std::min(increment, period->second / 8.0);
-  return round_down(increment);
+    if (const auto period = period_of(effect)) increment = std::min(increment, *period / 8.0);
+  return std::max(round_down(increment), round_down(2.0 * longest / kMostPoints));
+}
+
+void note_short_periods(Built& built, const Model& model) {
+  for (const EffectInstance& effect : model.effects)
+    if (const auto period = period_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
+      built.notes.push_back(
+          fmt::format("{}: a table with a value every {} mm cannot follow its period of {:.4g} mm; give "
+                      "a smaller --increment, if the unit has room for it",
+                      to_text(effect), shortest(built.increment_mm), *period));
 }
 
 /// Where an effect lands in the map or among the parameters; nothing for one that stays out.
@@ -101,24 +122,34 @@ void add_source(Built& built, Component component, const std::string& file) {
   if (std::find(sources.begin(), sources.end(), source) == sources.end()) sources.push_back(source);
 }
 
+/// Tables and squareness values that an effect has part in.
+std::vector<Component> places_of(const EffectInstance& effect, const std::vector<OwnLever>& levers) {
+  std::vector<Component> places;
+  if (const auto component = component_for(effect)) places.push_back(*component);
+  for (const OwnLever& lever : levers)
+    if (lever.effect == to_text(effect)) places.push_back(lever.table);
+  return places;
+}
+
 /// Which model and which measurements every table and squareness comes from.
-void trace(Built& built, const Model& model, const std::string& model_file) {
+void trace(Built& built, const Model& model, const std::vector<OwnLever>& levers, const std::string& model_file) {
   for (const EffectInstance& effect : model.effects) {
-    const auto component = component_for(effect);
-    if (!component) continue;
+    const std::vector<Component> places = places_of(effect, levers);
+    if (places.empty()) continue;
     const std::string name = to_text(effect);
-    built.effects[*component].push_back(name);
-    add_source(built, *component, model_file);
     const model::LadderStep* step = step_of(model, name);
-    if (step == nullptr) {
+    for (const Component place : places) {
+      built.effects[place].push_back(name);
+      add_source(built, place, model_file);
+      if (step == nullptr) continue;
+      for (const std::string& file : files_of(*step)) add_source(built, place, file);
+    }
+    if (step == nullptr)
       built.notes.push_back(
           fmt::format("{}: the model does not say which data it was fitted to; `ecs model fit -o` and "
                       "`ecs model add` keep that",
                       name));
-      continue;
-    }
-    for (const std::string& file : files_of(*step)) add_source(built, *component, file);
-    if (step->effect.empty())
+    else if (step->effect.empty())
       built.compiled.map.header.processing.push_back(fmt::format("{} fitted to {}", name, step->data));
   }
 }
@@ -165,7 +196,9 @@ Result<Built> built_from(Session& session, const FromModelArguments& arguments) 
   auto compiled = model::compiled(*model, **machine, built.increment_mm);
   if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
   built.compiled = std::move(*compiled);
-  trace(built, *model, arguments.model);
+  const auto levers = add_own_levers(built.compiled, *model, **machine, built.increment_mm);
+  note_short_periods(built, *model);
+  trace(built, *model, levers, arguments.model);
   if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
   take_squareness(built.parameters, built.compiled);
   built.findings = laser::findings_for(built.compiled.map, built.parameters);

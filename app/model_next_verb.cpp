@@ -86,8 +86,11 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
   if (!arguments.program.empty() && !machine)
     return problem(ProblemKind::usage, "--program needs --machine: no motion may leave its travels");
   const auto place = static_cast<std::size_t>(arguments.proposal - 1);
+  if (next.proposals.empty())
+    return problem(ProblemKind::refused,
+                   fmt::format("no measurement is proposed, so nothing was written: {}", fmt::join(next.notes, "; ")));
   if (place >= next.proposals.size())
-    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, only {}: nothing was written",
+    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, the last one is {}: nothing was written",
                                                      arguments.proposal, next.proposals.size()));
   const MeasurementProposal& proposal = next.proposals[place];
   if (!arguments.program.empty()) {

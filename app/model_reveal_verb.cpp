@@ -88,7 +88,8 @@ Result<Revealed> revealed(Session& session, const std::string& folder, const Arg
 // --- one case
 
 std::string hidden_text(const HiddenTruth& truth) {
-  std::string text = paragraph("Hidden: " + (truth.text.empty() ? std::string(name_of(truth.kind)) : truth.text), 0, 2);
+  const std::string said = truth.text.empty() ? std::string(name_of(truth.kind)) : truth.text;
+  std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
   for (const HiddenEffect& effect : truth.effects)
     text += fmt::format("  {}: rms {:.3f} um, {:.1f} times the noise of {:.3f} um\n", effect.name, effect.rms_um,
                         effect.snr, truth.noise_um);
@@ -170,8 +171,9 @@ struct Tally {
 };
 
 std::string line_of(const Revealed& r) {
-  return fmt::format("{:<6} {:<15} {} {}", r.score.right ? "right" : "WRONG", name_of(r.truth.kind),
-                     padded(std::filesystem::path(r.folder).filename().string(), 14), r.score.why);
+  return paragraph_after(fmt::format("{:<5} {:<14} {} ", r.score.right ? "right" : "WRONG", name_of(r.truth.kind),
+                                     padded(std::filesystem::path(r.folder).filename().string(), 8)),
+                         r.score.why);
 }
 
 Outcome summed_up(const std::vector<Revealed>& all) {
@@ -184,7 +186,7 @@ Outcome summed_up(const std::vector<Revealed>& all) {
       ++tally->of;
       if (one.score.right) ++tally->right;
     }
-    text += paragraph(line_of(one), 0, 7);
+    text += line_of(one);
     cases.push_back(json_of_case(one));
   }
   text += "\n";

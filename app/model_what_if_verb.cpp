@@ -61,12 +61,10 @@ struct Told {
 };
 
 std::string shares_text(const Told& told) {
-  constexpr std::size_t kWordsAt = 46;
   std::string text = fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by");
-  for (const model::WhatIf::Share& share : told.what.shares) {
-    const std::string words = paragraph((share.carried ? "" : "NOT CARRIED: ") + share.how, kWordsAt);
-    text += fmt::format("{} {:>9.3f}  {}", padded(share.effect, 34), share.rms_um, words.substr(kWordsAt));
-  }
+  for (const model::WhatIf::Share& share : told.what.shares)
+    text += paragraph_after(fmt::format("{} {:>9.3f}  ", padded(share.effect, 34), share.rms_um),
+                            (share.carried ? "" : "NOT CARRIED: ") + share.how);
   return text;
 }
 

@@ -33,6 +33,12 @@ std::string paragraph(std::string_view text, std::size_t indent, std::size_t han
   return empty ? out : out + line + "\n";
 }
 
+std::string paragraph_after(std::string_view head, std::string_view text) {
+  const std::size_t width = columns_of(head);
+  const std::string lines = paragraph(text, width);
+  return std::string(head) + (lines.empty() ? "\n" : lines.substr(width));
+}
+
 std::string paragraph(std::string_view text, std::size_t indent) { return paragraph(text, indent, indent); }
 
 }  // namespace ecs::app

@@ -15,6 +15,9 @@ inline constexpr std::size_t kTerminalColumns = 80;
 [[nodiscard]] std::string paragraph(std::string_view text, std::size_t indent, std::size_t hanging);
 [[nodiscard]] std::string paragraph(std::string_view text, std::size_t indent = 0);
 
+/// `head` in one piece, such as the first cells of a row, then `text` in lines that begin where it ends.
+[[nodiscard]] std::string paragraph_after(std::string_view head, std::string_view text);
+
 /// Columns that UTF-8 text takes on a terminal, one for each character.
 [[nodiscard]] std::size_t columns_of(std::string_view text);
 

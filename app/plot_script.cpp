@@ -100,12 +100,17 @@ std::string plot_command(const PlotPanel& panel, std::size_t place) {
 /// Words in place of the numbers of the abscissa, bars that start at zero; undone for the next panel.
 std::string x_names_commands(const PlotPanel& panel, const Ranges& ranges) {
   if (panel.x_names.empty()) return "set xtics auto\nset mxtics\n";
+  constexpr std::size_t kLettersAcross = 110;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < panel.x_names.size(); ++i)
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < panel.x_names.size(); ++i) {
     names.push_back(fmt::format("{} {}", literal(panel.x_names[i]), i));
-  return fmt::format("set xtics ({})\nunset mxtics\nset boxwidth 0.6\nset xrange [-0.7:{}]\nset yrange [0:{:.9g}]\n",
-                     fmt::join(names, ", "), static_cast<double>(names.size()) - 0.3,
-                     ranges.y.most > 0.0 ? 1.1 * ranges.y.most : 1.0);
+    longest = std::max(longest, panel.x_names[i].size());
+  }
+  const bool crowded = longest * names.size() > kLettersAcross;
+  return fmt::format("set xtics {}({})\nunset mxtics\nset boxwidth 0.6\nset xrange [-0.7:{}]\nset yrange [0:{:.9g}]\n",
+                     crowded ? "rotate by 20 right " : "", fmt::join(names, ", "),
+                     static_cast<double>(names.size()) - 0.3, ranges.y.most > 0.0 ? 1.1 * ranges.y.most : 1.0);
 }
 
 std::string panel_commands(const PlotPanel& panel, std::size_t place, const Ranges& ranges) {

@@ -4,7 +4,11 @@
 #include <doctest/doctest.h>
 
 #include "base/sealed.hpp"
+#include "core/terms.hpp"
+#include "laser/map_csv.hpp"
+#include "model/compare.hpp"
 #include "model_case.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::app {
 namespace {
@@ -331,6 +335,18 @@ TEST_CASE("next proposes a run, and says of a plan whether it can determine the 
 
 // --- effects
 
+TEST_CASE("a proposal is written as a part program and as a target list, which is a plan") {
+  const ModelDesk desk;
+  const std::string program = desk.folder / "next.txt", targets = desk.folder / "targets.csv";
+  const Ran r = desk.verb("next", {"--program", program, "--targets", targets, "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["program"] == program);
+  CHECK(content_of(program).find("M08") != std::string::npos);
+  CHECK(ran({"model", "next", desk.model, "--check", targets, "--machine", desk.machine}).code == 0);
+  CHECK(desk.verb("next", {"--targets", targets, "--proposal", "99"}).code == 1);
+  CHECK(ran({"model", "next", desk.model, desk.data, "--program", program}).code == 2);
+}
+
 TEST_CASE("the library explains every effect and knows a slip of the pen") {
   const json all = ran({"model", "effects", "--json"}).json()["effects"];
   CHECK(all.size() == 26);
@@ -515,6 +531,64 @@ TEST_CASE("what no map can carry is said with its reason, and a model of nothing
   CHECK(ran({"map", "build", "--from-model", desk.model}).code == 2);
   CHECK(ran({"map", "build", "--from-model", desk.model, "--machine", desk.machine}).code == 3);
   CHECK(ran({"map", "build"}).code == 2);
+}
+
+/// Error at a place when the unit adds what the map says, its curves read as measured tool against workpiece.
+Vector3 compensation_of(const laser::ErrorMap& map, const params::Machine& machine, const Vector3& position_mm) {
+  ComponentValues values{};
+  for (const laser::MapTable& table : map.tables)
+    values[index_of(table.component)] =
+        laser::compensation_at(table, position_mm[index_of(moving_axis(table.component))]);
+  const auto terms = terms_of(*params::chain_of(machine), Convention::iso, CurveKind::measured);
+  return tool_error_um(*terms, values, position_mm, params::measurement_lines_of(machine), {});
+}
+
+TEST_CASE("the map of a model cancels what the model predicts everywhere, on every chain") {
+  const Folder folder;
+  std::string model_text;
+  for (const char* code : {"EAX", "EBX", "ECX", "EAY", "EBY", "ECY", "EAZ", "EBZ", "ECZ"})
+    model_text += fmt::format(
+        "[[effect]]\nid = \"angular\"\ncode = \"{}\"\ncurve = {{ p_mm = [0.0, 500.0], value = "
+        "[{}.0, 20.0] }}\n",
+        code, code[1] - 'A' + code[2] - 'X' + 3);
+  const std::string model_file = folder.with("model.toml", model_text), map_file = folder / "map.csv";
+  for (const char* chain : {"TXYZ", "XTYZ", "XYTZ", "XYZT"}) {
+    CAPTURE(chain);
+    std::string text = fmt::format("configuration = \"{}\"\n", chain);
+    for (const char axis : {'X', 'Y', 'Z'}) text += fmt::format("[axis.{}]\ntravel_mm = [0.0, 500.0]\n", axis);
+    const std::string machine_file = folder.with("machine.toml", text);
+    REQUIRE(ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--increment", "50", "-o",
+                 map_file})
+                .code == 0);
+    const auto map = laser::read_map_csv(map_file);
+    const auto machine = params::read_machine(machine_file);
+    const auto model = model::read_model(model_file);
+    REQUIRE(map);
+    const auto volume = model::predicted_volume(*model, machine->machine, 3);
+    REQUIRE(volume);
+    double largest = 0.0, left = 0.0;
+    for (const model::VolumePoint& point : *volume) {
+      const Vector3 added = compensation_of(*map, machine->machine, point.position_mm);
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        largest = std::max(largest, std::abs(point.error_um[i]));
+        left = std::max(left, std::abs(point.error_um[i] + added[i]));
+      }
+    }
+    CHECK(largest > 5.0);
+    CHECK(left < 0.2);
+  }
+}
+
+TEST_CASE("a period too short for the tables is said") {
+  const ModelDesk desk;
+  const std::string grating =
+      desk.folder.with("grating.toml",
+                       "[[effect]]\nid = \"cyclic\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { period_mm = 0.02, "
+                       "amplitude_um = 1.0, phase_rad = 0.0 }\n");
+  const Ran r = ran({"map", "build", "--from-model", grating, "--machine", desk.machine, "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["components"][0]["points"].get<int>() < 10'000);
+  CHECK(r.json()["notes"].dump().find("cannot follow its period") != std::string::npos);
 }
 
 TEST_CASE("squareness of a model goes into the parameters") {
