@@ -30,7 +30,7 @@ TEST_CASE("a polarity of the map and a gain of minus one are the same thing: sai
   std::erase_if(found->candidates,
                 [](const Candidate& c) { return c.effect.id != map_polarity && c.effect.id != map_gain; });
   const NextMeasurement next = next_measurement(model, data, *found);
-  CHECK(next.rivals.size() == 2);
+  CHECK(next.rivals.size() >= 2);
   CHECK(next.proposals.empty());
   REQUIRE(next.notes.size() == 1);
   CAPTURE(next.notes[0]);
