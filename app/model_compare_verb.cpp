@@ -77,8 +77,8 @@ bool any_trace(const std::vector<std::string>& files) {
 Result<Outcome> compare_step(const Arguments& arguments) {
   if (arguments.common.data.size() != 1)
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
-  if (!arguments.at.empty() || arguments.volume != 0 || !arguments.common.machine.empty())
-    return problem(ProblemKind::usage, "--at, --volume and --machine are for measurement sets, not for a recorded step");
+  if (!arguments.at.empty() || arguments.volume != 0)
+    return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
   return compare_trace(arguments.common.model, arguments.common.data.front(), arguments.plot);
 }
 
