@@ -11,7 +11,7 @@
 namespace ecs::emulator {
 namespace {
 
-constexpr int kTries = 400;
+constexpr int kTries = 2000;
 constexpr int kTriesOfOne = 40;  ///< before a companion, or a foreign structure, is drawn anew
 constexpr std::size_t kLeastReadings = 100;
 constexpr std::size_t kMostReadings = 20'000;

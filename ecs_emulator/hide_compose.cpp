@@ -58,6 +58,16 @@ bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorb
   return true;
 }
 
+/// The effect that holds the mean and slope of a curve, which has none itself.
+std::optional<PlacedEffect> line_of(const PlacedEffect& effect) {
+  if (effect.kind != EffectKind::progressive && effect.kind != EffectKind::reversal_curve) return std::nullopt;
+  PlacedEffect line;
+  line.kind = effect.kind == EffectKind::progressive ? EffectKind::scale : EffectKind::backlash;
+  line.axis = effect.axis;
+  line.sense = effect.sense;
+  return line;
+}
+
 Needs needs_of(const Wanted& wanted) {
   if (wanted.kind == CaseKind::out_of_library) return emulator::needs_of(wanted.structure);
   Needs needs;
@@ -84,6 +94,7 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
       if (!effect) return std::nullopt;
       c.hidden.push_back({*effect, 0.0, 0.0});
       reserved.hidden.push_back(*effect);
+      if (const auto line = line_of(*effect)) reserved.needed.push_back(*line);
     }
   }
   if (wanted.kind == CaseKind::out_of_library) {

@@ -41,7 +41,7 @@ Kinds members_of(int confusion) {
 
 Needs needs_of(int confusion) {
   Needs n;
-  n.constant = n.translations = n.one_axis = true;
+  n.constant = n.translations = n.one_axis = n.irregular = true;
   n.least_runs = 2;
   n.temperature = confusion == warm || confusion == warm_air;
   n.air = confusion == air || confusion == warm_air || confusion == zero;
@@ -152,6 +152,7 @@ std::optional<HiddenCase> compose_confounded(Random& random, const Wanted& wante
   c.kind = CaseKind::confounded;
   c.scene = confounded_scene(random, wanted);
   if (c.scene.stops.size() < 100) return std::nullopt;
+  if (wanted.confusion == zero && c.scene.chain.axis_count() > 1) return std::nullopt;  // squareness is one more zero
   const Ground ground = ground_of(c.scene);
   const auto hidden = member(random, wanted, c.scene, ground);
   if (!hidden) return std::nullopt;

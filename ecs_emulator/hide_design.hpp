@@ -28,6 +28,7 @@ struct Needs {
   bool grid = false;          ///< lines at several places, whatever the levers
   bool constant = false;      ///< one temperature, one pressure, one feed, one load
   bool time = false;
+  bool irregular = false;     ///< targets at uneven distances: no period hides between them
   int least_axes = 1;
   int least_runs = 1;
   bool whole_runs = false;  ///< one line: a run is one stretch of time

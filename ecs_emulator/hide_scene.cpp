@@ -52,7 +52,7 @@ std::vector<Lever> levers_of(const Scene& scene) {
   return levers;
 }
 
-std::vector<Line> lever_lines(Random& random, const Scene& scene) {
+std::vector<Line> lever_lines(Random& random, const Scene& scene, const Needs& needs) {
   const auto levers = levers_of(scene);
   if (levers.empty()) return {};
   const Lever& lever = one(random, levers);
@@ -63,7 +63,7 @@ std::vector<Line> lever_lines(Random& random, const Scene& scene) {
     line.parked_mm[index_of(lever.lever)] = place_mm;
     lines.push_back(line);
   }
-  if (chance(random, 0.4)) lines.push_back({lever.lever, line.sense, parking_place(scene, lever.lever)});
+  if (!needs.fine && chance(random, 0.4)) lines.push_back({lever.lever, line.sense, parking_place(scene, lever.lever)});
   return lines;
 }
 
@@ -122,7 +122,7 @@ std::vector<Line> free_lines(Random& random, const Scene& scene, const Needs& ne
 }
 
 std::vector<Line> draw_lines(Random& random, const Scene& scene, const Needs& needs) {
-  if (needs.levers) return lever_lines(random, scene);
+  if (needs.levers) return lever_lines(random, scene, needs);
   if (needs.squares) return square_lines(random, scene);
   if (needs.grid ||
       (!needs.one_axis && !needs.along && !needs.whole_runs && axes_of(scene).size() > 1 && chance(random, 0.12)))
@@ -130,7 +130,7 @@ std::vector<Line> draw_lines(Random& random, const Scene& scene, const Needs& ne
   return free_lines(random, scene, needs);
 }
 
-std::vector<double> draw_targets(Random& random, const Scene& scene, Axis axis, int count, bool fine, bool& even) {
+std::vector<double> draw_targets(Random& random, const Scene& scene, Axis axis, int count, bool fine, bool even) {
   auto [low_mm, high_mm] = travel_of(scene, axis);
   const double pitch_mm = scene.machine.axes[index_of(axis)]->screw_pitch_mm.value_or(10.0);
   const bool irregular = !even;
@@ -147,7 +147,7 @@ std::vector<double> draw_targets(Random& random, const Scene& scene, Axis axis, 
   std::vector<double> targets;
   for (int k = 0; k < count; ++k) {
     const double place = irregular ? (k + between(random, 0.1, 0.9)) / count : k / (count - 1.0);
-    targets.push_back(rounded(low_mm + (high_mm - low_mm) * place, 100.0));
+    targets.push_back(rounded(low_mm + (high_mm - low_mm) * place, irregular ? 1000.0 : 100.0));
   }
   return targets;
 }
@@ -162,7 +162,7 @@ Travel draw_travel(Random& random, const Needs& needs, std::size_t lines, std::s
   const int most_runs = std::max(1, static_cast<int>(wanted / passes / least_targets));
   travel.runs = std::max(std::min(most_runs, one(random, std::vector{1, 2, 3, 3, 5, 5, 7, 10})), needs.least_runs);
   const int count = std::max(least_targets, static_cast<int>(std::ceil(wanted / passes / travel.runs)));
-  scene.even_grid = !chance(random, 0.45);
+  scene.even_grid = !chance(random, 0.45) && !needs.irregular;
   for (const Axis a : axes_of(scene))
     travel.targets_mm[index_of(a)] = draw_targets(random, scene, a, count, needs.fine, scene.even_grid);
   travel.dwell_s = between(random, 1.0, 5.0);
@@ -174,6 +174,17 @@ Travel draw_travel(Random& random, const Needs& needs, std::size_t lines, std::s
     travel.loads_kg =
         one(random, std::vector<std::vector<double>>{{0.0, 500.0, 250.0}, {0.0, 800.0}, {100.0, 300.0, 0.0, 600.0}});
   return travel;
+}
+
+/// An axis that is measured itself is parked inside the stretch on which it is: nobody knows its errors elsewhere.
+void park_where_measured(std::vector<Line>& lines, const Travel& travel) {
+  for (Line& line : lines)
+    for (const Line& other : lines) {
+      if (other.axis == line.axis) continue;
+      const auto& targets = travel.targets_mm[index_of(other.axis)];
+      double& parked_mm = line.parked_mm[index_of(other.axis)];
+      parked_mm = std::clamp(parked_mm, targets.front(), targets.back());
+    }
 }
 
 void show_columns(Random& random, const Needs& needs, Scene& scene) {
@@ -211,6 +222,7 @@ Needs operator|(const Needs& a, const Needs& b) {
   n.grid = a.grid || b.grid;
   n.constant = a.constant || b.constant;
   n.time = a.time || b.time;
+  n.irregular = a.irregular || b.irregular;
   n.least_axes = std::max(a.least_axes, b.least_axes);
   n.least_runs = std::max(a.least_runs, b.least_runs);
   n.whole_runs = a.whole_runs || b.whole_runs;
@@ -289,9 +301,11 @@ Scene draw_scene(Random& random, const Needs& needs, std::size_t readings) {
   Scene scene;
   scene.machine = draw_machine(random, needs.least_axes);
   settle_geometry(scene);
-  const auto lines = draw_lines(random, scene, needs);
+  auto lines = draw_lines(random, scene, needs);
   if (lines.empty()) return scene;
-  scene.stops = stops_along(lines, draw_travel(random, needs, lines.size(), readings, scene));
+  const Travel travel = draw_travel(random, needs, lines.size(), readings, scene);
+  park_where_measured(lines, travel);
+  scene.stops = stops_along(lines, travel);
   draw_weather(random, needs, scene);
   show_columns(random, needs, scene);
   return scene;

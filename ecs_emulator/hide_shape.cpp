@@ -19,11 +19,12 @@ const std::vector<double>& places_under(const Ground& ground, const PlacedEffect
   return *most;
 }
 
+/// Up to degree 5: nearer the ends a polynomial of higher degree turns faster than a curve of ten degrees of freedom.
 SmoothCurve draw_curve(Random& random, const std::vector<double>& places) {
   SmoothCurve curve;
   curve.from_mm = places.front();
   curve.to_mm = places.back();
-  const int most = std::clamp(static_cast<int>(places.size()) / 2 - 1, 1, 6);
+  const int most = std::clamp(static_cast<int>(places.size()) / 2 - 1, 1, 4);
   const int count = whole(random, std::min(2, most), most);
   const double roughness = between(random, 0.4, 1.2);
   for (int k = 0; k < count; ++k) curve.waves.push_back(random.normal() * std::pow(k + 1.0, -roughness));
