@@ -106,7 +106,7 @@ Result<Outcome> compare(Session& session, const Arguments& arguments) {
 void add_model_compare(Menu& menu) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = menu.verb("compare", "where a model fails: residuals by direction and by every variable",
-                        "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n"
+                        "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
                         "ecs model compare drive_as_printed.toml step_recorded.csv");
   take_model_and_data(verb, arguments->common);
   verb.integer("--worst", arguments->worst, "so many of the worst places", 0, 10'000)
