@@ -60,7 +60,8 @@ Wanted begin(Random& random, const HideRequest& request) {
       plain ? one(random, std::vector{2.0, 3.0, 3.0, 5.0, 8.0, 12.0}) : one(random, std::vector{3.0, 4.0, 6.0, 10.0});
   wanted.snr = request.snr.value_or(request.xytz ? 10.0 : snr);
   const double most = plain ? 1500.0 : wanted.kind == CaseKind::confounded ? 400.0 : 600.0;
-  const auto readings = static_cast<std::size_t>(log_between(random, 110.0, most));
+  const auto readings =
+      static_cast<std::size_t>(log_between(random, wanted.kind == CaseKind::confounded ? 180.0 : 110.0, most));
   wanted.readings = request.readings.value_or(readings);
   const EffectKind effect = draw_effect_kind(random);
   if (request.effect || plain) wanted.effects = {request.effect.value_or(effect)};

@@ -34,7 +34,7 @@ std::vector<PlacedEffect> trials_of(const Scene& scene, const Ground& ground, Pl
       const auto& places = ground.cover(*effect.sense, *effect.axis).places_mm;
       const double length_mm = places.back() - places.front();
       const double most = std::min(60.0, static_cast<double>(places.size()) / 2.0);
-      for (double waves = 0.75; waves < most; waves *= 1.0 + 0.2 / (waves + 1.0)) values.push_back(length_mm / waves);
+      for (double waves = 1.0; waves < most; waves *= 1.0 + 0.2 / (waves + 1.0)) values.push_back(length_mm / waves);
       return with("period_mm", values);
     }
     case EffectKind::warm_up:
