@@ -114,8 +114,8 @@ std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, con
   const auto weigh = [&](const Rival& rival) {
     if (rival.separation >= kApart) return false;
     const EffectKind kind = rival.effect.kind;
-    const bool expected =
-        !rival.flexible || (curves && (kind == EffectKind::progressive || kind == EffectKind::angular));
+    const bool is_curve = kind == EffectKind::progressive || kind == EffectKind::angular;
+    const bool expected = curves ? is_curve : !rival.flexible;
     disturbed = rival.separation > kSame || !expected || !is_natural(rival) || has_own_lever(c.scene, rival.effect);
     group.push_back(place_of(rival.effect));
     return disturbed;

@@ -14,6 +14,7 @@ constexpr double kMostSigma_um = 20.0;
 constexpr double kMostSensorError = 0.15;  ///< what sensors leave of thermal errors, in sigmas
 constexpr double kMostBend = 0.15;  ///< what exact matrices make of large rotations beyond first order, in sigmas
 constexpr double kSame = 0.3;       ///< rivals this close, in sigmas, are the same
+constexpr double kApart = 8.0;      ///< rivals this far off, in sigmas, are others
 constexpr double kOwnPart = 0.3;    ///< of a hidden effect's mean square that its companion must leave
 
 Noise draw_noise_level(Random& random, double sigma_um) {
@@ -135,8 +136,16 @@ class Finishing {
     if (!case_.group.empty()) case_.group.insert(case_.group.begin(), name);
   }
 
-  /// Neither of two hidden effects can stand for the other.
+  /// Neither of two hidden effects can stand for the other, and no single rotation or sag for both.
   [[nodiscard]] bool companions_apart() const {
+    if (case_.hidden.size() < 2) return true;
+    const Eigen::VectorXd both = of(case_.hidden[0].effect) + of(case_.hidden[1].effect);
+    for (const EffectKind kind : {EffectKind::angular, EffectKind::sag})
+      for (const PlacedEffect& single : possible_places(case_.scene, ground_, kind)) {
+        Absorbed with = absorbed_;
+        with.add(columns_of(case_.scene, ground_, single));
+        if (with.left_of(both).norm() < kApart * case_.noise.sigma_um) return false;
+      }
     for (const HiddenEffect& one : case_.hidden)
       for (const HiddenEffect& other : case_.hidden) {
         if (&one == &other) continue;
