@@ -63,8 +63,8 @@ void add_along(const Observations& data, Sense sense, Axis axis, std::vector<Eff
   out.push_back(instance(scale, axis, sense));
   if (distinct_places >= 6) out.push_back(instance(progressive, axis, sense));
   if (distinct_places >= 6) out.push_back(instance(cyclic, axis, sense));
-  if (distinct_places >= 4) out.push_back(instance(step, axis, sense));
-  if (distinct_places >= 3) out.push_back(instance(sag, axis, sense));
+  if (distinct_places >= 8) out.push_back(instance(step, axis, sense));
+  if (distinct_places >= 6) out.push_back(instance(sag, axis, sense));
   if (!is_rotation(sense))
     for (const KnownComponent& known : data.known) {
       if (moving_axis(known.code) != axis || !is_angular(known.code)) continue;
@@ -106,9 +106,7 @@ void add_of_place(const Observations& data, Sense sense, std::vector<EffectInsta
     if (varied_axes(data, sense).empty()) out.push_back(instance(warm_up, axis, sense));
   }
   if (!data.load_kg.empty() && varied_axes(data, sense).empty()) out.push_back(instance(load, axis, sense));
-  const std::vector<Axis> moved = moved_axes(data, sense);
-  if (has_air(data) && is_positioning_sense(sense, axis) && std::count(moved.begin(), moved.end(), axis) > 0)
-    out.push_back(instance(dead_path, axis, sense));
+  if (has_air(data) && !is_rotation(sense)) out.push_back(instance(dead_path, axis, sense));
 }
 
 void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
@@ -144,14 +142,15 @@ void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) 
     places.push_back(one);
   }
   for (const Axis axis : axes) {
+    const auto of_axis = [&](Component c) { return moving_axis(c) == axis; };
+    if (std::count_if(components.begin(), components.end(), of_axis) < 2) continue;  // it is that component
     EffectInstance one;
     one.axis = axis;
     places.push_back(one);
   }
-  if (axes.size() > 1) places.emplace_back();
+  places.emplace_back();  // the whole map
   for (const EffectId id : {map_polarity, map_gain, map_shift, map_direction_swap})
     for (EffectInstance place : places) {
-      if (id == map_shift && !place.axis) continue;  // a datum belongs to one axis
       place.id = id;
       out.push_back(place);
     }

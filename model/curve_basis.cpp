@@ -2,32 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace ecs::model {
 namespace {
-
-/// Root of cos b · cosh b = 1 number `order`; its asymptote is exact to 1e-9 from the fourth on.
-double beam_root(std::size_t order) {
-  constexpr double kFirst[] = {4.730040744862704, 7.853204624095838, 10.995607838001671};
-  if (order <= 3) return kFirst[order - 1];
-  return (static_cast<double>(order) + 0.5) * std::numbers::pi;
-}
 
 /// Share of the positions that smooth functions may take.
 constexpr double kMostOfPositions = 0.6;
 
 }  // namespace
 
-double beam_mode(std::size_t order, double place) {
-  // cosh bx + cos bx − s (sinh bx + sin bx), rearranged so that no large numbers cancel
-  const double b = beam_root(order);
-  const double denominator = std::sinh(b) - std::sin(b);
-  const double one_minus_s = (std::cos(b) - std::sin(b) - std::exp(-b)) / denominator;
-  const double s = 1.0 - one_minus_s;
-  const double growing = 0.5 * one_minus_s * std::exp(b * place);
-  const double falling = 0.5 * (1.0 + s) * std::exp(-b * place);
-  return growing + falling + std::cos(b * place) - s * std::sin(b * place);
+double smooth_shape(std::size_t order, double place) {
+  const double u = 2.0 * place - 1.0;
+  double before = 1.0, now = u;  // Legendre polynomials, by their three-term recurrence
+  for (std::size_t n = 1; n <= order; ++n) {
+    const double k = static_cast<double>(n);
+    const double next = ((2.0 * k + 1.0) * u * now - k * before) / (k + 1.0);
+    before = now;
+    now = next;
+  }
+  return std::sqrt(2.0 * static_cast<double>(order) + 3.0) * now;
 }
 
 std::vector<double> distinct(std::vector<double> values, double tolerance) {
@@ -53,7 +46,7 @@ CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most
   for (std::size_t k = 0; k < std::min(most, room); ++k) {
     double sum = 0.0, sum_pf = 0.0, sum_pp = 0.0;
     for (const double p : positions_mm) {
-      const double f = beam_mode(k + 1, place_of(p));
+      const double f = smooth_shape(k + 1, place_of(p));
       sum += f;
       sum_pf += (p - centre_mm_) * f;
       sum_pp += (p - centre_mm_) * (p - centre_mm_);
@@ -72,7 +65,7 @@ double CurveBasis::half_width_mm() const { return std::max(0.5 * (greatest_mm_ -
 
 double CurveBasis::value(std::size_t k, double position_mm) const {
   const double p = std::clamp(position_mm, least_mm_, greatest_mm_);
-  return beam_mode(k + 1, place_of(p)) - mean_[k] - slope_[k] * (p - centre_mm_);
+  return smooth_shape(k + 1, place_of(p)) - mean_[k] - slope_[k] * (p - centre_mm_);
 }
 
 }  // namespace ecs::model

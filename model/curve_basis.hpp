@@ -1,5 +1,5 @@
-// Smooth curves over a travel: the free vibration modes of a beam (the functions that a smoothing spline keeps, in the
-// order of their roughness), with mean and slope over the measured positions removed.
+// Smooth curves over a travel: Legendre polynomials in the order of their roughness, with mean and slope over the
+// measured positions removed.
 // Does not live here: how many of them a fit may use (regressors.hpp).
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace ecs::model {
 
-/// Mode `order` (1, 2, …; about order + 1 zero crossings) of a free beam at `place` in 0 … 1. Size about 1.
-[[nodiscard]] double beam_mode(std::size_t order, double place);
+/// Polynomial of degree order + 1 (order 1, 2, …; as many zero crossings) at `place` in 0 … 1. Root mean square 1.
+[[nodiscard]] double smooth_shape(std::size_t order, double place);
 
 class CurveBasis {
  public:
@@ -32,8 +32,8 @@ class CurveBasis {
   double least_mm_ = 0.0;
   double greatest_mm_ = 0.0;
   double centre_mm_ = 0.0;
-  std::vector<double> mean_;   ///< of each mode over the measured positions
-  std::vector<double> slope_;  ///< of each mode, per mm
+  std::vector<double> mean_;   ///< of each shape over the measured positions
+  std::vector<double> slope_;  ///< of each shape, per mm
 };
 
 /// The different values, ascending, those closer than `tolerance` merged.

@@ -12,6 +12,7 @@
 #include "model/held_out.hpp"
 #include "model/investigation.hpp"
 #include "model/statistics.hpp"
+#include "model/user_start.hpp"
 #include "model/words.hpp"
 
 namespace ecs::model {
@@ -212,9 +213,9 @@ Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
   return noise ? Verdict::missing_effect : Verdict::unexplained_structure;
 }
 
-std::vector<EffectInstance> all_candidates(const Model& model, const Observations& data) {
-  std::vector<EffectInstance> all = candidate_instances(data);
-  all.insert(all.end(), model.candidates.begin(), model.candidates.end());
+std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
+  std::vector<EffectInstance> all = candidate_instances(regressors.data());
+  for (const EffectInstance& candidate : model.candidates) all.push_back(with_best_start(model, candidate, regressors));
   return all;
 }
 
@@ -300,15 +301,15 @@ Result<Diagnosis> diagnose(const Model& model, const Observations& data, const D
   const auto base = base_of(model, regressors, options.plain, nullptr);
   if (!base) return tl::unexpected(base.error());
   if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + 6.0) return too_few(data, *base);
-  const auto candidates = all_candidates(model, data);
   if (data.size() <= options.largest_search)
-    return reported({model, regressors, *base, searched(regressors, *base, candidates, options), options});
+    return reported(
+        {model, regressors, *base, searched(regressors, *base, all_candidates(model, regressors), options), options});
 
   const Observations part = subset(data, even_choice(data.size(), options.largest_search));
   const Regressors part_regressors(part);
   const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
   if (!part_base) return tl::unexpected(part_base.error());
-  const Found found = searched(part_regressors, *part_base, candidates, options);
+  const Found found = searched(part_regressors, *part_base, all_candidates(model, part_regressors), options);
   auto diagnosis = reported({model, regressors, *base, found, options});
   if (diagnosis)
     diagnosis->notes.push_back(

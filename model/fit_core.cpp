@@ -205,6 +205,7 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
   const auto free = free_nonlinear(assembly);
   const MatrixXd columns = assembly.columns();
   MatrixXd joint(columns.rows(), columns.cols() + static_cast<Index>(free.size()));
+  if (joint.cols() == 0) return joint.transpose() * joint;
   joint << columns, slopes(assembly, regressors, now.sizes, free);
   const MatrixXd white = whitener(joint);
   VectorXd norm = white.colwise().norm();
@@ -221,13 +222,15 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
 MatrixXd smooth_columns(const Observations& data) {
   std::vector<VectorXd> columns;
   const auto n = static_cast<Index>(data.size());
-  const auto most = static_cast<std::size_t>(std::max<double>(2.0, 0.3 * static_cast<double>(data.size())));
   for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC}) {
     std::vector<std::size_t> rows;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (data.sense[k] == sense) rows.push_back(k);
     if (rows.empty()) continue;
+    const double most = 0.3 * static_cast<double>(rows.size());
+    const std::size_t had = columns.size();
     const auto add = [&](const auto& value) {
+      if (static_cast<double>(columns.size() - had) >= std::max(2.0, most)) return;
       VectorXd column = VectorXd::Zero(n);
       for (const std::size_t k : rows) column(static_cast<Index>(k)) = value(k);
       columns.push_back(std::move(column));
@@ -247,9 +250,8 @@ MatrixXd smooth_columns(const Observations& data) {
         add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
     }
   }
-  const auto count = std::min(columns.size(), most);
-  MatrixXd matrix(n, static_cast<Index>(count));
-  for (std::size_t j = 0; j < count; ++j) matrix.col(static_cast<Index>(j)) = columns[j];
+  MatrixXd matrix(n, static_cast<Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];
   return matrix;
 }
 

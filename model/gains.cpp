@@ -75,13 +75,15 @@ Choice best_variant(const Family& family, const std::vector<std::vector<Index>>&
       if (family.greatest) c = std::min(c, *family.greatest);
       gain = c * gains.first_square * (2.0 * gains.first_coefficient - c);
     }
-    const double score = gain - cost(free);
+    // a wave has its amplitude and phase even where the targets show little of one
+    const std::size_t priced = family.effect.id == EffectId::cyclic ? variant.size() : free;
+    const double score = gain - cost(priced);
     if (score > best_score) {
       best_score = score;
       best.columns = variant;
       best.gain = gain;
-      best.cost = cost(free);
-      best.parameters = free;
+      best.cost = cost(priced);
+      best.parameters = priced;
     }
   }
   return best;

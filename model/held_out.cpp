@@ -77,13 +77,37 @@ void predict_parts(const Observations& data, const NoiseModel& noise, const std:
 
 }  // namespace
 
-double held_out_squares(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                        const Parts& parts, const MatrixXd& columns, const VectorXd& target, double most) {
-  const std::vector<double> sigma = noise.sigma_by_row(data.size());
-  double sum = 0.0;
-  predict_parts(data, noise, left_out, parts, columns, target,
-                [&](std::size_t k, double r) { sum += std::min(r * r / (sigma[k] * sigma[k]), most); });
-  return sum;
+double foreseen_part(const Parts& parts, const MatrixXd& columns, const VectorXd& target, const VectorXd& before) {
+  const double n = static_cast<double>(target.size());
+  const double most = 9.0 * std::max(1.0, before.squaredNorm() / n);
+  double gained = 0.0, there = 0.0, weights = 0.0;
+  for (std::size_t part = 0; part < parts.count; ++part) {
+    MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
+    VectorXd right = VectorXd::Zero(columns.cols());
+    for (std::size_t k = 0; k < parts.of.size(); ++k) {
+      if (parts.of[k] == part) continue;
+      const auto row = columns.row(static_cast<Index>(k));
+      products.noalias() += row.transpose() * row;
+      right += row.transpose() * target(static_cast<Index>(k));
+    }
+    const VectorXd scale = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    products = scale.asDiagonal() * products * scale.asDiagonal();
+    products.diagonal().array() += 1e-9;
+    const Eigen::LDLT<MatrixXd> solver(products);
+    const VectorXd sizes = scale.asDiagonal() * VectorXd(solver.solve(scale.asDiagonal() * right));
+    for (std::size_t k = 0; k < parts.of.size(); ++k) {
+      if (parts.of[k] != part) continue;
+      const auto at = static_cast<Index>(k);
+      const VectorXd row = scale.asDiagonal() * columns.row(at).transpose();
+      const double weight = 1.0 / (1.0 + std::max(0.0, row.dot(VectorXd(solver.solve(row)))));
+      const double was = std::min(before(at) * before(at), most);
+      const double left = target(at) - columns.row(at).dot(sizes);
+      gained += weight * (was - std::min(left * left, most));
+      there += weight * (was - 1.0);
+      weights += weight;
+    }
+  }
+  return gained / std::max(there, 0.05 * weights);
 }
 
 double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,

@@ -71,15 +71,25 @@ bool changed(const NoiseModel& a, const NoiseModel& b) {
   return false;
 }
 
-/// Share of what is above noise that the effects predict at targets they were not fitted to.
-double foreseen_share(const Observations& data, const Base& base, const Search& search, const Found& found) {
-  const Parts parts = parts_by_target(data);
-  const LinearProblem with = joined(base, search, found.solution.chosen);
-  const double n = static_cast<double>(data.size());
-  const double most = 9.0 * std::max(1.0, found.solution.chi2_before / n);
-  const double before = held_out_squares(data, found.noise, found.left_out, parts, base.columns, base.target, most);
-  const double after = held_out_squares(data, found.noise, found.left_out, parts, with.columns, with.target, most);
-  return (before - after) / std::max(before - n, 0.05 * n);
+/// Share of what is above noise that the effects predict at targets they were not fitted to, beyond what the model
+/// absorbs of both.
+double foreseen_share(const Observations& data, const Search& search, const Whitener& whitener,
+                      const std::vector<Choice>& chosen) {
+  const MatrixXd& q = search.base().q;
+  const auto beyond = [&](const MatrixXd& raw) {
+    MatrixXd white = whitener(raw);
+    white.noalias() -= q * (q.transpose() * white).eval();
+    return white;
+  };
+  LinearProblem left{MatrixXd(q.rows(), 0), search.base().y};
+  for (const Choice& choice : chosen) {
+    const Columns columns = search.columns_of(choice);
+    if (columns.fixed.size() > 0) left.target -= beyond(columns.fixed).col(0);
+    const Index had = left.columns.cols();
+    left.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
+    left.columns.rightCols(columns.of.cols()) = beyond(columns.of);
+  }
+  return foreseen_part(parts_by_target(data), left.columns, left.target, search.base().y);
 }
 
 }  // namespace
@@ -93,8 +103,9 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   if (!assembly) return tl::unexpected(assembly.error());
   Base base;
   base.core = fitted(*assembly, regressors, {plain, true});
-  base.columns = assembly->columns();
   const Observations& data = regressors.data();
+  base.columns = assembly->columns();
+  base.columns.conservativeResize(static_cast<Index>(data.size()), Eigen::NoChange);
   base.target =
       Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly->fixed(data.size());
   base.residual = base.core.residual;
@@ -150,8 +161,8 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     const Structure structure(data, whitener, noise_freedom);
     found.before = structure.tests(search.base());
     found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
-    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, base, search, found);
-    if (found.foreseen < kForeseen && found.structure_p_before > kStructureChance * options.false_naming_limit) {
+    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, search, whitener, found.solution.chosen);
+    if (found.foreseen < kForeseenAlone && found.structure_p_before > kStructureChance * options.false_naming_limit) {
       // no structure but for an effect without proof: that is noise
       found.solution = search.solution({});
       found.groups.clear();

@@ -14,7 +14,9 @@
 namespace ecs::model {
 
 /// Least share of what is above noise that an explanation foresees at targets not fitted to.
-inline constexpr double kForeseen = 0.5;
+inline constexpr double kForeseen = 0.25;
+/// The same where nothing but the effect itself speaks against noise.
+inline constexpr double kForeseenAlone = 0.5;
 
 /// The model as it stands: what it absorbs and what it leaves.
 struct Base {

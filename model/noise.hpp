@@ -72,6 +72,8 @@ class Whitener {
   Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out);
   [[nodiscard]] Eigen::MatrixXd operator()(const Eigen::MatrixXd& columns) const;
   [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& column) const;
+  /// The transposed map: products with whitened columns become products with the columns as they are.
+  [[nodiscard]] Eigen::MatrixXd transposed(const Eigen::MatrixXd& white) const;
 
  private:
   struct Step {
@@ -82,6 +84,7 @@ class Whitener {
   };
   std::vector<Step> steps_;  ///< group after group; memory 0 at the start of each
   void apply(const double* from, double* to) const;
+  void apply_transposed(const double* from, double* to) const;
 };
 
 }  // namespace ecs::model

@@ -308,16 +308,10 @@ const CurveBasis& Regressors::basis_of(const EffectInstance& effect) const {
   const std::string key = to_text(effect);
   const auto found = bases_.find(key);
   if (found != bases_.end()) return found->second;
-  const bool lever = effect.id == angular;
-  std::vector<double> own, all;
-  for (std::size_t k = 0; k < data_.size(); ++k) {
-    if (!acts_by_place(data_, k, effect)) continue;
-    const double p = data_.p_mm(k, *effect.axis);
-    all.push_back(p);
-    if (data_.axis[k] == *effect.axis) own.push_back(p);
-  }
-  const bool own_suffices = !lever && distinct(own, 1e-6).size() >= 4;
-  return bases_.emplace(key, CurveBasis(own_suffices ? own : all, kMostCurveFunctions)).first->second;
+  std::vector<double> places;
+  for (std::size_t k = 0; k < data_.size(); ++k)
+    if (acts_by_place(data_, k, effect)) places.push_back(data_.p_mm(k, *effect.axis));
+  return bases_.emplace(key, CurveBasis(places, kMostCurveFunctions)).first->second;
 }
 
 Eigen::VectorXd Regressors::of_curve(const EffectInstance& effect, const Acting& acting) const {

@@ -6,16 +6,19 @@
 
 #include "model/candidates.hpp"
 #include "model/gains.hpp"
+#include "model/user_start.hpp"
 
 namespace ecs::model {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::MatrixXf;
 using Eigen::VectorXd;
-using Eigen::VectorXf;
 
+/// Price of a period that the targets cannot follow: it takes on any slower shape.
+constexpr double kUnseenPeriod = 8.0;
+/// Different values of a user's parameter that fit a data set by chance.
+constexpr double kUserTrials = 12.0;
 constexpr std::size_t kMostBankColumns = 10'000;
 
 MatrixXd without(const MatrixXd& q, MatrixXd columns) {
@@ -25,27 +28,33 @@ MatrixXd without(const MatrixXd& q, MatrixXd columns) {
   return columns;
 }
 
+double mean_step(const Observations& data, const Family& family) {
+  std::vector<double> p;
+  for (const std::size_t k : family.acting.rows) p.push_back(data.p_mm(k, *family.effect.axis));
+  p = distinct(std::move(p), 1e-6);
+  return p.size() < 2 ? 0.0 : (p.back() - p.front()) / static_cast<double>(p.size() - 1);
+}
+
 }  // namespace
 
 void absorb(Space& space, const MatrixXd& white_columns) {
   const VectorXd before = white_columns.colwise().squaredNorm();
   const MatrixXd left = without(space.q, white_columns);
-  std::vector<VectorXd> fresh;
+  MatrixXd fresh(left.rows(), left.cols());
+  Index count = 0;
   for (Index j = 0; j < left.cols(); ++j) {
     VectorXd v = left.col(j);
-    for (int twice = 0; twice < 2; ++twice)
-      for (const VectorXd& q : fresh) v -= q * q.dot(v);
+    const auto taken = fresh.leftCols(count);
+    for (int twice = 0; twice < 2 && count > 0; ++twice) v.noalias() -= taken * (taken.transpose() * v).eval();
     const double square = v.squaredNorm();
     if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
     v /= std::sqrt(square);
-    fresh.push_back(v);
+    fresh.col(count++) = v;
     space.y -= v * v.dot(space.y);
   }
   const Index had = space.q.cols();
-  MatrixXd q(space.y.size(), had + static_cast<Index>(fresh.size()));
-  if (had > 0) q.leftCols(had) = space.q;
-  for (std::size_t j = 0; j < fresh.size(); ++j) q.col(had + static_cast<Index>(j)) = fresh[j];
-  space.q = std::move(q);
+  space.q.conservativeResize(space.y.size(), had + count);
+  space.q.rightCols(count) = fresh.leftCols(count);
 }
 
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
@@ -69,8 +78,6 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
   std::size_t scans = 0;
   for (const EffectInstance& effect : candidates) scans += effect.id == EffectId::cyclic ? 1 : 0;
   const std::size_t most = kMostBankColumns / 2 / std::max<std::size_t>(scans, 1);
-  std::vector<VectorXd> signatures;  // of effects without a nonlinear parameter, to drop doubles of one effect
-  std::vector<EffectId> signature_ids;
   for (const EffectInstance& effect : candidates) {
     Family family;
     family.effect = effect;
@@ -85,7 +92,11 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
     const double ways = effect.id == EffectId::cyclic ? 3.0 : 1.0;
     family.search_cost = searched ? 2.0 * std::log(std::max(2.0, ways * grid.independent)) : 0.0;
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(grid.facts.size())) : 0.0;
+    if (effect.id == EffectId::cyclic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
+    if (effect.id == EffectId::user)
+      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data())) *
+                           (family.ln_readings + 2.0 * std::log(kUserTrials));
     if (effect.id == EffectId::cosine) family.least = 0.0;
     if (effect.id == EffectId::air_refraction) {
       family.least = -0.2;
@@ -95,17 +106,9 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
       family.least = -11.0;
       family.greatest = 11.0;
     }
-    // the same fault of the map named twice (one component, or all of which only that one acts)
     if (effect.id >= EffectId::map_polarity && effect.id <= EffectId::map_direction_swap) {
       const Columns columns = regressors_.columns(effect, family.grid.front(), family.acting);
-      const VectorXd signature = columns.fixed.size() > 0 ? columns.fixed : VectorXd(columns.of.col(0));
-      bool twice = signature.squaredNorm() <= 0.0;
-      for (std::size_t i = 0; i < signatures.size() && !twice; ++i)
-        twice = signature_ids[i] == effect.id &&
-                (signatures[i] - signature).squaredNorm() < 1e-12 * signature.squaredNorm();
-      if (twice) continue;
-      signatures.push_back(signature);
-      signature_ids.push_back(effect.id);
+      if (columns.fixed.squaredNorm() + columns.of.squaredNorm() <= 0.0) continue;
     }
     families_.push_back(std::move(family));
   }
@@ -113,13 +116,24 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
 
 double Search::cost_of(const Family& family, double nonlinear, std::size_t linear) const {
   double cost = family.ln_readings * static_cast<double>(linear);
+  if (family.effect.id == EffectId::user) return cost + family.search_cost;
   if (family.grid.size() + family.facts.size() <= 1) return cost;
+  if (nonlinear < family.shortest_seen) cost += kUnseenPeriod;
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
   return cost + (fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost);
 }
 
+Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  choice.family = f;
+  choice.nonlinear = nonlinear;
+  if (family.grid.size() + family.facts.size() > 1) ++choice.parameters;
+  return choice;
+}
+
 Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) const {
+  if (has_places(f)) return choice_in(view_of(space, f), f, nonlinear);
   const Family& family = families_[f];
   const Columns columns = regressors_.columns(family.effect, nonlinear, family.acting);
   const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
@@ -134,22 +148,18 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
     const MatrixXd white = whitener_(columns.of);
     const VectorXd original = white.colwise().squaredNorm();
     const MatrixXd left = without(space.q, white);
-    const MatrixXd gram = left.transpose() * left;
-    const VectorXd z = left.transpose() * space.y;
-    const bool natural =
-        !family.effect.sense || natural_axis(regressors_.data(), *family.effect.sense) == family.effect.axis;
-    const auto variants = variants_of(family.effect, columns, natural);
-    choice = best_choice(family, variants, gram, z, original, kAbsorbed, cost);
+    choice = best_choice(family, banks_[f].variants, left.transpose() * left, left.transpose() * space.y, original,
+                         kAbsorbed, cost);
   }
-  choice.family = f;
-  choice.nonlinear = nonlinear;
-  if (family.grid.size() + family.facts.size() > 1) ++choice.parameters;
-  return choice;
+  return completed(choice, f, nonlinear);
 }
 
 Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinear) const {
   const Family& family = families_[f];
-  Choice best = choice_at(space, f, nonlinear);
+  const bool places = has_places(f);
+  const View view = places ? view_of(space, f) : View{};
+  const auto exactly = [&](double v) { return places ? choice_in(view, f, v) : choice_at(space, f, v); };
+  Choice best = exactly(nonlinear);
   if (nonlinear_parameter_of(family.effect.id).empty() || family.grid.size() + family.facts.size() <= 1 ||
       family.effect.id == EffectId::step)
     return best;
@@ -175,7 +185,7 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   // shorter time constants than those tried pass for a constant
   const double shortest = family.grid.empty() ? 0.0 : *std::min_element(family.grid.begin(), family.grid.end());
   const double floor = inverse ? 0.05 * centre : shortest;
-  const auto at = [&](double v) { return choice_at(space, f, to(v)); };
+  const auto at = [&](double v) { return exactly(to(v)); };
   constexpr double kGolden = 0.6180339887498949;
   double low = std::max(floor, centre - width), high = centre + width;
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Family {
   double search_cost = 0.0;               ///< price of the freedom to choose among the grid
   double fact_cost = 0.0;                 ///< price of choosing among the facts
   double ln_readings = 0.0;               ///< price of one free coefficient
+  double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
   std::optional<double> least, greatest;  ///< physical range of the single coefficient
 };
 
@@ -88,28 +90,63 @@ class Search {
   [[nodiscard]] Choice refined_choice(const Space& space, std::size_t family, double nonlinear) const;
 
  private:
+  /// One value of a family's nonlinear parameter in the bank.
   struct Item {
     std::size_t family = 0;
     double nonlinear = 0.0;
-    Eigen::Index start = 0, count = 0;
-    bool coarse = false;  ///< part of the thinner grid that the blanks use
+    Eigen::Index start = 0, count = 0;  ///< columns of the family's shapes
+    std::size_t gram = 0;  ///< place of its products in `grams_`: count × count, then the original squares
+    bool coarse = false;   ///< part of the thinner grid that the blanks use
+  };
+  /// Shapes of a family at all its values, once per place instead of once per reading.
+  struct Shapes {
+    std::vector<double> place_mm;  ///< of each node; empty: every reading is a node of its own
+    Eigen::MatrixXf columns;       ///< (nodes × columns)
+  };
+  struct FamilyBank {
+    std::vector<Eigen::Index> node_of;  ///< per acting row
+    Eigen::Index nodes = 0;
+    std::shared_ptr<const Shapes> shapes;
+    Eigen::MatrixXd weight;                           ///< whitened node indicators, multiplied out; few nodes only
+    Eigen::MatrixXd base_q;                           ///< the base seen from the nodes (nodes × rank)
+    std::vector<std::vector<Eigen::Index>> variants;  ///< sets of columns that may be used
+    std::size_t first = 0, last = 0;                  ///< its items
+  };
+  /// A space as the nodes of a family see it: enough for products with any shape over them.
+  struct View {
+    Eigen::MatrixXd q;
+    Eigen::VectorXd y;
   };
   void build_families(const std::vector<EffectInstance>& candidates);
   void build_bank();
+  void build_shapes(std::size_t family);
+  void build_grams(std::size_t family);
+  void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
+                   const Eigen::MatrixXd& absorbed);
+  /// Sums of rows over the nodes of a family.
+  [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
+  [[nodiscard]] bool has_places(std::size_t family) const { return banks_[family].weight.size() > 0; }
+  [[nodiscard]] View view_of(const Space& space, std::size_t family) const;
+  [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
-  void raise_by(const Item& item, const Eigen::MatrixXf& gram, const Eigen::Ref<const Eigen::MatrixXf>& z,
-                std::vector<double>& top) const;
+  void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, std::vector<double>& top) const;
   [[nodiscard]] double cost_of(const Family& family, double nonlinear, std::size_t linear) const;
-  [[nodiscard]] Choice screened(const Item& item, const Eigen::MatrixXf& gram, const Eigen::VectorXf& z) const;
+  [[nodiscard]] Choice screened(const Item& item, const Eigen::MatrixXd& gram, const Eigen::VectorXd& z) const;
+  [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
+  /// Scores of all values of a family, best first; those that gain nothing left out.
+  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
+                                              const Eigen::VectorXd& y) const;
+  /// A period refined, its double and other peaks tried as well.
+  [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
 
   const Regressors& regressors_;
   const Whitener& whitener_;
   Space base_;
   std::vector<Family> families_;
   PerAxis<std::size_t> targets_{};
+  std::vector<FamilyBank> banks_;
   std::vector<Item> items_;
-  Eigen::MatrixXf bank_;                ///< (readings × columns), whitened, base removed
-  std::vector<Eigen::MatrixXf> grams_;  ///< per item
+  std::vector<double> grams_;
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.

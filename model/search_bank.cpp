@@ -1,214 +1,225 @@
-// The bank of whitened columns of every candidate at every value tried, in single precision: one product with what is
-// left screens them all; products with simulated noise say what chance can do.
+// The bank of shapes of every candidate at every value tried: their products among themselves, with what is left and
+// with simulated noise. Shapes of position are kept once per place, however often it was measured.
+// Does not live here: what the products gain (gains.cpp), screening and refining (search_screen.cpp, search.cpp).
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "model/candidates.hpp"
 #include "model/gains.hpp"
 #include "model/search.hpp"
 
 namespace ecs::model {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
-using Eigen::VectorXf;
 
-void Search::build_bank() {
-  const Index n = base_.y.size();
-  std::vector<MatrixXf> parts;
-  Index total = 0;
-  for (std::size_t f = 0; f < families_.size(); ++f) {
-    const Family& family = families_[f];
-    const bool cyclic = family.effect.id == EffectId::cyclic;
-    const auto add = [&](double value, bool fact, bool coarse) {
-      Columns columns = regressors_.columns(family.effect, value, family.acting);
-      MatrixXd part = columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of;
-      if (cyclic && !fact) part.conservativeResize(Eigen::NoChange, 2);
-      items_.push_back({f, value, total, part.cols(), coarse});
-      total += part.cols();
-      parts.push_back(whitener_(part).cast<float>());
-    };
-    for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
-      for (std::size_t i = 0; i < family.grid.size(); ++i)
-        if (coarse == (!cyclic || i % 2 == 0)) add(family.grid[i], false, coarse);
-    for (const double value : family.facts) add(value, true, false);
-  }
-  bank_.resize(n, total);
-  const MatrixXf q = base_.q.cast<float>();
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    bank_.middleCols(items_[i].start, items_[i].count) = parts[i];
-    parts[i].resize(0, 0);
-  }
-  grams_.reserve(items_.size());
-  for (const Item& item : items_) {
-    // original squares are kept on an extra row so that absorbed columns are recognised
-    MatrixXf gram(item.count + 1, item.count);
-    gram.row(item.count) = bank_.middleCols(item.start, item.count).colwise().squaredNorm();
-    grams_.push_back(std::move(gram));
-  }
-  constexpr Index kColumns = 512;
-  for (Index from = 0; from < total; from += kColumns) {
-    auto part = bank_.middleCols(from, std::min(kColumns, total - from));
-    const MatrixXf products = q.transpose() * part;
-    part.noalias() -= q * products;
-  }
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    const auto part = bank_.middleCols(items_[i].start, items_[i].count);
-    grams_[i].topRows(items_[i].count) = part.transpose() * part;
-  }
-}
+/// With more places than that, products over the readings are cheaper than products over the places.
+constexpr Index kMostPlaces = 300;
+/// Columns handled at once, so that a piece stays in the cache.
+constexpr Index kPiece = 256;
 
-Choice Search::screened(const Item& item, const MatrixXf& gram, const VectorXf& z) const {
-  const Family& family = families_[item.family];
-  const VectorXd original = grams_[static_cast<std::size_t>(&item - items_.data())].row(item.count).cast<double>();
-  const auto cost = [&](std::size_t linear) { return cost_of(family, item.nonlinear, linear); };
-  Choice choice;
-  if (has_fixed_size(family.effect.id)) {
-    if (static_cast<double>(gram(0, 0)) <= kAbsorbedScreening * original(0)) {
-      choice.gain = -1.0;
-    } else {
-      choice.gain = static_cast<double>(2.0F * z(0) - gram(0, 0));
-      choice.cost = cost(0);
-    }
-  } else {
-    Columns shape;
-    shape.of.resize(0, item.count);
-    shape.leading = family.effect.id == EffectId::angular ? 2 : 0;
-    const bool natural =
-        !family.effect.sense || natural_axis(regressors_.data(), *family.effect.sense) == family.effect.axis;
-    const auto variants = variants_of(family.effect, shape, natural);
-    choice = best_choice(family, variants, gram.cast<double>(), z.cast<double>(), original, kAbsorbedScreening, cost);
-  }
-  choice.family = item.family;
-  choice.nonlinear = item.nonlinear;
-  if (family.grid.size() + family.facts.size() > 1) ++choice.parameters;
-  return choice;
-}
+/// Its shape depends on the position of its axis alone.
+bool is_of_place(EffectId id) { return id == EffectId::cyclic || id == EffectId::step; }
 
-std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
-  const Index more = space.q.cols() - base_.q.cols();
-  const MatrixXf q = space.q.rightCols(more).cast<float>();
-  const VectorXf y = space.y.cast<float>();
-  const VectorXf z = bank_.transpose() * y;
-  MatrixXf products;
-  if (more > 0) products.noalias() = q.transpose() * bank_;
-  std::vector<Choice> best(families_.size());
-  std::vector<std::vector<Choice>> peaks(families_.size());
-  for (Choice& choice : best) choice.gain = -1.0;
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    const Item& item = items_[i];
-    MatrixXf gram = grams_[i].topRows(item.count);
-    if (more > 0) {
-      const auto part = products.middleCols(item.start, item.count);
-      gram.noalias() -= part.transpose() * part;
-    }
-    const Choice choice = screened(item, gram, z.segment(item.start, item.count));
-    if (choice.gain > 0.0) peaks[item.family].push_back(choice);
-  }
-  std::vector<Choice> list;
-  for (auto& of_family : peaks) {
-    if (of_family.empty()) continue;
-    std::stable_sort(of_family.begin(), of_family.end(),
-                     [](const Choice& a, const Choice& b) { return a.score() > b.score(); });
-    list.push_back(of_family.front());
-  }
-  const auto by_score = [](const Choice& a, const Choice& b) { return a.score() > b.score(); };
-  std::stable_sort(list.begin(), list.end(), by_score);
-  for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
-    const std::size_t f = list[i].family;
-    Choice exactly = refined_choice(space, f, list[i].nonlinear);
-    if (families_[f].effect.id == EffectId::cyclic) {
-      // the period may be twice the one found (its second harmonic stronger), or another peak
-      std::vector<double> tries{2.0 * exactly.nonlinear};
-      for (std::size_t j = 1; j < std::min<std::size_t>(peaks[f].size(), 6) && tries.size() < 3; ++j) {
-        const double ratio = peaks[f][j].nonlinear / exactly.nonlinear;
-        if (std::abs(ratio - 1.0) > 0.02) tries.push_back(peaks[f][j].nonlinear);
-      }
-      for (const double value : tries) {
-        const Choice other = refined_choice(space, f, value);
-        if (other.score() > exactly.score()) exactly = other;
-      }
-    }
-    list[i] = exactly;
-  }
-  std::stable_sort(list.begin(), list.end(), by_score);
-  return list;
-}
-
-void Search::raise_by(const Item& item, const MatrixXf& gram, const Eigen::Ref<const MatrixXf>& z,
-                      std::vector<double>& top) const {
-  const Family& family = families_[item.family];
-  const auto raise = [&](Index b, double score) {
-    double& best = top[static_cast<std::size_t>(b)];
-    best = std::max(best, score);
-  };
-  if (has_fixed_size(family.effect.id)) {
-    const double cost = cost_of(family, item.nonlinear, 0);
-    for (Index b = 0; b < z.cols(); ++b) raise(b, static_cast<double>(2.0F * z(0, b) - gram(0, 0)) - cost);
+/// Sine and cosine of so many harmonics at a place, or the step.
+void fill_place(EffectId id, double place_mm, double nonlinear, Index count, double* out) {
+  if (id == EffectId::step) {
+    out[0] = place_mm > nonlinear ? 1.0 : 0.0;
     return;
   }
-  Columns shape;
-  shape.of.resize(0, item.count);
-  shape.leading = family.effect.id == EffectId::angular ? 2 : 0;
-  auto variants = variants_of(family.effect, shape, true);
-  std::vector<bool> allowed(static_cast<std::size_t>(item.count) + 1, !is_curve(family.effect.id));
-  if (is_curve(family.effect.id) && !variants.empty()) {
-    for (const auto& variant : variants) allowed[variant.size()] = true;
-    variants = {variants.back()};
+  const double angle = 2.0 * std::numbers::pi * place_mm / nonlinear;
+  out[0] = std::sin(angle);
+  out[1] = std::cos(angle);
+  if (count < 4) return;
+  out[2] = 2.0 * out[0] * out[1];
+  out[3] = 1.0 - 2.0 * out[0] * out[0];
+}
+
+MatrixXd place_columns(EffectId id, const std::vector<double>& place_mm, double nonlinear, Index count) {
+  MatrixXd columns(static_cast<Index>(place_mm.size()), count);
+  std::array<double, 4> row{};
+  for (std::size_t i = 0; i < place_mm.size(); ++i) {
+    fill_place(id, place_mm[i], nonlinear, count, row.data());
+    for (Index j = 0; j < count; ++j) columns(static_cast<Index>(i), j) = row[static_cast<std::size_t>(j)];
   }
-  const double absorbed = family.effect.id == EffectId::cyclic ? kAbsorbedPeriod : kAbsorbedScreening;
-  for (const std::vector<Index>& variant : variants) {
-    const auto k = static_cast<Index>(variant.size());
-    if (variant.back() >= item.count) continue;
-    MatrixXd g(k, k), right(k, z.cols());
-    for (Index i = 0; i < k; ++i) {
-      right.row(i) = z.row(variant[static_cast<std::size_t>(i)]).cast<double>();
-      for (Index j = 0; j < k; ++j)
-        g(i, j) = static_cast<double>(gram(variant[static_cast<std::size_t>(i)], variant[static_cast<std::size_t>(j)]));
-    }
-    const VectorXd original = grams_[static_cast<std::size_t>(&item - items_.data())].row(item.count).cast<double>();
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(z.cols());
-    std::size_t free = 0;
-    for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
-      const double square = g(i, i);
-      if (square > absorbed * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
-        ++free;
-        sum += right.row(i).cwiseAbs2() / square;
-        for (Index j = i + 1; j < k; ++j) {
-          const double share = g(j, i) / square;
-          right.row(j) -= share * right.row(i);
-          for (Index m = j; m < k; ++m) g(m, j) -= share * g(m, i);
-        }
+  return columns;
+}
+
+}  // namespace
+
+MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
+  const FamilyBank& bank = banks_[f];
+  const std::vector<std::size_t>& acting = families_[f].acting.rows;
+  MatrixXd sums = MatrixXd::Zero(bank.nodes, rows.cols());
+  for (Index j = 0; j < rows.cols(); ++j) {
+    const double* from = rows.col(j).data();
+    double* to = sums.col(j).data();
+    for (std::size_t i = 0; i < acting.size(); ++i) to[bank.node_of[i]] += from[acting[i]];
+  }
+  return sums;
+}
+
+/// Items of a family, their shapes at the nodes.
+void Search::build_shapes(std::size_t f) {
+  const Family& family = families_[f];
+  FamilyBank& bank = banks_[f];
+  const EffectId id = family.effect.id;
+  Shapes shapes;
+  const std::vector<std::size_t>& rows = family.acting.rows;
+  if (is_of_place(id)) {
+    std::vector<double> p;
+    for (const std::size_t k : rows) p.push_back(regressors_.data().p_mm(k, *family.effect.axis));
+    shapes.place_mm = distinct(p, 1e-9);
+    for (const double at : p)
+      bank.node_of.push_back(std::upper_bound(shapes.place_mm.begin(), shapes.place_mm.end(), at) -
+                             shapes.place_mm.begin() - 1);
+    bank.nodes = static_cast<Index>(shapes.place_mm.size());
+  } else {
+    for (std::size_t i = 0; i < rows.size(); ++i) bank.node_of.push_back(static_cast<Index>(i));
+    bank.nodes = static_cast<Index>(rows.size());
+  }
+
+  const bool cyclic = id == EffectId::cyclic;
+  Index total = 0;
+  bank.first = items_.size();
+  const auto add = [&](double value, Index count, bool coarse) {
+    items_.push_back({f, value, total, count, 0, coarse});
+    total += count;
+  };
+  Index count = cyclic ? 2 : 1;
+  std::vector<MatrixXd> parts;
+  const auto part_at = [&](double value) {
+    const Columns columns = regressors_.columns(family.effect, value, family.acting);
+    const MatrixXd all = columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of;
+    MatrixXd part(bank.nodes, all.cols());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      part.row(static_cast<Index>(i)) = all.row(static_cast<Index>(rows[i]));
+    return part;
+  };
+  for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
+    for (std::size_t i = 0; i < family.grid.size(); ++i) {
+      if (coarse != (!cyclic || i % 2 == 0)) continue;
+      if (!is_of_place(id)) {
+        parts.push_back(part_at(family.grid[i]));
+        count = parts.back().cols();
       }
-      const bool complete = is_curve(family.effect.id) ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
-      if (free == 0 || !complete) continue;
-      const double cost = cost_of(family, item.nonlinear, free);
-      for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);
+      add(family.grid[i], count, coarse);
     }
+  for (const double value : family.facts) add(value, cyclic ? 4 : count, false);
+  bank.last = items_.size();
+
+  for (std::size_t other = 0; other < f && is_of_place(id); ++other)
+    if (families_[other].effect.id == id && families_[other].grid == family.grid &&
+        families_[other].facts == family.facts && banks_[other].shapes->place_mm == shapes.place_mm) {
+      bank.shapes = banks_[other].shapes;
+      return;
+    }
+  shapes.columns.resize(bank.nodes, total);
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    const Item& item = items_[i];
+    shapes.columns.middleCols(item.start, item.count) =
+        is_of_place(id) ? place_columns(id, shapes.place_mm, item.nonlinear, item.count).cast<float>()
+                        : parts[i - bank.first].cast<float>();
+  }
+  bank.shapes = std::make_shared<const Shapes>(std::move(shapes));
+}
+
+void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXd& left, const MatrixXd& right,
+                         const MatrixXd& absorbed) {
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    Item& item = items_[i];
+    if (item.start < from || item.start + item.count > from + right.cols()) continue;
+    const Index at = item.start - from;
+    item.gram = grams_.size();
+    grams_.resize(grams_.size() + static_cast<std::size_t>(item.count * (item.count + 1)));
+    Eigen::Map<MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
+    Eigen::Map<VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
+    gram.noalias() = left.middleCols(at, item.count).transpose() * right.middleCols(at, item.count);
+    original = gram.diagonal();
+    const auto lost = absorbed.middleCols(at, item.count);
+    gram.noalias() -= lost.transpose() * lost;
   }
 }
 
-std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
-  std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    if (!items_[i].coarse) continue;
-    // neighbouring narrow items are taken together so that the product is one of matrices
-    std::size_t last = i;
-    Index width = items_[i].count;
-    while (last + 1 < items_.size() && width < 64 && items_[last + 1].coarse &&
-           items_[last + 1].start == items_[last].start + items_[last].count) {
-      ++last;
-      width += items_[last].count;
-    }
-    const MatrixXf z = bank_.middleCols(items_[i].start, width).transpose() * blanks;
-    for (std::size_t j = i; j <= last; ++j)
-      raise_by(items_[j], grams_[j].topRows(items_[j].count),
-               z.middleRows(items_[j].start - items_[i].start, items_[j].count), best);
-    i = last;
+/// Products of the shapes of each item, whitened, base removed.
+void Search::build_grams(std::size_t f) {
+  FamilyBank& bank = banks_[f];
+  const std::vector<std::size_t>& rows = families_[f].acting.rows;
+  const Index n = base_.y.size();
+  const Shapes& shapes = *bank.shapes;
+  if (!shapes.place_mm.empty() && bank.nodes <= kMostPlaces) {
+    MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
+    for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
+    const MatrixXd white = whitener_(indicators);
+    bank.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
+    bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
+    bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
+    bank.base_q = white.transpose() * base_.q;
   }
-  return best;
+  for (Index from = 0; from < shapes.columns.cols();) {
+    Index end = from;  // whole items only
+    for (std::size_t i = bank.first; i < bank.last; ++i)
+      if (items_[i].start == end && (end == from || end + items_[i].count - from <= kPiece)) end += items_[i].count;
+    const MatrixXd piece = shapes.columns.middleCols(from, end - from).cast<double>();
+    if (bank.weight.size() > 0) {
+      store_grams(bank, from, piece, bank.weight * piece, bank.base_q.transpose() * piece);
+    } else {
+      MatrixXd spread = MatrixXd::Zero(n, piece.cols());
+      for (Index j = 0; j < piece.cols(); ++j)
+        for (std::size_t i = 0; i < rows.size(); ++i)
+          spread(static_cast<Index>(rows[i]), j) = piece(bank.node_of[i], j);
+      const MatrixXd white = whitener_(spread);
+      store_grams(bank, from, white, white, base_.q.transpose() * white);
+    }
+    from = end;
+  }
+}
+
+void Search::build_bank() {
+  banks_.resize(families_.size());
+  for (std::size_t f = 0; f < families_.size(); ++f) {
+    build_shapes(f);
+    build_grams(f);
+    const EffectInstance& effect = families_[f].effect;
+    const bool natural = !effect.sense || natural_axis(regressors_.data(), *effect.sense) == effect.axis;
+    Columns shape;
+    for (std::size_t i = banks_[f].first; i < banks_[f].last; ++i)
+      shape.of.resize(0, std::max(shape.of.cols(), items_[i].count));
+    if (effect.id == EffectId::cyclic) shape.of.resize(0, 4);
+    shape.leading = effect.id == EffectId::angular ? 2 : 0;
+    banks_[f].variants = variants_of(effect, shape, natural);
+  }
+}
+
+Search::View Search::view_of(const Space& space, std::size_t f) const {
+  const FamilyBank& bank = banks_[f];
+  const Index base = base_.q.cols(), more = space.q.cols() - base;
+  View view;
+  view.y = gathered(f, whitener_.transposed(MatrixXd(space.y))).col(0);
+  view.q.resize(bank.nodes, space.q.cols());
+  view.q.leftCols(base) = bank.base_q;
+  view.q.rightCols(more) = gathered(f, whitener_.transposed(MatrixXd(space.q.rightCols(more))));
+  return view;
+}
+
+Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  const FamilyBank& bank = banks_[f];
+  const EffectId id = family.effect.id;
+  const MatrixXd columns = place_columns(id, bank.shapes->place_mm, nonlinear, id == EffectId::cyclic ? 4 : 1);
+  const MatrixXd weighted = bank.weight * columns;
+  MatrixXd gram = columns.transpose() * weighted;
+  const VectorXd original = gram.diagonal();
+  const MatrixXd absorbed = view.q.transpose() * columns;
+  gram.noalias() -= absorbed.transpose() * absorbed;
+  const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
+  return completed(best_choice(family, bank.variants, gram, columns.transpose() * view.y, original, kAbsorbed, cost), f,
+                   nonlinear);
 }
 
 }  // namespace ecs::model

@@ -15,9 +15,9 @@ constexpr double kPriceOfRival = 15.0;
 constexpr double kEven = 3.0;
 /// Fits that differ by less than this are the same fit.
 constexpr double kSame = 0.05;
-constexpr std::size_t kFirstBranches = 8;
-constexpr std::size_t kLaterBranches = 4;
-constexpr std::size_t kBeam = 4;
+constexpr std::size_t kFirstBranches = 12;
+constexpr std::size_t kLaterBranches = 5;
+constexpr std::size_t kBeam = 6;
 constexpr double kWorthFollowing = 0.2;  ///< of the best score
 
 std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
@@ -39,16 +39,22 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
 
 bool is_shape_of_position(EffectId id) { return is_curve(id) || id == EffectId::cyclic || id == EffectId::step; }
 
-/// Whether effects may be missing together: one cause does not stand twice in one place, and three free shapes over the
-/// same axis explain anything.
+bool is_drift(EffectId id) {
+  return id == EffectId::thermal_drift || id == EffectId::time_drift || id == EffectId::warm_up ||
+         id == EffectId::dead_path;
+}
+
+/// Whether effects may be missing together: one cause does not stand twice in one place; three free shapes over the
+/// same axis explain anything, and so do three drifts of the same sense.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
-  constexpr std::size_t kMostShapes = 2;
+  constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
-    std::size_t shapes = 0, functions = 0, most = 0;
+    std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
+      if (is_drift(one.id) && is_drift(other.id) && one.sense == other.sense) ++drifts;
       if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) {
         ++shapes;
         functions += chosen[j].parameters;
@@ -60,12 +66,23 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
           !(one.id < EffectId::warm_up && one.axis != other.axis))
         return false;
     }
-    if (shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
+    if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
     // more functions than this share of the targets follow any values at all
     if (shapes > 1 && static_cast<double>(functions) > 2.0 + 0.7 * static_cast<double>(search.targets(*one.axis)))
       return false;
   }
   return true;
+}
+
+/// Whether a shape stands for another because it is the same, not because it bends to anything: at most one free
+/// parameter more, free curves among themselves apart.
+bool is_alike(const Search& search, const Choice& member, const Choice& other) {
+  const EffectId a = search.families()[member.family].effect.id, b = search.families()[other.family].effect.id;
+  constexpr std::size_t kOfShape = 3;  // place or period, size, form, however little of them these targets show
+  if (is_curve(a) && is_curve(b)) return true;
+  const bool bends = b == EffectId::cyclic || b == EffectId::step;
+  const std::size_t parameters = bends ? std::max(other.parameters, kOfShape) : other.parameters;
+  return parameters <= member.parameters + 1;
 }
 
 double worth(const Solution& solution, double entry_score) {
@@ -110,7 +127,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
   for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
     std::vector<Solution> next;
     for (const Solution& state : beam) {
-      const auto list = search.expand(state.space, depth == 0 ? 10 : 5);
+      const auto list = search.expand(state.space, depth == 0 ? kFirstBranches + 2 : kLaterBranches + 1);
       const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
       for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
         if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
@@ -141,14 +158,16 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     std::vector<Choice> all = search.expand(rest.space, 4);
     for (Choice& other : all) {
       if (other.family == group.member.family) continue;
-      if (other.gain < 0.8 * group.member.gain - kIndistinguishable) {
+      const bool movable = !nonlinear_parameter_of(search.families()[other.family].effect.id).empty();
+      if (other.gain < (movable ? 0.5 : 0.8) * group.member.gain - kIndistinguishable) {
         if (other.score() >= entry_score && group.weaker.size() < 6) group.weaker.push_back(other);
         continue;
       }
       const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
       if (exactly.score() > other.score()) other = exactly;
-      const bool same_fit =
-          other.gain >= group.member.gain - kIndistinguishable && other.score() >= group.member.score() - kPriceOfRival;
+      const bool same_fit = is_alike(search, group.member, other) &&
+                            other.gain >= group.member.gain - kIndistinguishable &&
+                            other.score() >= group.member.score() - kPriceOfRival;
       const bool same_evidence =
           other.parameters <= group.member.parameters && other.score() >= group.member.score() - kIndistinguishable;
       if (same_fit || same_evidence)
@@ -165,6 +184,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
                            (rival.parameters == group.member.parameters && rival.family < group.member.family);
       if (simpler) std::swap(rival, group.member);
     }
+    std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
     groups.push_back(std::move(group));
   }
   return groups;

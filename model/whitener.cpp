@@ -65,6 +65,26 @@ void Whitener::apply(const double* from, double* to) const {
   }
 }
 
+void Whitener::apply_transposed(const double* from, double* to) const {
+  double later = 0.0;  // what the steps after this one owe to its state
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    const Step& step = steps_[i];
+    if (step.scale == 0.0) {
+      to[step.row] = 0.0;
+      continue;
+    }
+    const double scaled = step.scale * from[step.row];
+    to[step.row] = scaled + step.gain * later;
+    later = step.memory * ((1.0 - step.gain) * later - scaled);
+  }
+}
+
+Eigen::MatrixXd Whitener::transposed(const Eigen::MatrixXd& white) const {
+  Eigen::MatrixXd out(white.rows(), white.cols());
+  for (Eigen::Index j = 0; j < white.cols(); ++j) apply_transposed(white.col(j).data(), out.col(j).data());
+  return out;
+}
+
 Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns) const {
   Eigen::MatrixXd white(columns.rows(), columns.cols());
   for (Eigen::Index j = 0; j < columns.cols(); ++j) apply(columns.col(j).data(), white.col(j).data());
