@@ -637,8 +637,9 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
     EffectId avoid = kind == CaseKind::single || kind == CaseKind::pair ? first : EffectId::user;
     if (kind == CaseKind::confounded) avoid = seed % 2 == 0 ? EffectId::backlash : EffectId::scale;
     const MatrixXd base = base_model(context, avoid, readings);
-    out.truth.sigma_um = std::exp(dice.between(std::log(0.05), std::log(2.0)));
-    double sigma = out.truth.sigma_um;
+    out.truth.noise_um = std::exp(dice.between(std::log(0.05), std::log(2.0)));
+    double sigma = out.truth.noise_um;
+    bool shortens = false;
     const auto hide = [&](const Hidden& effect) {
       const double size =
           std::sqrt(beyond(base, effect.shape).squaredNorm() / static_cast<double>(effect.shape.size()));
@@ -647,20 +648,25 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
       double factor = snr * sigma / size * (effect.name.starts_with("cosine") ? 1.0 : dice.sign());
       if (effect.fixed_size) {  // the noise is chosen to fit the effect
         factor = 1.0;
-        sigma = out.truth.sigma_um = size / snr;
+        sigma = out.truth.noise_um = size / snr;
       }
       if (effect.name.starts_with("air_refraction")) {
         factor = dice.between(0.4, 1.5);
-        sigma = out.truth.sigma_um = factor * size / snr;
+        sigma = out.truth.noise_um = factor * size / snr;
       }
       if (effect.name.starts_with("dead_path")) {
         factor = dice.between(0.3, 3.0);
-        sigma = out.truth.sigma_um = factor * size / snr;
+        sigma = out.truth.noise_um = factor * size / snr;
       }
-      if (!effect.parameter.empty() && out.truth.effects.empty()) {
-        out.truth.parameter_name = effect.parameter;
-        out.truth.parameter = factor * effect.scale + (effect.parameter == "gain" ? 1.0 : 0.0);
+      HiddenEffect truth;
+      truth.name = effect.name;
+      truth.snr = snr;
+      if (!effect.parameter.empty()) {
+        truth.parameters[effect.parameter] = factor * effect.scale + (effect.parameter == "gain" ? 1.0 : 0.0);
       }
+      shortens = factor < 0.0;
+      out.truth.snr = snr;
+      if (kind != CaseKind::out_of_library) out.truth.effects.push_back(truth);
       readings += factor * effect.shape;
       return true;
     };
@@ -668,7 +674,6 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
     if (kind == CaseKind::single || kind == CaseKind::pair) {
       const auto one = hidden(context, first);
       good = one && hide(*one);
-      if (good) out.truth.effects.push_back(one->name);
       if (good && kind == CaseKind::pair) {
         const EffectId second = hideable()[static_cast<std::size_t>(dice.whole(0, 19))];
         const bool same = second == first || second == EffectId::load || second == EffectId::reversal_spike ||
@@ -677,8 +682,6 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
                           first == EffectId::dead_path;
         const auto two = same ? std::nullopt : hidden(context, second);
         good = two && hide(*two);
-        if (good) out.truth.effects.push_back(two->name);
-        out.truth.parameter.reset();
       }
     } else if (kind == CaseKind::out_of_library) {
       const Hidden strange = foreign(context, out.truth.variables);
@@ -688,23 +691,24 @@ Case make_case(CaseKind kind, double snr, std::uint64_t seed) {
       const auto one = hidden(context, avoid == EffectId::backlash ? EffectId::backlash : EffectId::scale);
       good = one && hide(*one);
       if (good) {
-        out.truth.effects.push_back(one->name);
         const std::string place = one->name.substr(one->name.find(':'));
         out.truth.group = avoid == EffectId::backlash
                               ? std::vector<std::string>{"backlash" + place, "servo_lag" + place}
                               : std::vector<std::string>{"scale" + place, "thermal_scale" + place};
+        if (avoid == EffectId::scale && shortens && place[1] == place[4]) out.truth.group.push_back("cosine" + place);
       }
     }
     if (!good) continue;
     if (out.name.empty())
-      out.name = out.truth.effects.empty() ? "blank" : fmt::format("{}", fmt::join(out.truth.effects, " + "));
-    const VectorXd scatter = noise(out.data, dice, out.truth.noise) * sigma;
+      for (const HiddenEffect& effect : out.truth.effects) out.name += (out.name.empty() ? "" : " + ") + effect.name;
+    if (out.name.empty()) out.name = "blank";
+    const VectorXd scatter = noise(out.data, dice, out.truth.text) * sigma;
     const double resolution = dice.chance(0.5) ? 0.1 * sigma : 0.5 * sigma;
     for (std::size_t k = 0; k < out.data.readings.size(); ++k) {
       const auto i = static_cast<Index>(k);
       out.data.readings[k].error = std::round((readings(i) + scatter(i)) / resolution) * resolution;
     }
-    out.truth.true_rms_um = std::sqrt(scatter.squaredNorm() / static_cast<double>(scatter.size()));
+    out.truth.true_model_rms_um = std::sqrt(scatter.squaredNorm() / static_cast<double>(scatter.size()));
     return out;
   }
 }
