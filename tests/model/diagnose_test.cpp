@@ -104,6 +104,39 @@ TEST_CASE("for backlash and following error at one feed another feed is proposed
   CHECK(next.proposals.front().separation_sigma > 3.0);
 }
 
+TEST_CASE("a wave that even targets cannot follow is no rival of what it looks like there") {
+  Model model;
+  model.effects = {effect(scale, Axis::X, Sense::EX)};
+  auto set = measured({}, 0.3, [](const laser::Reading&) { return 1.5; });
+  for (auto& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const Diagnosis found = diagnosed(model, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(to_text(found.candidates.front().effect) == "offset:X:EX");
+  CHECK(found.candidates.front().indistinguishable_from.empty());
+}
+
+TEST_CASE("a candidate of the user's own is fitted in all its parameters before it is weighed") {
+  Model model = straight();
+  EffectInstance bump = effect(EffectId::user, Axis::X, Sense::EX);
+  bump.name = "bump";
+  bump.formulas = {{Sense::EX, "a*exp(-((x_mm-at)/width)^2)"}};
+  bump.user = {
+      {"a", "um", {}, {}, {}, {}}, {"at", "mm", {}, 100.0, 0.0, 1000.0}, {"width", "mm", {}, 300.0, 20.0, 400.0}};
+  model.candidates = {bump};
+  const Diagnosis found = diagnosed(model, measured({}, 0.3, [](const laser::Reading& r) {
+                                      return 4.0 * std::exp(-std::pow((p(r) - 640.0) / 60.0, 2));
+                                    }));
+  REQUIRE_FALSE(found.candidates.empty());
+  const Candidate& first = found.candidates.front();
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(to_text(first.effect) == "user:bump");
+  for (const ParameterEstimate& parameter : first.parameters) {
+    const double truth = parameter.name == "a" ? 4.0 : parameter.name == "at" ? 640.0 : 60.0;
+    REQUIRE(parameter.sigma);
+    CHECK(std::abs(parameter.value - truth) < 4.0 * *parameter.sigma);
+  }
+}
+
 TEST_CASE("two causes at once are both named") {
   const Diagnosis found = diagnosed(straight(), measured({}, 0.3, [](const laser::Reading& r) {
                                       return 1.2 * d(r) + 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
@@ -127,6 +160,31 @@ TEST_CASE("one bad run is structure that no effect explains") {
       std::find_if(found.where.begin(), found.where.end(), [](const Dependence& w) { return w.variable == "run"; });
   REQUIRE(run != found.where.end());
   CHECK(run->strength > 0.7);
+}
+
+TEST_CASE("a wander over more than a run is structure, however many drifts come near it together") {
+  Plan plan;
+  plan.runs = 4;
+  auto set = measured(plan, 0.3, [](const laser::Reading& r) { return 1.5 * std::sin(*r.time_s / 620.0 + 1.0); });
+  const double last = *set.readings.back().time_s;
+  for (auto& r : set.readings) {
+    r.sensors_degC["t_spindle_degC"] = 20.0 + 4.0 * (1.0 - std::exp(-3.0 * *r.time_s / last));
+    r.sensors_degC["t_air_degC"] = 20.0 + std::pow(*r.time_s / last, 2);
+  }
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  REQUIRE_FALSE(found.where.empty());
+  CHECK((found.where.front().variable == "time_s" || found.where.front().variable == "run"));
+}
+
+TEST_CASE("a scale of its own in every run is structure, though turbulence could bend a single short pass") {
+  Plan plan;
+  plan.runs = 8;
+  plan.targets = 21;
+  const double slopes[] = {4.0, -3.0, 1.0, -5.0, 2.5, 3.5, -1.5, -2.0};
+  const auto set =
+      measured(plan, 0.3, [&](const laser::Reading& r) { return slopes[r.run - 1] * (p(r) / 250.0 - 1.0); });
+  CHECK(diagnosed(straight(), set).verdict == Verdict::unexplained_structure);
 }
 
 TEST_CASE("another value at every target is structure that no effect explains") {
