@@ -3,8 +3,11 @@
 
 #include "app/interrupt.hpp"
 #include "app/program.hpp"
+#include "app/screens/start.hpp"
 
 int main(int argc, char** argv) {
   ecs::app::catch_signals();
-  return ecs::app::run_program({argv + 1, argv + argc}, std::cout, std::cerr, ecs::app::options_of_stderr());
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (const auto left = ecs::app::screens_started(words)) return *left;
+  return ecs::app::run_program(words, std::cout, std::cerr, ecs::app::options_of_stderr());
 }
