@@ -79,7 +79,8 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
 bool is_alike(const Search& search, const Choice& member, const Choice& other) {
   const EffectId a = search.families()[member.family].effect.id, b = search.families()[other.family].effect.id;
   constexpr std::size_t kOfShape = 3;  // place or period, size, form, however little of them these targets show
-  if (is_curve(a) && is_curve(b)) return true;
+  const auto is_smooth = [](EffectId id) { return is_curve(id) || id == EffectId::sag; };
+  if (is_smooth(a) && is_smooth(b)) return true;
   const bool bends = b == EffectId::cyclic || b == EffectId::step;
   const std::size_t parameters = bends ? std::max(other.parameters, kOfShape) : other.parameters;
   return parameters <= member.parameters + 1;
@@ -168,8 +169,9 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       const bool same_fit = is_alike(search, group.member, other) &&
                             other.gain >= group.member.gain - kIndistinguishable &&
                             other.score() >= group.member.score() - kPriceOfRival;
-      const bool same_evidence =
-          other.parameters <= group.member.parameters && other.score() >= group.member.score() - kIndistinguishable;
+      const bool same_evidence = other.parameters <= group.member.parameters &&
+                                 other.gain >= group.member.gain - 3.0 * kIndistinguishable &&
+                                 other.score() >= group.member.score() - kIndistinguishable;
       if (same_fit || same_evidence)
         group.rivals.push_back(other);
       else if (other.score() >= entry_score && group.weaker.size() < 6)

@@ -100,13 +100,37 @@ std::vector<double> scaled_positions(const Observations& data) {
   return scaled;
 }
 
-void add_positions(const Observations& data, std::vector<Variable>& out) {
+/// Curves along the moving axis that differ with where another axis is parked.
+void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, const std::vector<double>& scaled,
+                           Functions& functions) {
+  constexpr std::size_t kMostPlaces = 12, kWaves = 4;
+  for (const Axis moving : kAllAxes) {
+    if (moving == parked) continue;
+    const auto mine = [&](std::size_t k) { return data.sense[k] == sense && data.axis[k] == moving; };
+    std::vector<double> places;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (mine(k)) places.push_back(data.p_mm(k, parked));
+    places = distinct(std::move(places), 1e-4);
+    if (places.size() < 2 || places.size() > kMostPlaces) continue;
+    for (const double place : places)
+      for (std::size_t m = 1; m <= kWaves; ++m)
+        functions.add([&](std::size_t k) {
+          return mine(k) && std::abs(data.p_mm(k, parked) - place) < 1e-3
+                     ? std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0))
+                     : 0.0;
+        });
+  }
+}
+
+void add_positions(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   constexpr std::array<const char*, kAxes> kNames{"x_mm", "y_mm", "z_mm"};
   for (const Axis a : kAllAxes) {
     Functions functions(data.size());
-    for (const Sense sense : senses_of(data))
+    for (const Sense sense : senses_of(data)) {
       add_levels(
           functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, 40, kOne);
+      add_curves_by_parking(data, a, sense, scaled, functions);
+    }
     if (!functions.empty()) out.push_back({kNames[index_of(a)], functions.matrix()});
   }
 }
@@ -222,7 +246,7 @@ void add_compensated(const Observations& data, const std::vector<double>& scaled
 std::vector<Variable> variables_of(const Observations& data) {
   std::vector<Variable> out;
   const std::vector<double> scaled = scaled_positions(data);
-  add_positions(data, out);
+  add_positions(data, scaled, out);
   add_approach(data, scaled, out);
   add_runs(data, scaled, out);
   add_time(data, out);
