@@ -1,6 +1,7 @@
 #include "model/fit_core.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -236,7 +237,11 @@ MatrixXd smooth_columns(const Observations& data) {
       columns.push_back(std::move(column));
     };
     add([](std::size_t) { return 1.0; });
-    for (const Axis a : kAllAxes) {
+    std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for so many only
+    std::stable_partition(axes.begin(), axes.end(), [&](Axis a) {
+      return std::any_of(rows.begin(), rows.end(), [&](std::size_t k) { return data.axis[k] == a; });
+    });
+    for (const Axis a : axes) {
       std::vector<double> p;
       for (const std::size_t k : rows) p.push_back(data.p_mm(k, a));
       const CurveBasis basis(p, 16);

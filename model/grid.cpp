@@ -88,11 +88,14 @@ Grid shifts(const Observations& data, const EffectInstance& effect) {
                                         static_cast<double>(table.position_mm.size() - 1));
   }
   if (widest <= 0.0) return grid;
-  const double step = std::max(0.5 * increment, widest / 240.0);
-  for (double shift = step; shift <= 0.25 * widest; shift += step) {
+  const auto add = [&](double shift) {
     grid.values.push_back(shift);
     grid.values.push_back(-shift);
-  }
+  };
+  // its size is not fitted: a small shift tried twice too large looks worse than none
+  const double step = std::max(0.5 * increment, widest / 240.0);
+  for (double shift = widest / 2000.0; shift < step; shift *= 1.3) add(shift);
+  for (double shift = step; shift <= 0.25 * widest; shift += step) add(shift);
   grid.independent = static_cast<double>(grid.values.size()) / 2.0;
   return grid;
 }

@@ -15,9 +15,10 @@ constexpr double kPriceOfRival = 15.0;
 constexpr double kEven = 3.0;
 /// Fits that differ by less than this are the same fit.
 constexpr double kSame = 0.05;
-constexpr std::size_t kFirstBranches = 12;
+constexpr std::size_t kFirstBranches = 24;
+constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
 constexpr std::size_t kLaterBranches = 5;
-constexpr std::size_t kBeam = 6;
+constexpr std::size_t kBeam = 12;
 constexpr double kWorthFollowing = 0.2;  ///< of the best score
 
 std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
@@ -128,7 +129,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
   for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
     std::vector<Solution> next;
     for (const Solution& state : beam) {
-      const auto list = search.expand(state.space, depth == 0 ? kFirstBranches + 2 : kLaterBranches + 1);
+      const auto list = search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1);
       const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
       for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
         if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
