@@ -247,12 +247,12 @@ MatrixXd smooth_columns(const Observations& data) {
       const CurveBasis basis(p, 16);
       if (basis.greatest_mm() <= basis.least_mm()) continue;
       add([&](std::size_t k) { return (data.p_mm(k, a) - basis.centre_mm()) / basis.half_width_mm(); });
-      for (std::size_t f = 0; f < basis.size(); ++f)
-        add([&](std::size_t k) { return basis.value(f, data.p_mm(k, a)); });
       const auto d = [&](std::size_t k) { return data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0; };
       add(d);
-      for (std::size_t f = 0; f < std::min<std::size_t>(basis.size(), 8); ++f)
-        add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
+      for (std::size_t f = 0; f < basis.size(); ++f) {
+        add([&](std::size_t k) { return basis.value(f, data.p_mm(k, a)); });
+        if (f < 8) add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
+      }
     }
   }
   MatrixXd matrix(n, static_cast<Index>(columns.size()));
