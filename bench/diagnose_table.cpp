@@ -1,4 +1,5 @@
-// Scores the diagnosis on data sets with a known hidden cause and prints the table of rates with their intervals.
+// Scores the diagnosis on cases with a known hidden cause (bench/hidden_table makes them) and prints the table of rates
+// with their intervals.
 #include <cstdio>
 #include <ctime>
 #include <map>
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "diagnose_case.hpp"
-#include "diagnose_cases.hpp"
 #include "diagnose_rival.hpp"
 #include "diagnose_tally.hpp"
 
@@ -79,37 +79,14 @@ int score_folders(const std::string& root, const Options& options, unsigned most
 int main(int argc, char** argv) {
   CLI::App app{"The proving table of the diagnosis"};
   Options options;
-  std::uint64_t first = 1;
-  unsigned count = 24, most = 0;
-  std::vector<double> ratios{3.0, 1.5};
-  std::string kinds = "single,pair,blank,out,confounded";
+  unsigned most = 0;
   std::string folder;
-  app.add_option("--first", first, "first seed");
-  app.add_option("--count", count, "cases of each kind and ratio");
-  app.add_option("--snr", ratios, "signal to noise ratios");
-  app.add_option("--kinds", kinds, "of single,pair,blank,out,confounded");
-  app.add_option(
-      "--cases", folder,
-      "score the cases below this folder: machine.toml, model.toml, data.csv and truth.sealed or truth.json");
+  app.add_option("--cases", folder,
+                 "score the cases below this folder: machine.toml, model.toml, data.csv and truth.sealed or truth.json")
+      ->required();
   app.add_option("--most", most, "of each folder of cases at most so many; 0: all");
   app.add_flag("--verbose", options.verbose, "tell every case");
   app.add_flag("--rival", options.rival, "beside it the stepwise search by BIC");
   CLI11_PARSE(app, argc, argv);
-  if (!folder.empty()) return score_folders(folder, options, most);
-  const std::vector<std::pair<std::string, bench::CaseKind>> all{{"single", bench::CaseKind::single},
-                                                                 {"pair", bench::CaseKind::pair},
-                                                                 {"blank", bench::CaseKind::blank},
-                                                                 {"out", bench::CaseKind::out_of_library},
-                                                                 {"confounded", bench::CaseKind::confounded}};
-  Table table;
-  for (const auto& [name, kind] : all) {
-    if (kinds.find(name) == std::string::npos) continue;
-    for (const double snr : ratios) {
-      if (kind == bench::CaseKind::blank && snr != ratios.front()) continue;
-      for (std::uint64_t seed = first; seed < first + count; ++seed)
-        score(fmt::format("seed {}", seed), bench::make_case(kind, snr, seed), options, table);
-    }
-  }
-  print(table, options);
-  return 0;
+  return score_folders(folder, options, most);
 }

@@ -141,7 +141,8 @@ Candidate candidate_of(const ReportInput& in, const Told& told, const Whitener& 
   const double freedom = std::max<double>(1.0, static_cast<double>(told.choice.parameters));
   candidate.p_value =
       std::pow(10.0, -std::min(300.0, minus_log_p(told.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
-  candidate.false_naming = tail_probability(in.found.blank_scores, told.choice.score());
+  const double least = 1.0 / (static_cast<double>(in.found.blank_scores.size()) + 1.0);  // blanks show no less
+  candidate.false_naming = std::max(least, tail_probability(in.found.blank_scores, told.choice.score()));
   candidate.skipped = in.regressors.acting(told.effect).skipped;
   candidate.parameters = quick_parameters(told, problem, whitener, in.regressors, in.base.columns.cols());
   if (prove) {
@@ -269,7 +270,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
     if (candidate.named) take_parameters(candidate, after);
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
-    candidate.because = reason_for(candidate, diagnosis.rms_um, diagnosis.noise.noise_um, data);
+    candidate.because = reason_for(candidate, diagnosis, data);
     candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals, data);
     diagnosis.candidates.push_back(std::move(candidate));
   }

@@ -166,9 +166,11 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
       for (std::size_t k = 0; k < data.size(); ++k)
         if (data.sense[k] == sense && data.axis[k] == a) runs.insert(data.run[k]);
       if (runs.size() < 2 || runs.size() > 60) continue;
-      for (const int run : runs) {
+      const double share = 1.0 / static_cast<double>(runs.size());
+      for (const int run : runs) {  // differences between runs: what all runs share depends on other variables
         const auto in_run = [&](std::size_t k) {
-          return data.sense[k] == sense && data.axis[k] == a && data.run[k] == run ? 1.0 : 0.0;
+          if (data.sense[k] != sense || data.axis[k] != a) return 0.0;
+          return (data.run[k] == run ? 1.0 : 0.0) - share;
         };
         functions.add(in_run);
         functions.add([&](std::size_t k) { return in_run(k) * scaled[k]; });

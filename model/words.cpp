@@ -43,18 +43,19 @@ std::string axis_word(const EffectInstance& effect) {
 
 }  // namespace
 
-std::string reason_for(const Candidate& candidate, double rms_um, double noise_um, const Observations& data) {
+std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data) {
   const EffectInfo& info = info_of(candidate.effect.id);
-  std::string text =
-      fmt::format("{}: with it the residual falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
-                  info.title, rms_um, candidate.rms_after_um, percent(candidate.explained), noise_um);
+  std::string text = fmt::format(
+      "{}: with it the residual falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)", info.title,
+      diagnosis.rms_um, candidate.rms_after_um, percent(candidate.explained), diagnosis.noise.noise_um);
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
     text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} um",
                         *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
-  if (candidate.false_naming < 1.0)
-    text += fmt::format("; noise alone looks as good in {} of data sets like this one",
-                        candidate.false_naming < 1e-6 ? std::string("fewer than one in a million")
-                                                      : fmt::format("{:.2g} %", 100.0 * candidate.false_naming));
+  if (candidate.false_naming * static_cast<double>(diagnosis.blanks) < 1.0)
+    text += fmt::format("; in none of {} data sets of noise alone does anything look as good", diagnosis.blanks);
+  else if (candidate.false_naming < 1.0)
+    text += fmt::format("; noise alone looks as good in {:.2g} % of data sets like this one",
+                        100.0 * candidate.false_naming);
   if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())
     text += fmt::format("; the period {:.5g} mm is {}", candidate.effect.fitted.at("period_mm"), pitch);
   return text + fmt::format(". What tells it apart: {}.", info.tells_apart);

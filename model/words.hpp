@@ -8,9 +8,8 @@
 
 namespace ecs::model {
 
-/// @param rms_um  before the effect is added
-[[nodiscard]] std::string reason_for(const Candidate& candidate, double rms_um, double noise_um,
-                                     const Observations& data);
+/// @param diagnosis  with rms, noise and the number of blanks
+[[nodiscard]] std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data);
 
 /// @param rivals  effects that these data cannot tell from it; empty: how to confirm it
 [[nodiscard]] std::string separating_measurement(const EffectInstance& effect,
