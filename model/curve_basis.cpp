@@ -8,6 +8,15 @@ namespace {
 
 /// Share of the positions that smooth functions may take.
 constexpr double kMostOfPositions = 0.6;
+/// On so few positions a curve is free at every one: nothing faster can be told from it there.
+constexpr double kFewPositions = 5.0;
+
+/// Functions that so many different positions can hold; mean and slope take two.
+std::size_t most_functions(double positions) {
+  if (positions < 3.0) return 0;
+  if (positions <= kFewPositions) return static_cast<std::size_t>(positions) - 2;
+  return static_cast<std::size_t>(std::min(positions - 3.0, kMostOfPositions * positions));
+}
 
 }  // namespace
 
@@ -40,9 +49,7 @@ CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most
   for (const double p : positions_mm) centre_mm_ += p / n;
   const double width = greatest_mm_ - least_mm_;
   if (width <= 0.0) return;
-  const auto places = static_cast<double>(distinct(positions_mm, 1e-6 * width).size());
-  if (places < 4.0) return;
-  const auto room = static_cast<std::size_t>(std::max(1.0, std::min(places - 3.0, kMostOfPositions * places)));
+  const std::size_t room = most_functions(static_cast<double>(distinct(positions_mm, 1e-6 * width).size()));
   for (std::size_t k = 0; k < std::min(most, room); ++k) {
     double sum = 0.0, sum_pf = 0.0, sum_pp = 0.0;
     for (const double p : positions_mm) {
