@@ -49,10 +49,10 @@ VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
   if (white.cols() == 0) return VectorXd(0);
   VectorXd norm = white.colwise().norm();
   for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
-  Eigen::ColPivHouseholderQR<MatrixXd> qr;
-  qr.setThreshold(1e-7);
-  qr.compute(white * norm.asDiagonal());
-  return norm.asDiagonal() * VectorXd(qr.solve(target));
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(1e-7);
+  decomposition.compute(white * norm.asDiagonal());
+  return norm.asDiagonal() * VectorXd(decomposition.solve(target));
 }
 
 namespace {

@@ -29,7 +29,7 @@ struct Parts {
 [[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                   const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
-/// Least squares in the whitened space by pivoted QR; columns that depend on others get size 0.
+/// Least squares in the whitened space; of columns that depend on each other the sizes of least norm.
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
 
 }  // namespace ecs::model
