@@ -6,6 +6,7 @@
 
 #include "app/json.hpp"
 #include "app/menus.hpp"
+#include "app/monitor_record.hpp"
 #include "app/status_view.hpp"
 #include "app/unit_link.hpp"
 #include "base/file.hpp"
@@ -66,23 +67,6 @@ std::string text_of(const MonitorSample& sample) {
   return text;
 }
 
-constexpr std::string_view kRecordColumns =
-    "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,output_counts,"
-    "relay_closed\n";
-
-std::string record_rows(const MonitorSample& sample) {
-  std::string rows;
-  for (const Axis axis : kAllAxes) {
-    const AxisSample& a = sample.axes[index_of(axis)];
-    if (!a.present) continue;
-    rows += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d}\n", time_s(sample),
-                        ecs::name_of(sample.mode), ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm,
-                        a.speed_mm_min, a.referenced, a.switch_active, a.marker, static_cast<int>(a.approach),
-                        a.compensation_um, a.output_counts, a.relay_closed);
-  }
-  return rows;
-}
-
 /// Samples until the count is reached, a signal comes or the line is lost.
 Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments, std::string& rows) {
   for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
@@ -91,14 +75,14 @@ Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arg
     if (!sample) return tl::unexpected(sample.error());
     session.face.print(text_of(*sample));
     session.face.print_json(one_line(json_of(*sample, unit.name())));
-    if (!arguments.record.empty()) rows += record_rows(*sample);
+    if (!arguments.record.empty()) rows += monitor_rows(*sample);
     if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
   }
   return {};
 }
 
 Result<Outcome> monitor(Session& session, const MonitorArguments& arguments) {
-  std::string rows(kRecordColumns);
+  std::string rows(kMonitorColumns);
   if (!arguments.record.empty())
     if (auto writable = write_file(arguments.record, rows); !writable) return tl::unexpected(writable.error());
   auto unit = open_unit(session, Access::reads);

@@ -7,6 +7,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "app/monitor_record.hpp"
 #include "app/screens/chart.hpp"
 #include "app/status_view.hpp"
 #include "base/file.hpp"
@@ -87,22 +88,6 @@ void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, dou
   if (!unit.problem.empty()) canvas.text(area, row + 1, 1, unit.problem, Tone::bad);
 }
 
-std::string monitor_csv(const std::deque<MonitorSample>& samples) {
-  std::string text =
-      "time_s,mode,fault,axis,position_mm,speed_mm_min,referenced,switch,marker,approach,compensation_um,"
-      "output_counts,relay_closed\n";
-  for (const MonitorSample& sample : samples)
-    for (const Axis axis : kAllAxes) {
-      const AxisSample& a = sample.axes[index_of(axis)];
-      if (!a.present) continue;
-      text += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d}\n", time_s(sample),
-                          ecs::name_of(sample.mode), ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm,
-                          a.speed_mm_min, a.referenced, a.switch_active, a.marker, static_cast<int>(a.approach),
-                          a.compensation_um, a.output_counts, a.relay_closed);
-    }
-  return text;
-}
-
 void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
   const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
   draw_monitor(canvas, area, seen_, age_s);
@@ -139,7 +124,9 @@ bool MonitorScreen::advance() {
 
 void MonitorScreen::write_record() {
   const std::string name = fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
-  const auto written = write_file(name, monitor_csv(seen_.samples));
+  std::string rows(kMonitorColumns);
+  for (const MonitorSample& sample : seen_.samples) rows += monitor_rows(sample);
+  const auto written = write_file(name, rows);
   message_ = written ? fmt::format("{} samples written to {}", seen_.samples.size(), name) : to_text(written.error());
 }
 

@@ -32,7 +32,5 @@ class MonitorScreen final : public Screen {
 
 /// The picture of one moment. @param age_s  of the newest sample
 void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s);
-/// What the strip chart shows of one axis.
-[[nodiscard]] std::string monitor_csv(const std::deque<protocol::MonitorSample>& samples);
 
 }  // namespace ecs::app
