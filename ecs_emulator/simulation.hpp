@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/result.hpp"
+#include "ecs_emulator/air.hpp"
 #include "ecs_emulator/kinematics.hpp"
 #include "ecs_emulator/machine_tool.hpp"
 #include "ecs_emulator/random.hpp"
@@ -59,6 +60,10 @@ class Simulation {
   [[nodiscard]] const MachineTool& machine() const { return machine_; }
   [[nodiscard]] const TrueErrors& errors() const { return errors_; }
   [[nodiscard]] const WorkshopMachine& description() const { return description_; }
+  /// Of the workshop, now; where the errors file says nothing of it: 20 °C, 1013.25 hPa, 50 %.
+  [[nodiscard]] Air air() const { return {}; }
+  /// Of the scale or workpiece that is measured, now [°C].
+  [[nodiscard]] double material_degC() const { return 20.0; }
   [[nodiscard]] Random& random() { return random_; }
   [[nodiscard]] const Drives& drives() const { return drives_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
