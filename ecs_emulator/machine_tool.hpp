@@ -3,9 +3,13 @@
 #pragma once
 
 #include "ecs_emulator/axis_of_machine.hpp"
+#include "ecs_emulator/emulator_settings.hpp"
 #include "ecs_emulator/true_errors.hpp"
 
 namespace ecs::emulator {
+
+/// How far beyond its travel an axis can go before its buffers.
+inline constexpr double kOvertravel_mm = 25.0;
 
 class MachineTool {
  public:

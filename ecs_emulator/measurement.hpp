@@ -34,6 +34,9 @@ struct MeasurementPlan {
 /// Targets from `from_mm` to `to_mm` in steps (the sign of the step does not count); the end is always a target.
 [[nodiscard]] std::vector<double> targets_between(double from_mm, double to_mm, double step_mm);
 
+/// Where the other axes stand meanwhile; the moving axis has no meaning here.
+[[nodiscard]] Vector3 parking_place(const WorkshopMachine& description, const MeasurementPlan& plan);
+
 struct MeasurementProgress {
   std::size_t readings_done = 0;
   std::size_t readings_total = 0;
