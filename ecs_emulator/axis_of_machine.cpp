@@ -14,22 +14,35 @@ constexpr double kSwitchPlace = 0.4;
 
 }  // namespace
 
-AxisOfMachine::AxisOfMachine(const params::MachineAxis& axis, const AxisSettings& settings, double start_mm)
-    : facts_(axis), settings_(settings), servo_mm_(start_mm) {}
+AxisOfMachine::AxisOfMachine(const params::MachineAxis& axis, const AxisSettings& settings, double start_mm,
+                             std::uint64_t seed)
+    : facts_(axis),
+      settings_(settings),
+      transducer_(settings.transducer, axis.transducer, axis.resolution_um, start_mm, seed),
+      command_mm_(start_mm),
+      position_mm_(start_mm),
+      ideal_mm_(start_mm),
+      extreme_mm_(start_mm) {
+  if (settings.drive == DriveKind::servo) servo_.emplace(axis, settings, start_mm);
+}
 
-void AxisOfMachine::follow(double command_mm, double part) {
-  const double before_mm = servo_mm_;
-  servo_mm_ += (command_mm - servo_mm_) * part;
-  const double moved_mm = servo_mm_ - before_mm;
-  if (std::abs(moved_mm) < kStill_mm) return;
-  const Approach direction = moved_mm > 0.0 ? Approach::forward : Approach::reverse;
-  if (direction != approach_) {
-    approach_ = direction;
-    travel_mm_ = 0.0;
+/// The axis turns when the command has turned and the carriage follows it, not when it settles or is compensated.
+void AxisOfMachine::watch_direction(double command_mm) {
+  if (command_mm != command_mm_) asked_ = command_mm > command_mm_ ? Approach::forward : Approach::reverse;
+  const double onward = approach_ == Approach::reverse ? -1.0 : 1.0;
+  const double further_mm = (servo_mm() - extreme_mm_) * onward;
+  if (further_mm > 0.0) {
+    travel_mm_ += further_mm;
+    extreme_mm_ = servo_mm();
+  } else if (asked_ != approach_ && -further_mm > turn_mm()) {
+    approach_ = asked_;
+    travel_mm_ = -further_mm;
+    extreme_mm_ = servo_mm();
     ++pass_;
   }
-  travel_mm_ += std::abs(moved_mm);
 }
+
+double AxisOfMachine::turn_mm() const { return servo_ ? facts_.resolution_um * 1e-3 : kStill_mm; }
 
 void AxisOfMachine::watch_marker(double from_mm, double to_mm) {
   const auto turn = [&](double at_mm) { return std::floor((at_mm - datum_marker_mm()) / settings_.marker_pitch_mm); };
@@ -42,35 +55,51 @@ double AxisOfMachine::asked_um(const AxisDrive& drive) const {
   return drive.relay_closed ? drive.dac_counts * settings_.dac_um_per_count : 0.0;
 }
 
-void AxisOfMachine::step(double command_mm, const AxisDrive& drive, double period_s) {
+void AxisOfMachine::drive_to(double command_mm, double asked_um, double period_s) {
   const double part = -std::expm1(-settings_.kv_per_s * period_s);
-  const double from_mm = position_mm();
-  follow(command_mm, part);
-  change_um_ = (asked_um(drive) - compensation_um_) * part;
+  change_um_ = (asked_um - compensation_um_) * part;
   compensation_um_ += change_um_;
-  watch_marker(from_mm, position_mm());
+  if (servo_) {
+    servo_->step(command_mm, asked_um, period_s, transducer_);
+    position_mm_ = servo_->position_mm();
+    return;
+  }
+  ideal_mm_ += (command_mm - ideal_mm_) * part;
+  position_mm_ = ideal_mm_ + compensation_um_ * 1e-3;
+  transducer_.follow(position_mm_, period_s);
+}
+
+void AxisOfMachine::step(double command_mm, const AxisDrive& drive, double period_s) {
+  const double from_mm = measured_mm();
+  drive_to(command_mm, asked_um(drive), period_s);
+  watch_direction(command_mm);
+  command_mm_ = command_mm;
+  watch_marker(from_mm, measured_mm());
 }
 
 bool AxisOfMachine::settled(double command_mm) const {
-  return std::abs(command_mm - servo_mm_) < kArrived_mm && std::abs(change_um_) < kStill_um;
+  const bool arrived = servo_ ? servo_->stands() : std::abs(command_mm - ideal_mm_) < kArrived_mm;
+  return arrived && std::abs(change_um_) < kStill_um;
 }
 
 void AxisOfMachine::rest(double command_mm, const AxisDrive& drive) {
-  servo_mm_ = command_mm;
   compensation_um_ = asked_um(drive);
+  if (servo_) return;
+  ideal_mm_ = command_mm;
+  position_mm_ = ideal_mm_ + compensation_um_ * 1e-3;
+  transducer_.follow(position_mm_, 0.0);
 }
 
-std::int64_t AxisOfMachine::counts_at(double position_mm) const {
-  const double counts = position_mm * 1000.0 / facts_.resolution_um;
-  return settings_.count_polarity * static_cast<std::int64_t>(std::llround(counts)) + miscounted_;
-}
+void AxisOfMachine::referenced() { transducer_.referenced(); }
+
+std::int64_t AxisOfMachine::wired(std::int64_t counts) const { return settings_.count_polarity * counts + miscounted_; }
 
 AxisSignals AxisOfMachine::signals() const {
   AxisSignals signals;
-  signals.counts = counts_at(position_mm());
+  signals.counts = wired(transducer_.counts());
   signals.switch_closed = on_switch() == (settings_.switch_polarity > 0);
   signals.marker = marker_mm_.has_value() && !transducer_lost_;
-  signals.marker_counts = counts_at(marker_mm_.value_or(0.0));
+  if (marker_mm_) signals.marker_counts = wired(transducer_.counts_at(*marker_mm_));
   signals.transducer_ok = !transducer_lost_;
   return signals;
 }

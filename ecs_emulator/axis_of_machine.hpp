@@ -1,25 +1,27 @@
-// One axis of the machine: position loop, transducer, marker and reference switch.
-// Does not live here: the path that several axes take together (machine_tool.hpp).
+// One axis of the machine: its drive, marker and reference switch, and the wires to the unit.
+// Does not live here: the closed loop of the drive (axis_servo.hpp), the path of several axes (machine_tool.hpp).
 #pragma once
 
 #include <optional>
 
+#include "ecs_emulator/axis_servo.hpp"
 #include "ecs_emulator/axis_signals.hpp"
-#include "ecs_emulator/emulator_settings.hpp"
 
 namespace ecs::emulator {
 
 class AxisOfMachine {
  public:
-  AxisOfMachine(const params::MachineAxis& axis, const AxisSettings& settings, double start_mm);
+  /// @param seed  of what the transducer does at random
+  AxisOfMachine(const params::MachineAxis& axis, const AxisSettings& settings, double start_mm, std::uint64_t seed);
 
-  /// One period: the position loop follows the command; the compensation adds to it with the same lag.
+  /// One period: the drive follows the command, and the voltage of the unit.
   void step(double command_mm, const AxisDrive& drive, double period_s);
 
-  /// Where the carriage stands: command and compensation after their lag.
-  [[nodiscard]] double position_mm() const { return servo_mm_ + compensation_um_ * 1e-3; }
+  /// Where the carriage stands.
+  [[nodiscard]] double position_mm() const { return position_mm_; }
   /// Where it would stand without compensation.
-  [[nodiscard]] double servo_mm() const { return servo_mm_; }
+  [[nodiscard]] double servo_mm() const { return position_mm_ - compensation_um_ * 1e-3; }
+  /// What the compensation moves it: asked for by the unit, after the lag of the position loop.
   [[nodiscard]] double compensation_um() const { return compensation_um_; }
   [[nodiscard]] Approach approach() const { return approach_; }
   [[nodiscard]] double travel_since_reversal_mm() const { return travel_mm_; }
@@ -28,8 +30,10 @@ class AxisOfMachine {
   /// Standing on the command, and the compensation no longer moves.
   [[nodiscard]] bool settled(double command_mm) const;
 
-  /// Takes away the last nanometre: what is settled stands exactly, however long it is left alone.
+  /// Takes away the last nanometre of an ideal drive: what is settled stands exactly, however long it is left alone.
   void rest(double command_mm, const AxisDrive& drive);
+  /// The control has found its reference position: what the transducer lost before no longer counts.
+  void referenced();
 
   [[nodiscard]] AxisSignals signals() const;
   [[nodiscard]] bool on_switch() const;
@@ -45,16 +49,27 @@ class AxisOfMachine {
   [[nodiscard]] std::array<double, 2> switch_mm() const;
   [[nodiscard]] const AxisSettings& settings() const { return settings_; }
   [[nodiscard]] const params::MachineAxis& facts() const { return facts_; }
+  /// The closed loop; nothing where the drive is ideal.
+  [[nodiscard]] const std::optional<AxisServo>& servo() const { return servo_; }
 
  private:
-  [[nodiscard]] std::int64_t counts_at(double position_mm) const;
+  [[nodiscard]] std::int64_t wired(std::int64_t counts) const;
+  [[nodiscard]] double measured_mm() const { return servo_ ? servo_->measured_mm() : position_mm_; }
   [[nodiscard]] double asked_um(const AxisDrive& drive) const;
-  void follow(double command_mm, double part);
+  void drive_to(double command_mm, double asked_um, double period_s);
+  void watch_direction(double command_mm);
+  [[nodiscard]] double turn_mm() const;
   void watch_marker(double from_mm, double to_mm);
 
   params::MachineAxis facts_;
   AxisSettings settings_;
-  double servo_mm_ = 0.0;
+  std::optional<AxisServo> servo_;
+  PositionTransducer transducer_;
+  double command_mm_ = 0.0;
+  double position_mm_ = 0.0;
+  double ideal_mm_ = 0.0;               ///< of an ideal drive, without compensation
+  double extreme_mm_ = 0.0;             ///< reached since the last reversal
+  Approach asked_ = Approach::forward;  ///< direction in which the command last moved
   double compensation_um_ = 0.0;
   double change_um_ = 0.0;  ///< of the compensation, in the last period
   Approach approach_ = Approach::forward;

@@ -2,12 +2,33 @@
 // (docs/emulator.md). Does not live here: what the axis does (axis_of_machine.hpp).
 #pragma once
 
+#include <cstdint>
+
 #include "core/parameters.hpp"
+#include "ecs_emulator/slide.hpp"
+#include "ecs_emulator/transducer.hpp"
 
 namespace ecs::emulator {
 
+enum class DriveKind : std::uint8_t {
+  servo,  ///< the drive of appendix A in its closed loop, step by step (axis_servo.hpp)
+  ideal,  ///< follows its command with one lag, to any fineness
+};
+/// Where the transducer sits.
+enum class Feedback : std::uint8_t {
+  scale,  ///< on the slide
+  motor,  ///< on the screw: play and wind-up stay outside the loop
+};
+
 /// Drive, transducer wiring and reference switch of one axis.
 struct AxisSettings {
+  DriveKind drive = DriveKind::servo;
+  Feedback feedback = Feedback::scale;
+  double friction_Nm = 0.02538878;  ///< at the motor, Coulomb
+  double breakaway_Nm = 0.0;        ///< at standstill, where it is more: stick-slip
+  double slip_mm_s = 1.0;           ///< speed over which friction falls from the one to the other; above 0
+  SlideSettings slide{};
+  TransducerSettings transducer{};
   double dac_um_per_count = 0.1;        ///< what one D/A count moves the axis; the sign is the wiring of the amplifier
   double kv_per_s = 30.0;               ///< gain of the position loop, above 0
   double acceleration_mm_s2 = 500.0;    ///< above 0

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ecs_emulator/random.hpp"
+
 namespace ecs::emulator {
 namespace {
 
@@ -21,7 +23,7 @@ double limit_on_path(const PerAxis<std::optional<AxisOfMachine>>& axes, const Ve
 }  // namespace
 
 double start_position_mm(const params::MachineAxis& axis, const AxisSettings& settings) {
-  const AxisOfMachine placed(axis, settings, 0.0);
+  const AxisOfMachine placed(axis, settings, 0.0, 0);
   const auto [low_mm, high_mm] = placed.switch_mm();
   return settings.reference_direction == Approach::reverse ? high_mm + kClearOfSwitch_mm : low_mm - kClearOfSwitch_mm;
 }
@@ -34,7 +36,7 @@ MachineTool::MachineTool(const WorkshopMachine& description)
     const auto& facts = *description.machine.axes[i];
     const auto& settings = description.settings.axes[i];
     command_mm_[i] = start_position_mm(facts, settings);
-    axes_[i].emplace(facts, settings, command_mm_[i]);
+    axes_[i].emplace(facts, settings, command_mm_[i], seed_of(description.settings.seed, 2000, i));
   }
   stop();
 }

@@ -26,9 +26,13 @@ std::int64_t ServoDrive::encoder_pulses() const {
 }
 
 double ServoDrive::friction_now(double driving_Nm) const {
-  if (speed_rad_s_ > kStanding_rad_s) return p_.friction_Nm;
-  if (speed_rad_s_ < -kStanding_rad_s) return -p_.friction_Nm;
-  return std::clamp(driving_Nm, -p_.friction_Nm, p_.friction_Nm);
+  const double speed_rad_s = std::abs(speed_rad_s_);
+  const double most_Nm = std::max(p_.friction_Nm, p_.breakaway_Nm);
+  if (speed_rad_s <= kStanding_rad_s) return std::clamp(driving_Nm, -most_Nm, most_Nm);
+  double size_Nm = p_.friction_Nm;
+  if (p_.breakaway_Nm > p_.friction_Nm)  // Stribeck
+    size_Nm += (p_.breakaway_Nm - p_.friction_Nm) * std::exp(-speed_rad_s / p_.slip_rad_s);
+  return std::copysign(size_Nm, speed_rad_s_);
 }
 
 double ServoDrive::acceleration(double current_A, double friction_Nm) const {
@@ -36,8 +40,15 @@ double ServoDrive::acceleration(double current_A, double friction_Nm) const {
 }
 
 void ServoDrive::step(double reference_pulses, double added_V) {
-  const double counter = std::floor(reference_pulses - angle_rad_ * p_.encoder_pulses_per_rad);
-  dac_V_ = std::clamp(p_.dac_V_per_pulse * counter, -p_.dac_limit_V, p_.dac_limit_V);
+  step_on_counter(std::floor(reference_pulses - angle_rad_ * p_.encoder_pulses_per_rad), added_V);
+}
+
+void ServoDrive::stand() {
+  error_V_ = integral_Vs_ = asked_A_ = current_A_ = acceleration_rad_s2_ = speed_rad_s_ = 0.0;
+}
+
+void ServoDrive::step_on_counter(double counter_pulses, double added_V) {
+  dac_V_ = std::clamp(p_.dac_V_per_pulse * counter_pulses, -p_.dac_limit_V, p_.dac_limit_V);
   const double command_V = std::clamp(dac_V_ + added_V, -p_.dac_limit_V, p_.dac_limit_V);
 
   const double error_V = p_.preamplifier * command_V - tacho_V();
@@ -53,7 +64,7 @@ void ServoDrive::step(double reference_pulses, double added_V) {
   acceleration_rad_s2_ = acceleration(current_A_, friction_now(driving_Nm));
   speed_rad_s_ = trapezoid(speed_rad_s_, before_rad_s2, acceleration_rad_s2_, p_.step_s);
   const bool turned = before_rad_s * speed_rad_s_ < 0.0;
-  if (turned && std::abs(driving_Nm) <= p_.friction_Nm) {  // friction stops it, and no more
+  if (turned && std::abs(driving_Nm) <= std::max(p_.friction_Nm, p_.breakaway_Nm)) {  // friction stops it, and no more
     speed_rad_s_ = 0.0;
     acceleration_rad_s2_ = 0.0;
   }

@@ -20,6 +20,8 @@ struct ServoParameters {
   double torque_Nm_per_A = 0.5;                  ///< Kt
   double inertia_kg_m2 = 0.00023 + 0.000517711;  ///< Jm + J1
   double friction_Nm = 0.02538878;               ///< T1, Coulomb
+  double breakaway_Nm = 0.0;                     ///< at standstill, where it is more than T1: the axis sticks and slips
+  double slip_rad_s = 1.0;                       ///< speed at which friction has fallen to T1 by a factor e
   double encoder_pulses_per_rad = 636.62;        ///< Ke: 4000 pulses a revolution
   double screw_mm_per_rad = 1.2732395;           ///< Ks: 8 mm pitch; appendix A prints 1.2773
   double step_s = 0.0001;                        ///< of the integration
@@ -30,9 +32,14 @@ class ServoDrive {
  public:
   explicit ServoDrive(const ServoParameters& parameters) : p_(parameters) {}
 
+  /// Fed back by the encoder on its own motor.
   /// @param reference_pulses  asked for so far, whole or not: what is left of a pulse waits
   /// @param added_V           compensation, added to the velocity command (thesis 3.3, strategy 3)
   void step(double reference_pulses, double added_V);
+  /// Fed back by any transducer. @param counter_pulses  of the up-down counter: asked for less fed back
+  void step_on_counter(double counter_pulses, double added_V);
+  /// Friction holds the motor where it is: nothing moves, no current flows.
+  void stand();
 
   [[nodiscard]] double dac_V() const { return dac_V_; }  ///< velocity command of the controller
   [[nodiscard]] double tacho_V() const { return p_.tacho_V_s_per_rad * speed_rad_s_; }

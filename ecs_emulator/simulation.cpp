@@ -15,6 +15,11 @@ double real_time_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+WorkshopMachine seeded(WorkshopMachine description, std::uint64_t seed) {
+  description.settings.seed = seed;
+  return description;
+}
+
 bool same(const Drives& a, const Drives& b) {
   for (std::size_t i = 0; i < kAxes; ++i)
     if (a[i].dac_counts != b[i].dac_counts || a[i].relay_closed != b[i].relay_closed) return false;
@@ -24,8 +29,8 @@ bool same(const Drives& a, const Drives& b) {
 }  // namespace
 
 Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed)
-    : description_(description),
-      machine_(description),
+    : description_(seeded(description, seed)),
+      machine_(description_),
       errors_(std::move(errors)),
       geometry_{machine_.chain(), params::measurement_lines_of(description.machine),
                 description.settings.tool_offset_mm},

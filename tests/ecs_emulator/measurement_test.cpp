@@ -39,7 +39,8 @@ double reading_at(const laser::MeasurementSet& set, double target_mm, Approach a
 }  // namespace
 
 TEST_CASE("linear optics see scale error and backlash, zeroed at the first target") {
-  auto simulation = simulation_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + 1.5*d\"\n");
+  auto simulation =
+      simulation_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + 1.5*d\"\n", ideal_machine());
   const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 100.0));
   CHECK(set.readings.size() == 12);
   CHECK(reading_at(set, 0.0, Approach::reverse) == doctest::Approx(0.0));
@@ -49,7 +50,7 @@ TEST_CASE("linear optics see scale error and backlash, zeroed at the first targe
 
 TEST_CASE("a parked axis levers an angle into the positioning error, away from the measurement line only") {
   const std::string errors = "[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n";  // um/m
-  auto simulation = simulation_of(errors);
+  auto simulation = simulation_of(errors, ideal_machine());
   auto plan = plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0);
   CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == doctest::Approx(0.0).epsilon(1e-3));
   plan.parked_mm[1] = -400.0;  // E_X = −ECX·Y = −(−50 um/m)·(−0.4 m)
@@ -115,7 +116,7 @@ TEST_CASE("the same seed gives the same bytes, another seed other ones") {
 
 TEST_CASE("a tool offset levers the angles of the axis that carries it") {
   auto simulation = simulation_of("[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n",
-                                  small_machine() + "[emulator]\ntool_offset_mm = { y = 200.0 }\n");
+                                  ideal_machine() + "[emulator]\ntool_offset_mm = { y = 200.0 }\n");
   const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0));
   CHECK(reading_at(set, -500.0, Approach::reverse) == doctest::Approx(10.0).epsilon(1e-3));  // −ECX·Y
 }

@@ -28,7 +28,7 @@ TEST_CASE("what does not repeat stays as it is while every axis stands") {
 }
 
 TEST_CASE("a parked axis adds no scatter between the readings of another one") {
-  auto simulation = simulation_of("[scatter]\nEXY = { reading = 5.0 }\n");
+  auto simulation = simulation_of("[scatter]\nEXY = { reading = 5.0 }\n", ideal_machine());
   go(simulation, {0.0, -50.0, 0.0});
   const double parked_um = error_x_um(simulation);
   CHECK(parked_um != 0.0);
@@ -41,7 +41,7 @@ TEST_CASE("a parked axis adds no scatter between the readings of another one") {
 }
 
 TEST_CASE("a repeated stop draws anew, with the standard deviation of the errors file") {
-  auto simulation = simulation_of("[scatter]\nEXX = { reading = 2.0 }\n");
+  auto simulation = simulation_of("[scatter]\nEXX = { reading = 2.0 }\n", ideal_machine());
   constexpr int kStops = 400;
   double sum_um = 0.0;
   double square_um2 = 0.0;

@@ -26,7 +26,7 @@ TEST_CASE("the survey finds the corner where squareness and scale add up, counte
 TEST_CASE("every point of a survey is approached from the stated side") {
   const std::string errors = "[[contribution]]\ncomponent = \"EXX\"\nformula = \"4*d*(p<-100)\"\n";
   for (const auto approach : {Approach::forward, Approach::reverse}) {
-    auto simulation = simulation_of(errors);
+    auto simulation = simulation_of(errors, ideal_machine());
     const auto found = survey(simulation, {.step_mm = 250.0, .approach = approach});
     REQUIRE(found.has_value());
     for (const auto& point : found->grid)

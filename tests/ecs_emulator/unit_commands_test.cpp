@@ -107,7 +107,7 @@ TEST_CASE("power lost at any byte of a transfer leaves the old map, whole, or th
 }
 
 TEST_CASE("an output set by the host moves the axis through the machine's own gain, and only with its relay closed") {
-  Bench bench("", small_machine() + "[emulator.axis.X]\ndac_um_per_count = 0.11\n");
+  Bench bench("", small_machine() + "[emulator.axis.X]\ndrive = \"ideal\"\ndac_um_per_count = 0.11\n");
   const double before = bench.simulation.machine().axis(Axis::X).position_mm();
   Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 50.0};
   REQUIRE(bench.tell(command).state == CommandState::done);

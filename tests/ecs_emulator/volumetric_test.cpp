@@ -35,7 +35,7 @@ double squareness_slope(Component curve) {  // um/m of E along the moving axis
 TEST_CASE("measured along the axes and compensated with measured curves, any machine is right in its whole volume") {
   for (const std::string configuration : {"TXYZ", "XTYZ", "XYTZ", "XYZT", "YXTZ", "ZXTY"}) {
     CAPTURE(configuration);
-    Bench bench(every_error(), small_machine(configuration));
+    Bench bench(every_error(), ideal_machine(configuration));
     bench.parameters.C0Y_um_per_m = 40.0;
     bench.parameters.B0Z_um_per_m = -50.0;
     bench.parameters.A0Z_um_per_m = 60.0;

@@ -38,6 +38,13 @@ travel_mm = [-300.0, 0.0]
 )";
 }
 
+/// The same with drives that follow to any fineness, where whole pulses would hide what is tested.
+inline std::string ideal_machine(const std::string& configuration = "TXYZ") {
+  std::string text = small_machine(configuration);
+  for (const char* axis : {"X", "Y", "Z"}) text += std::string("[emulator.axis.") + axis + "]\ndrive = \"ideal\"\n";
+  return text;
+}
+
 inline WorkshopMachine machine_of(const std::string& text) {
   auto machine = parse_workshop_machine(text, "machine.toml", ".");
   REQUIRE_MESSAGE(machine.has_value(), (machine ? "" : to_text(machine.error())));
