@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "ecs_emulator/random.hpp"
 
@@ -11,13 +10,13 @@ namespace {
 
 constexpr double kClearOfSwitch_mm = 30.0;
 
-/// The largest speed along a path of direction `part` at which no axis exceeds its own limit.
-template <class Limit>
-double limit_on_path(const PerAxis<std::optional<AxisOfMachine>>& axes, const Vector3& part, Limit limit) {
-  double most = std::numeric_limits<double>::max();
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes[a] && part[a] != 0.0) most = std::min(most, limit(axes[a]->settings()) / std::abs(part[a]));
-  return most;
+PathLimits limits_of(const WorkshopMachine& description) {
+  PathLimits limits;
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    limits.rapid_mm_s[a] = description.settings.axes[a].rapid_mm_min / 60.0;
+    limits.acceleration_mm_s2[a] = description.settings.axes[a].acceleration_mm_s2;
+  }
+  return limits;
 }
 
 }  // namespace
@@ -29,69 +28,56 @@ double start_position_mm(const params::MachineAxis& axis, const AxisSettings& se
 }
 
 MachineTool::MachineTool(const WorkshopMachine& description)
-    : chain_(params::chain_of(description.machine).value_or(Chain{})), load_kg_(description.settings.load_kg) {
+    : chain_(params::chain_of(description.machine).value_or(Chain{})),
+      path_(limits_of(description)),
+      load_kg_(description.settings.load_kg) {
+  Vector3 place_mm{};
   for (const Axis a : kAllAxes) {
     if (!chain_.has(a)) continue;
     const std::size_t i = index_of(a);
     const auto& facts = *description.machine.axes[i];
     const auto& settings = description.settings.axes[i];
-    command_mm_[i] = start_position_mm(facts, settings);
-    axes_[i].emplace(facts, settings, command_mm_[i], seed_of(description.settings.seed, 2000, i));
+    place_mm[i] = start_position_mm(facts, settings);
+    axes_[i].emplace(facts, settings, place_mm[i], seed_of(description.settings.seed, 2000, i));
   }
-  stop();
+  path_.stand(place_mm);
 }
 
-void MachineTool::stop() {
-  start_mm_ = target_mm_ = command_mm_;
-  length_mm_ = done_mm_ = speed_mm_s_ = 0.0;
-}
+void MachineTool::stop() { path_.stand(Vector3(command_mm())); }
 
 void MachineTool::move_to(const Vector3& target_mm, double feed_mm_min) {
   stop();
-  Vector3 part{};
-  double square = 0.0;
-  for (std::size_t a = 0; a < kAxes; ++a) {
-    if (!axes_[a]) continue;
-    target_mm_[a] = target_mm[a];
-    part[a] = target_mm_[a] - start_mm_[a];
-    square += part[a] * part[a];
-  }
-  length_mm_ = std::sqrt(square);
-  if (length_mm_ == 0.0) return;
-  for (double& p : part) p /= length_mm_;
-  const double rapid = limit_on_path(axes_, part, [](const AxisSettings& s) { return s.rapid_mm_min / 60.0; });
-  most_mm_s_ = feed_mm_min > 0.0 ? std::min(feed_mm_min / 60.0, rapid) : rapid;
-  acceleration_mm_s2_ = limit_on_path(axes_, part, [](const AxisSettings& s) { return s.acceleration_mm_s2; });
-  feed_mm_min_ = most_mm_s_ * 60.0;
-}
-
-void MachineTool::advance_path(double period_s) {
-  if (arrived()) return;
-  const double left_mm = length_mm_ - done_mm_;
-  const double braking_mm_s = std::sqrt(2.0 * acceleration_mm_s2_ * left_mm);
-  speed_mm_s_ = std::min({speed_mm_s_ + acceleration_mm_s2_ * period_s, most_mm_s_, braking_mm_s});
-  done_mm_ = std::min(done_mm_ + speed_mm_s_ * period_s, length_mm_);
-  if (length_mm_ - done_mm_ < 1e-6) done_mm_ = length_mm_;
+  PathPiece piece;
+  piece.to_mm = command_mm();
+  piece.feed_mm_min = feed_mm_min;
   for (std::size_t a = 0; a < kAxes; ++a)
-    command_mm_[a] = arrived() ? target_mm_[a] : std::lerp(start_mm_[a], target_mm_[a], done_mm_ / length_mm_);
+    if (axes_[a]) piece.to_mm[a] = target_mm[a];
+  path_.add({&piece, 1});
 }
 
 void MachineTool::step(const Drives& drives, double period_s) {
-  advance_path(period_s);
+  path_.step(period_s);
   for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a]) axes_[a]->step(command_mm_[a], drives[a], period_s);
+    if (axes_[a]) axes_[a]->step(command_mm()[a], drives[a], period_s);
   time_s_ += period_s;
 }
 
 void MachineTool::rest(const Drives& drives) {
   for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a]) axes_[a]->rest(command_mm_[a], drives[a]);
+    if (axes_[a]) axes_[a]->rest(command_mm()[a], drives[a]);
+}
+
+bool MachineTool::in_position(double window_mm) const {
+  if (!arrived()) return false;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (axes_[a] && !(std::abs(axes_[a]->servo_mm() - command_mm()[a]) <= window_mm)) return false;
+  return true;
 }
 
 bool MachineTool::settled() const {
   if (!arrived()) return false;
   for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a] && !axes_[a]->settled(command_mm_[a])) return false;
+    if (axes_[a] && !axes_[a]->settled(command_mm()[a])) return false;
   return true;
 }
 
@@ -111,7 +97,7 @@ MachineState MachineTool::state() const {
     state.travel_since_reversal_mm[a] = axes_[a]->travel_since_reversal_mm();
     state.pass[a] = axes_[a]->pass();
   }
-  state.feed_mm_min = arrived() ? 0.0 : feed_mm_min_;
+  state.feed_mm_min = path_.feed_mm_min();
   state.load_kg = load_kg_;
   state.time_s = time_s_;
   return state;

@@ -1,9 +1,10 @@
-// The machine tool: axes under a CNC that moves them along straight lines, as it stands at one instant.
+// The machine tool: axes under a CNC that moves them along a path, as it stands at one instant.
 // Does not live here: its errors (true_errors.hpp), the unit (unit.hpp), who tells it to move (workshop.hpp).
 #pragma once
 
 #include "ecs_emulator/axis_of_machine.hpp"
 #include "ecs_emulator/emulator_settings.hpp"
+#include "ecs_emulator/path.hpp"
 #include "ecs_emulator/true_errors.hpp"
 
 namespace ecs::emulator {
@@ -18,10 +19,14 @@ class MachineTool {
   /// Starts a straight move of all axes to `target_mm`, from the commanded position.
   /// @param feed_mm_min  along the path; 0: rapid
   void move_to(const Vector3& target_mm, double feed_mm_min);
+  /// Appends to the path; see Path. Axes that this machine lacks stay at 0.
+  void follow(std::span<const PathPiece> pieces) { path_.add(pieces); }
   /// The path is at its end (the axes may still be catching up).
-  [[nodiscard]] bool arrived() const { return done_mm_ >= length_mm_; }
+  [[nodiscard]] bool arrived() const { return path_.done(); }
   /// Arrived, and nothing moves any more.
   [[nodiscard]] bool settled() const;
+  /// Arrived, and no axis further than `window_mm` from its command, apart from what compensation adds.
+  [[nodiscard]] bool in_position(double window_mm) const;
   /// Brakes no matter where: the command stays where it is.
   void stop();
 
@@ -32,7 +37,8 @@ class MachineTool {
   [[nodiscard]] Signals signals() const;
   /// As its errors see it: carriages at their true places.
   [[nodiscard]] MachineState state() const;
-  [[nodiscard]] const Vector3& command_mm() const { return command_mm_; }
+  [[nodiscard]] const Vector3& command_mm() const { return path_.command_mm(); }
+  [[nodiscard]] const Path& path() const { return path_; }
   [[nodiscard]] bool has(Axis axis) const { return chain_.has(axis); }
   [[nodiscard]] const Chain& chain() const { return chain_; }
   /// @pre has(axis)
@@ -47,19 +53,9 @@ class MachineTool {
   void load(double load_kg) { load_kg_ = load_kg; }
 
  private:
-  void advance_path(double period_s);
-
   Chain chain_;
   PerAxis<std::optional<AxisOfMachine>> axes_{};
-  Vector3 start_mm_{};
-  Vector3 target_mm_{};
-  Vector3 command_mm_{};
-  double length_mm_ = 0.0;
-  double done_mm_ = 0.0;
-  double speed_mm_s_ = 0.0;
-  double most_mm_s_ = 0.0;
-  double acceleration_mm_s2_ = 0.0;
-  double feed_mm_min_ = 0.0;
+  Path path_;
   double load_kg_ = 0.0;
   double time_s_ = 0.0;
 };

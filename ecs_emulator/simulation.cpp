@@ -32,12 +32,33 @@ Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, st
     : description_(seeded(description, seed)),
       machine_(description_),
       errors_(std::move(errors)),
+      heat_(errors_.heat(), machine_.travel_mm(), seed),
       geometry_{machine_.chain(), params::measurement_lines_of(description.machine),
                 description.settings.tool_offset_mm},
       seed_(seed),
-      random_(seed_of(seed, 1000, 0)) {}
+      random_(seed_of(seed, 1000, 0)) {
+  errors_.put_on({machine_.chain(), geometry_.lines_mm, machine_.datum_mm(), machine_.travel_mm()});
+}
+
+Vector3 Simulation::carriages_mm() const {
+  Vector3 place_mm{};
+  for (const Axis a : kAllAxes)
+    if (machine_.has(a)) place_mm[index_of(a)] = machine_.axis(a).position_mm();
+  return place_mm;
+}
 
 void Simulation::tick() {
+  if (!heat_.rubs()) {
+    step();
+  } else {
+    const Vector3 from_mm = carriages_mm();
+    step();
+    heat_.moved(from_mm, carriages_mm(), period_s());
+  }
+  heat_.advance(machine_.time_s());
+}
+
+void Simulation::step() {
   const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
   steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
   drives_ = drives;
@@ -56,7 +77,7 @@ bool Simulation::pause() {
 
 void Simulation::idle_tick() {
   const double time_s = machine_.time_s();
-  tick();
+  step();
   machine_.set_clock(time_s);
 }
 
@@ -82,24 +103,29 @@ bool Simulation::settle(double limit_s, double& used_s, const std::function<void
   return true;
 }
 
-bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each) {
-  machine_.move_to(target_mm, feed_mm_min);
-  while (!machine_.arrived()) {
+bool Simulation::run_while(const std::function<bool()>& going, const std::function<void()>& each) {
+  while (going()) {
     tick();
     if (each) each();
-    if (!pause()) {
-      machine_.stop();
-      return false;
-    }
+    if (pause()) continue;
+    machine_.stop();
+    return false;
   }
+  return true;
+}
+
+bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each) {
+  machine_.move_to(target_mm, feed_mm_min);
+  if (!run_while([this] { return !machine_.arrived(); }, each)) return false;
   double used_s = 0.0;
   return settle(kSettle_s, used_s, each);
 }
 
-bool Simulation::dwell(double seconds) {
+bool Simulation::dwell(double seconds, const std::function<void()>& each) {
   double used_s = 0.0;
-  if (!settle(seconds, used_s)) return false;
+  if (!settle(seconds, used_s, each)) return false;
   if (used_s < seconds) machine_.wait(seconds - used_s);
+  heat_.advance(machine_.time_s());
   return true;
 }
 
@@ -124,7 +150,7 @@ void Simulation::draw_scatter(const MachineState& state, const Vector3& target_m
 }
 
 ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm, bool scatter) {
-  ComponentValues errors = errors_.at(state);
+  ComponentValues errors = errors_.at(state, heat_);
   if (scatter) {
     draw_scatter(state, target_mm);
     const ComponentValues pass = errors_.pass_scatter(state, machine_.travel_mm(), seed_);
@@ -134,6 +160,13 @@ ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm
   for (const Axis a : kAllAxes)
     if (machine_.has(a)) pose.error_um[index_of(a)] += (state.position_mm[index_of(a)] - target_mm[index_of(a)]) * 1e3;
   return pose;
+}
+
+std::vector<NamedTemperature> Simulation::sensors_degC(double time_s) const {
+  auto all = errors_.temperatures(time_s);
+  for (NamedTemperature& shown : all) shown.second = std::round(shown.second * 100.0) / 100.0;
+  for (NamedTemperature& shown : heat_.readings(time_s)) all.push_back(std::move(shown));
+  return all;
 }
 
 ToolPose Simulation::tool_now(bool scatter) { return tool_at(machine_.state(), machine_.command_mm(), scatter); }

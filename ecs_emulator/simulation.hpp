@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/result.hpp"
-#include "ecs_emulator/air.hpp"
+#include "ecs_emulator/heat.hpp"
 #include "ecs_emulator/kinematics.hpp"
 #include "ecs_emulator/machine_tool.hpp"
 #include "ecs_emulator/random.hpp"
@@ -45,8 +45,10 @@ class Simulation {
   /// A straight move to its end, then until nothing moves any more. `each` is called after every tick.
   /// @return false: given up
   [[nodiscard]] bool move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each = {});
+  /// Ticks while `going`; `each` is called after every one. @return false: given up, the machine stopped
+  [[nodiscard]] bool run_while(const std::function<bool()>& going, const std::function<void()>& each = {});
   /// Time passes: ticks until all stands, the rest at once.
-  [[nodiscard]] bool dwell(double seconds);
+  [[nodiscard]] bool dwell(double seconds, const std::function<void()>& each = {});
   /// Ticks without skipping.
   [[nodiscard]] bool run_for(double seconds);
 
@@ -61,9 +63,14 @@ class Simulation {
   [[nodiscard]] const TrueErrors& errors() const { return errors_; }
   [[nodiscard]] const WorkshopMachine& description() const { return description_; }
   /// Of the workshop, now; where the errors file says nothing of it: 20 °C, 1013.25 hPa, 50 %.
-  [[nodiscard]] Air air() const { return {}; }
+  [[nodiscard]] Air air() const { return heat_.air(machine_.time_s()); }
   /// Of the scale or workpiece that is measured, now [°C].
-  [[nodiscard]] double material_degC() const { return 20.0; }
+  [[nodiscard]] double material_degC() const { return heat_.material_degC(machine_.time_s()); }
+  /// What all sensors show; `time_s` is now, or a fraction of a period before.
+  [[nodiscard]] std::vector<NamedTemperature> sensors_degC(double time_s) const;
+  [[nodiscard]] const Heat& heat() const { return heat_; }
+  /// The speed that the CNC gives the spindle, from the next second on.
+  void spindle(double rpm) { heat_.spindle(rpm); }
   [[nodiscard]] Random& random() { return random_; }
   [[nodiscard]] const Drives& drives() const { return drives_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
@@ -71,6 +78,9 @@ class Simulation {
  private:
   static constexpr double kPeriodAlone_s = 0.001;
   [[nodiscard]] bool pause();
+  /// Machine and unit by a period, whatever the clock says.
+  void step();
+  [[nodiscard]] Vector3 carriages_mm() const;
   [[nodiscard]] bool at_rest() const;
   [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
 
@@ -85,6 +95,7 @@ class Simulation {
   WorkshopMachine description_;
   MachineTool machine_;
   TrueErrors errors_;
+  Heat heat_;
   ChainGeometry geometry_;
   std::uint64_t seed_;
   Random random_;
