@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "ecs_emulator/effect_formula.hpp"
 
 namespace ecs::emulator {
 namespace {
 
 constexpr double kMmPerM = 1000.0;
-
-double cyclic(const PlacedEffect& e, double p_mm) {
-  const double turn = 2.0 * std::numbers::pi * p_mm / e.parameter("period_mm");
-  return e.parameter("amplitude_um") * std::sin(turn + e.parameter("phase_rad")) +
-         e.parameter("amplitude2_um") * std::sin(2.0 * turn + e.parameter("phase2_rad"));
-}
 
 double known_value(const Scene& scene, Component code, double position_mm) {
   for (const KnownCurve& known : scene.known)
@@ -26,22 +21,20 @@ double degC_of(const Scene& scene, const std::string& column, const Stop& stop, 
   return place ? stop.weather.degC[*place] : otherwise;
 }
 
-double sag(const PlacedEffect& e, double p_mm) {
-  const double extension_m = std::abs(p_mm) / kMmPerM;
-  return (e.parameter("k2") + e.parameter("k3") * extension_m) * extension_m * extension_m;
-}
-
-double heat(const Scene& scene, const PlacedEffect& e, const Stop& stop, double p_m) {
-  switch (e.kind) {
-    case EffectKind::thermal_scale:
-      return e.parameter("um_per_m_degC") * p_m * (degC_of(scene, "t_material_degC", stop, 20.0) - 20.0);
-    case EffectKind::thermal_drift:
-      return e.parameter("um_per_degC") *
-             (degC_of(scene, e.sensor, stop, 0.0) - degC_of(scene, e.sensor, scene.stops.front(), 0.0));
-    default:
-      return (e.parameter("c_um") + e.parameter("c_um_per_m") * p_m) *
-             (1.0 - std::exp(-stop.time_s / e.parameter("tau_s")));
-  }
+/// The stop as the formula of a machine's effect sees it.
+EffectPoint point_of(const Scene& scene, const PlacedEffect& e, const Stop& stop, double p_mm) {
+  EffectPoint at;
+  at.p_mm = p_mm;
+  at.approach = stop.approach;
+  if (!e.curve.empty()) at.curve = value_at(e.curve, p_mm);
+  if (e.kind == EffectKind::thermal_scale) at.material_degC = degC_of(scene, "t_material_degC", stop, 20.0);
+  if (e.kind == EffectKind::thermal_drift)
+    at.sensor_rise_degC = degC_of(scene, e.sensor, stop, 0.0) - degC_of(scene, e.sensor, scene.stops.front(), 0.0);
+  at.time_s = stop.time_s;
+  at.feed_mm_min = stop.feed_mm_min;
+  at.load_kg = stop.load_kg;
+  at.travel_since_reversal_mm = stop.travel_since_reversal_mm;
+  return at;
 }
 
 /// The fault that concerns a curve of the map, if any does.
@@ -117,50 +110,17 @@ double amount(const Scene& scene, const PlacedEffect& e, const Stop& stop) {
   if (!acts_on(e, stop)) return 0.0;
   const Axis along = e.kind == EffectKind::measurement_line ? moving_axis(*e.code) : e.axis.value_or(Axis::X);
   const double p_mm = scene.p_mm(stop, along);
-  const double p_m = p_mm / kMmPerM;
-  const double d = stop.approach;
   switch (e.kind) {
-    case EffectKind::offset:
-      return e.parameter("um");
-    case EffectKind::scale:
-      return e.parameter("um_per_m") * p_m;
-    case EffectKind::progressive:
-    case EffectKind::angular:
-      return value_at(e.curve, p_mm);
-    case EffectKind::cyclic:
-      return cyclic(e, p_mm);
-    case EffectKind::backlash:
-      return e.parameter("um") * d / 2.0;
-    case EffectKind::reversal_curve:
-      return value_at(e.curve, p_mm) * d / 2.0;
-    case EffectKind::step:
-      return p_mm > e.parameter("position_mm") ? e.parameter("height_um") : 0.0;
-    case EffectKind::sag:
-      return sag(e, p_mm);
-    case EffectKind::squareness:
-      return e.parameter("um_per_m");
     case EffectKind::measurement_line:
       return e.parameter("lever_mm") / kMmPerM * known_value(scene, *e.code, stop.position_mm[index_of(along)]);
-    case EffectKind::thermal_scale:
-    case EffectKind::thermal_drift:
-    case EffectKind::warm_up:
-      return heat(scene, e, stop, p_m);
-    case EffectKind::time_drift:
-      return e.parameter("um_per_h") * stop.time_s / 3600.0;
     case EffectKind::air_refraction:
       return e.parameter("factor") * p_mm * 1e3 * missing_refraction(scene, stop);
     case EffectKind::dead_path:
       return e.parameter("length_m") * 1e6 * missing_refraction(scene, stop);
     case EffectKind::cosine:
-      return -p_m * e.parameter("angle_mrad") * e.parameter("angle_mrad") / 2.0;
-    case EffectKind::servo_lag:
-      return e.parameter("um_per_m_min") * stop.feed_mm_min / kMmPerM * d;
-    case EffectKind::load:
-      return stop.load_kg * (e.parameter("um_per_kg") + e.parameter("um_per_kg_m") * p_m);
-    case EffectKind::reversal_spike:
-      return e.parameter("c_um") * d * std::exp(-stop.travel_since_reversal_mm / e.parameter("u0_mm"));
+      return -p_mm / kMmPerM * e.parameter("angle_mrad") * e.parameter("angle_mrad") / 2.0;
     default:
-      return 0.0;  // faults of the map act in the unit
+      return machine_effect(e, point_of(scene, e, stop, p_mm));
   }
 }
 

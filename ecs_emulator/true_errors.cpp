@@ -1,229 +1,26 @@
 #include "ecs_emulator/true_errors.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/text.hpp"
-#include "base/toml_reader.hpp"
-#include "ecs_emulator/formula.hpp"
+#include "ecs_emulator/effect_formula.hpp"
+#include "ecs_emulator/errors_reader.hpp"
 #include "ecs_emulator/random.hpp"
 
 namespace ecs::emulator {
-namespace {
 
-struct Point {
-  double p_mm = 0.0;
-  double forward = 0.0;
-  double reverse = 0.0;
-};
+struct TrueErrors::Parts : ErrorParts {
+  MachinePlace place;
 
-/// Linear between points, the end points hold beyond them.
-double interpolated(const std::vector<Point>& points, double p_mm, double approach) {
-  const auto value = [&](const Point& at) { return approach < 0.0 ? at.reverse : at.forward; };
-  if (p_mm <= points.front().p_mm) return value(points.front());
-  if (p_mm >= points.back().p_mm) return value(points.back());
-  const auto above = std::upper_bound(points.begin(), points.end(), p_mm,
-                                      [](double position, const Point& point) { return position < point.p_mm; });
-  const auto below = above - 1;
-  return std::lerp(value(*below), value(*above), (p_mm - below->p_mm) / (above->p_mm - below->p_mm));
-}
-
-struct Contribution {
-  Component component = Component::EXX;
-  std::optional<Formula> formula;
-  std::vector<Point> points;
-};
-
-struct Sensor {
-  std::string name;
-  Formula formula;
-};
-
-}  // namespace
-
-struct TrueErrors::Parts {
-  mutable Variables variables;
-  std::vector<Contribution> contributions;
-  std::vector<Sensor> sensors;
-  ComponentValues constants{};
-  ComponentValues pass_sigma{};
-  ComponentValues reading_sigma{};
-
-  void set(const MachineState& state) const {
-    variables.x = state.position_mm[0];
-    variables.y = state.position_mm[1];
-    variables.z = state.position_mm[2];
-    variables.t = state.time_s;
-    variables.f = state.feed_mm_min;
-    variables.m = state.load_kg;
-    for (const Sensor& sensor : sensors) variables.temperatures[sensor.name] = sensor.formula.value();
-  }
-  void set_moving(const MachineState& state, Axis axis) const {
-    const std::size_t i = index_of(axis);
-    variables.p = state.position_mm[i];
-    variables.d = state.approach[i] == Approach::reverse ? -1.0 : 1.0;
-    variables.u = state.travel_since_reversal_mm[i];
-  }
+  void set(const MachineState& state, const Heat& from);
+  void set_moving(const MachineState& state, Axis axis, double from_mm);
+  [[nodiscard]] double value_of(const FileEffect& one, const MachineState& state, const Heat& from);
+  [[nodiscard]] double rise_degC(const std::string& sensor, const MachineState& state, const Heat& from);
 };
 
 namespace {
-
-/// Reads the tables of one errors file into its parts.
-class ErrorsFile {
- public:
-  ErrorsFile(TomlReader& reader, std::filesystem::path folder, Variables& variables)
-      : reader_(reader), folder_(std::move(folder)), variables_(variables) {}
-
-  std::vector<Sensor> sensors(const toml::table& file) {
-    std::vector<Sensor> found;
-    const toml::table* table = reader_.child(file, "temperature");
-    if (table == nullptr) return found;
-    for (const auto& [key, node] : *table) variables_.temperatures.emplace(std::string(key.str()), 20.0);
-    for (const auto& [key, node] : *table)
-      if (auto formula = formula_of(*table, key.str())) found.push_back({std::string(key.str()), std::move(*formula)});
-    return found;
-  }
-
-  std::vector<Contribution> contributions(const toml::table& file) {
-    std::vector<Contribution> found;
-    for (const toml::table* table : reader_.children(file, "contribution"))
-      if (auto contribution = contribution_of(*table)) found.push_back(std::move(*contribution));
-    return found;
-  }
-
-  void squareness(const toml::table& file, ComponentValues& values) {
-    const toml::table* table = reader_.child(file, "squareness");
-    if (table == nullptr) return;
-    reader_.only(*table, {"C0Y", "B0Z", "A0Z"}, "squareness");
-    for (const Component c : {Component::C0Y, Component::B0Z, Component::A0Z})
-      values[index_of(c)] = reader_.number(*table, name_of(c)).value_or(0.0);
-  }
-
-  void scatter(const toml::table& file, ComponentValues& pass, ComponentValues& reading) {
-    const toml::table* table = reader_.child(file, "scatter");
-    if (table == nullptr) return;
-    for (const auto& [key, node] : *table) {
-      const auto component = component_of(key.str());
-      const auto* entry = node.as_table();
-      if (!component || is_squareness(*component) || entry == nullptr) {
-        reader_.complain(
-            node, fmt::format("scatter: expected EXX … ECZ = {{ pass = …, reading = … }}, got \"{}\"", key.str()));
-        continue;
-      }
-      reader_.only(*entry, {"pass", "reading"}, "scatter");
-      pass[index_of(*component)] = deviation(*entry, "pass");
-      reading[index_of(*component)] = deviation(*entry, "reading");
-    }
-  }
-
- private:
-  double deviation(const toml::table& table, std::string_view key) {
-    const double value = reader_.number(table, key).value_or(0.0);
-    if (value < 0.0) reader_.complain(*table.get(key), fmt::format("{}: expected 0 or more, got {}", key, value));
-    return value;
-  }
-
-  std::optional<Formula> formula_of(const toml::table& table, std::string_view key) {
-    const auto expression = reader_.word(table, key);
-    if (!expression) return std::nullopt;
-    auto formula = Formula::compile(*expression, variables_);
-    if (formula) return std::move(*formula);
-    reader_.complain(*table.get(key), formula.error().message);
-    return std::nullopt;
-  }
-
-  std::optional<Contribution> contribution_of(const toml::table& table) {
-    reader_.only(table, {"component", "formula", "points", "csv", "cause"}, "contribution");
-    const auto name = reader_.word(table, "component");
-    const auto component = component_of(name.value_or(""));
-    if (!component || is_squareness(*component)) {
-      reader_.complain(table, fmt::format("component: expected EXX … ECZ, got \"{}\"", name.value_or("")));
-      return std::nullopt;
-    }
-    if (table.contains("formula") + table.contains("points") + table.contains("csv") != 1) {
-      reader_.complain(table, "contribution: expected exactly one of formula, points, csv");
-      return std::nullopt;
-    }
-    Contribution contribution{*component, std::nullopt, {}};
-    if (table.contains("formula")) {
-      contribution.formula = formula_of(table, "formula");
-      if (!contribution.formula) return std::nullopt;
-      return contribution;
-    }
-    contribution.points = table.contains("points") ? points_of(*table.get("points")) : csv_of(table);
-    if (contribution.points.empty()) return std::nullopt;
-    return contribution;
-  }
-
-  std::vector<Point> points_of(const toml::node& node) {
-    std::vector<Point> points;
-    const toml::array* rows = node.as_array();
-    if (rows == nullptr || rows->empty()) {
-      reader_.complain(node, "points: expected [[position_mm, forward, reverse], …]");
-      return {};
-    }
-    for (const toml::node& row : *rows) {
-      const toml::array* cells = row.as_array();
-      std::vector<double> numbers;
-      if (cells != nullptr)
-        for (const toml::node& cell : *cells)
-          if (const auto number = cell.value<double>()) numbers.push_back(*number);
-      if (cells == nullptr || numbers.size() != cells->size() || numbers.size() < 2 || numbers.size() > 3) {
-        reader_.complain(row, "points: expected [position_mm, forward, reverse] or [position_mm, value]");
-        return {};
-      }
-      if (!points.empty() && numbers[0] <= points.back().p_mm) {
-        reader_.complain(row, "points: expected ascending positions");
-        return {};
-      }
-      points.push_back({numbers[0], numbers[1], numbers.back()});
-    }
-    return points;
-  }
-
-  std::vector<Point> csv_of(const toml::table& table) {
-    const auto name = reader_.word(table, "csv");
-    if (!name) return {};
-    const std::filesystem::path path = folder_ / *name;
-    const auto text = read_file(path);
-    if (!text) {
-      reader_.complain(*table.get("csv"), text.error().message);
-      return {};
-    }
-    std::vector<Point> points;
-    int line_number = 0;
-    for (const std::string_view line : lines_of(*text)) {
-      ++line_number;
-      if (trimmed(line).empty() || line.front() == '#' || (points.empty() && line.starts_with("p_mm"))) continue;
-      const auto cells = split(line, ',');
-      std::vector<double> numbers;
-      for (const std::string_view cell : cells)
-        if (const auto number = number_in(cell)) numbers.push_back(*number);
-      const bool right = numbers.size() == cells.size() && (numbers.size() == 2 || numbers.size() == 3) &&
-                         (points.empty() || numbers[0] > points.back().p_mm);
-      if (!right) {
-        reader_.add({ProblemKind::bad_input,
-                     "expected p_mm,forward,reverse with ascending positions",
-                     path.string(),
-                     line_number,
-                     0,
-                     {}});
-        return {};
-      }
-      points.push_back({numbers[0], numbers[1], numbers.back()});
-    }
-    if (points.empty()) reader_.complain(*table.get("csv"), "csv: expected at least one row");
-    return points;
-  }
-
-  TomlReader& reader_;
-  std::filesystem::path folder_;
-  Variables& variables_;
-};
 
 /// A smooth shape of standard deviation 1 over the travel: offset (half of the variance), slope (a quarter) and two
 /// waves (a quarter).
@@ -240,7 +37,64 @@ double shape(std::uint64_t seed, double place) {
   return value;
 }
 
+/// Place of a sensor of `[sensor.name]`; nothing where it is one of `[temperature]`.
+std::optional<std::size_t> heat_sensor(const ErrorParts& parts, const std::string& name) {
+  for (std::size_t i = 0; i < parts.heat.sensors.size(); ++i)
+    if (parts.heat.sensors[i].name == name) return i;
+  return std::nullopt;
+}
+
 }  // namespace
+
+void TrueErrors::Parts::set(const MachineState& state, const Heat& from) {
+  variables.x = state.position_mm[0];
+  variables.y = state.position_mm[1];
+  variables.z = state.position_mm[2];
+  variables.t = state.time_s;
+  variables.f = state.feed_mm_min;
+  variables.m = state.load_kg;
+  for (std::size_t i = 0; i < from.sensors(); ++i)
+    variables.temperatures[heat.sensors[i].name] = from.degC_at(i, state.time_s);
+  for (const TemperatureFormula& sensor : temperatures) variables.temperatures[sensor.name] = sensor.formula.value();
+}
+
+/// @param from_mm  where `p` counts from
+void TrueErrors::Parts::set_moving(const MachineState& state, Axis axis, double from_mm) {
+  const std::size_t i = index_of(axis);
+  variables.p = state.position_mm[i] - from_mm;
+  variables.d = state.approach[i] == Approach::reverse ? -1.0 : 1.0;
+  variables.u = state.travel_since_reversal_mm[i];
+}
+
+double TrueErrors::Parts::rise_degC(const std::string& sensor, const MachineState& state, const Heat& from) {
+  if (const auto i = heat_sensor(*this, sensor); i && *i < from.sensors())
+    return from.degC_at(*i, state.time_s) - from.first_degC_at(*i);
+  for (const TemperatureFormula& one : temperatures) {
+    if (one.name != sensor) continue;
+    variables.t = 0.0;
+    const double first_degC = one.formula.value();
+    variables.t = state.time_s;
+    return one.formula.value() - first_degC;
+  }
+  return 0.0;
+}
+
+double TrueErrors::Parts::value_of(const FileEffect& one, const MachineState& state, const Heat& from) {
+  const std::size_t a = index_of(*one.effect.axis);
+  if (one.effect.approach != Approach::unknown && one.effect.approach != state.approach[a]) return 0.0;
+  set_moving(state, *one.effect.axis, place.datum_mm[a]);
+  EffectPoint at;
+  at.p_mm = variables.p;
+  at.approach = variables.d;
+  if (one.curve) at.curve = one.curve->value(variables);
+  at.material_degC = from.material_degC(state.time_s);
+  if (!one.effect.sensor.empty()) at.sensor_rise_degC = rise_degC(one.effect.sensor, state, from);
+  at.time_s = state.time_s;
+  at.feed_mm_min = state.feed_mm_min;
+  at.load_kg = state.load_kg;
+  at.travel_since_reversal_mm = state.travel_since_reversal_mm[a];
+  return machine_effect(one.effect, at);
+}
 
 TrueErrors::TrueErrors() : parts_(std::make_unique<Parts>()) {}
 TrueErrors::~TrueErrors() = default;
@@ -259,26 +113,60 @@ Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& f
   const auto table = reader.parsed(text);
   if (!table) return tl::unexpected(table.error());
   TrueErrors errors;
-  Parts& parts = *errors.parts_;
-  reader.only(*table, {"squareness", "contribution", "scatter", "temperature"}, "errors file");
-  ErrorsFile contents(reader, folder, parts.variables);
-  parts.sensors = contents.sensors(*table);
-  parts.contributions = contents.contributions(*table);
-  contents.squareness(*table, parts.constants);
-  contents.scatter(*table, parts.pass_sigma, parts.reading_sigma);
+  errors.parts_->file = file;
+  reader.only(*table,
+              {"squareness", "contribution", "effect", "scatter", "temperature", "gravity", "ram", "bed", "table",
+               "air", "column", "material", "spindle", "screw", "sensor"},
+              "errors file");
+  ErrorsReading reading{reader, *table, folder, *errors.parts_};
+  read_heat(reading);
+  read_curves(reading);
+  read_effects(reading);
+  read_gravity(reading);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return errors;
 }
 
-ComponentValues TrueErrors::at(const MachineState& state) const {
-  ComponentValues values = parts_->constants;
-  parts_->set(state);
-  for (const Contribution& contribution : parts_->contributions) {
-    parts_->set_moving(state, moving_axis(contribution.component));
-    values[index_of(contribution.component)] +=
-        contribution.formula ? contribution.formula->value()
-                             : interpolated(contribution.points, parts_->variables.p, parts_->variables.d);
+Result<void> TrueErrors::judged_for(const params::Machine& machine) const {
+  std::vector<Problem> problems;
+  const Chain chain = params::chain_of(machine).value_or(Chain{});
+  for (const Demand& demand : parts_->demands) {
+    const std::size_t a = index_of(demand.axis);
+    const auto complain = [&](std::string message) {
+      problems.push_back({ProblemKind::bad_input, demand.table + ": " + message, parts_->file, demand.line, 0, {}});
+    };
+    if (!chain.has(demand.axis)) {
+      complain(fmt::format("this machine has no {}", letter_of(demand.axis)));
+      continue;
+    }
+    if (demand.side == Demand::Side::tool && chain.carries_workpiece[a])
+      complain(fmt::format("expected an axis that carries the tool, {} carries the workpiece", letter_of(demand.axis)));
+    if (demand.side == Demand::Side::workpiece && !chain.carries_workpiece[a])
+      complain(fmt::format("expected an axis that carries the workpiece, {} carries the tool", letter_of(demand.axis)));
+    const auto& travel_mm = machine.axes[a]->travel_mm;
+    if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
+      complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));
   }
+  if (problems.empty()) return {};
+  return tl::unexpected(folded(std::move(problems)));
+}
+
+void TrueErrors::put_on(const MachinePlace& machine) { parts_->place = machine; }
+
+const HeatSettings& TrueErrors::heat() const { return parts_->heat; }
+
+ComponentValues TrueErrors::at(const MachineState& state, const Heat& heat) const {
+  Parts& parts = *parts_;
+  ComponentValues values = parts.constants;
+  parts.set(state, heat);
+  for (const Contribution& contribution : parts.contributions) {
+    parts.set_moving(state, moving_axis(contribution.component), 0.0);
+    values[index_of(contribution.component)] += contribution.curve.value(parts.variables);
+  }
+  for (const FileEffect& effect : parts.effects)
+    values[index_of(effect.component)] += parts.value_of(effect, state, heat);
+  add_gravity(parts.gravity, parts.place, state.position_mm, state.load_kg, values);
+  heat.add_errors(state.position_mm, state.time_s, values);
   return values;
 }
 
@@ -300,7 +188,7 @@ const ComponentValues& TrueErrors::reading_scatter() const { return parts_->read
 std::vector<NamedTemperature> TrueErrors::temperatures(double time_s) const {
   parts_->variables.t = time_s;
   std::vector<NamedTemperature> found;
-  for (const Sensor& sensor : parts_->sensors) found.emplace_back(sensor.name, sensor.formula.value());
+  for (const TemperatureFormula& sensor : parts_->temperatures) found.emplace_back(sensor.name, sensor.formula.value());
   return found;
 }
 

@@ -1,6 +1,6 @@
 // The machine's own true errors: what no host ever sees but through measurements. Read from a TOML file
-// (docs/emulator.md), evaluated at a state of the machine.
-// Does not live here: how they add up at the tool (kinematics.hpp).
+// (docs/emulator.md), evaluated at a state of the machine and its heat.
+// Does not live here: the notation (errors_reader.hpp), how errors add up at the tool (kinematics.hpp).
 #pragma once
 
 #include <array>
@@ -9,12 +9,14 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "core/terms.hpp"
+#include "ecs_emulator/gravity.hpp"
+#include "ecs_emulator/heat.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::emulator {
 
@@ -29,9 +31,6 @@ struct MachineState {
   double time_s = 0.0;  ///< simulated, since the machine was switched on
 };
 
-/// A sensor and what it reads.
-using NamedTemperature = std::pair<std::string, double>;
-
 class TrueErrors {
  public:
   TrueErrors();  ///< a perfect machine
@@ -45,8 +44,17 @@ class TrueErrors {
   [[nodiscard]] static Result<TrueErrors> parse(std::string_view text, const std::string& file,
                                                 const std::filesystem::path& folder);
 
+  /// Refuses what that machine cannot have, each with its line in the errors file: an axis that is not there, a ram
+  /// that carries the workpiece, …
+  [[nodiscard]] Result<void> judged_for(const params::Machine& machine) const;
+  /// Effects count from the machine's datum, gravity works on its chain. Without it: datum 0, every axis on the tool's
+  /// side, levers from 0.
+  void put_on(const MachinePlace& place);
+
   /// The systematic part of the 21 components [um, um/m].
-  [[nodiscard]] ComponentValues at(const MachineState& state) const;
+  [[nodiscard]] ComponentValues at(const MachineState& state) const { return at(state, Heat()); }
+  /// @param heat  made from heat()
+  [[nodiscard]] ComponentValues at(const MachineState& state, const Heat& heat) const;
 
   /// What does not repeat: the shape of this state's passes (the same whenever the pass is the same).
   /// @param travel_mm  range over which each axis's shape is drawn
@@ -55,6 +63,8 @@ class TrueErrors {
   /// Standard deviation of the independent scatter of single readings [um, um/m].
   [[nodiscard]] const ComponentValues& reading_scatter() const;
 
+  /// What this file says of heat and sensors.
+  [[nodiscard]] const HeatSettings& heat() const;
   /// The sensors of `[temperature]` at a time [°C], in the order of their names.
   [[nodiscard]] std::vector<NamedTemperature> temperatures(double time_s) const;
 
