@@ -185,6 +185,7 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
   const std::filesystem::path file = errors.empty() ? description->settings.errors : errors;
   auto true_errors = file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file);
   if (!true_errors) return tl::unexpected(true_errors.error());
+  if (auto fit = true_errors->judged_for(description->machine); !fit) return tl::unexpected(fit.error());
   return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
 }
 
