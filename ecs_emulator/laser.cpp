@@ -3,31 +3,12 @@
 #include <array>
 #include <cmath>
 
+#include "ecs_emulator/instruments.hpp"
+
 namespace ecs::emulator {
 namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"linear", "straightness", "angular", "level", "square"};
-
-struct Fineness {
-  double noise;
-  double resolution;
-};
-
-Fineness fineness_of(InstrumentKind kind, const LaserSettings& s) {
-  switch (kind) {
-    case InstrumentKind::linear:
-      return {s.linear_noise_um, s.linear_resolution_um};
-    case InstrumentKind::straightness:
-      return {s.straightness_noise_um, s.straightness_resolution_um};
-    case InstrumentKind::angular:
-      return {s.angular_noise_um_per_m, s.angular_resolution_um_per_m};
-    case InstrumentKind::level:
-      return {s.level_noise_um_per_m, s.level_resolution_um_per_m};
-    case InstrumentKind::square:
-      break;
-  }
-  return {s.indicator_noise_um, s.indicator_resolution_um};
-}
 
 }  // namespace
 
@@ -61,34 +42,28 @@ std::string_view refusal(InstrumentKind kind, Sense sense, Axis moving) {
   return is_rotation(sense) ? "" : "a level measures rotations";
 }
 
-Instrument::Instrument(InstrumentKind kind, Sense sense, const LaserSettings& settings, Random& random)
-    : kind_(kind), sense_(sense) {
-  const Fineness fineness = fineness_of(kind, settings);
-  noise_ = fineness.noise;
-  resolution_ = fineness.resolution;
-  if (kind != InstrumentKind::straightness) return;
-  slope_um_per_m_ = settings.setup_slope_um_per_m * random.normal();
-  offset_ = settings.setup_offset_um * random.normal();
+std::unique_ptr<Instrument> set_up(InstrumentKind kind, Sense sense, Axis moving, const LaserSettings& settings,
+                                   Random& random) {
+  switch (kind) {
+    case InstrumentKind::linear:
+      return linear_optics(moving, settings);
+    case InstrumentKind::straightness:
+      return straightness_optics(sense, settings, random);
+    case InstrumentKind::angular:
+      return angular_optics(sense, settings);
+    case InstrumentKind::level:
+      return electronic_level(sense, settings);
+    case InstrumentKind::square:
+      break;
+  }
+  return indicator_on_square(sense, settings);
 }
 
-double Instrument::seen(const ToolPose& pose) const {
-  const std::size_t direction = index_of(direction_of(sense_));
-  return is_rotation(sense_) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
-}
-
-double Instrument::value(const ToolPose& pose, double position_mm) const {
-  return seen(pose) + offset_ + slope_um_per_m_ * (position_mm - zero_mm_) * 1e-3;
-}
-
-void Instrument::zero(const ToolPose& pose, double position_mm) {
-  zero_mm_ = position_mm;
-  if (kind_ != InstrumentKind::straightness) offset_ = -seen(pose);
-}
-
-double Instrument::read(const ToolPose& pose, double position_mm, Random& random) const {
-  const double shown = value(pose, position_mm) + noise_ * random.normal();
-  if (resolution_ <= 0.0) return shown;
-  const double steps = std::round(shown / resolution_);
+double Instrument::read(const Sight& sight, Random& random) {
+  const double clean = shown(sight, random);
+  const double noisy = clean + noise(sight) * random.normal();
+  if (resolution_ <= 0.0) return noisy;
+  const double steps = std::round(noisy / resolution_);
   const double per_unit = std::round(1.0 / resolution_);  // 0.01: dividing gives the shortest decimal, multiplying not
   if (steps == 0.0) return 0.0;                           // never −0
   return per_unit >= 1.0 && std::abs(per_unit * resolution_ - 1.0) < 1e-9 ? steps / per_unit : steps * resolution_;

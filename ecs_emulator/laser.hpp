@@ -1,14 +1,18 @@
 // The instruments that measure the machine: laser interferometer, electronic level, indicator against a square.
 // They see the tool against the workpiece, whatever makes it err, and add their own noise and bad set-up.
-// Does not live here: where the machine goes (measurement.hpp), what is done with readings (the host).
+// Does not live here: where the machine goes (measurement.hpp), each kind's own physics (instrument_*.cpp), what is
+// done with readings (the host).
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 
 #include "core/component.hpp"
-#include "ecs_emulator/emulator_settings.hpp"
+#include "ecs_emulator/air.hpp"
 #include "ecs_emulator/kinematics.hpp"
+#include "ecs_emulator/laser_settings.hpp"
 #include "ecs_emulator/random.hpp"
 
 namespace ecs::emulator {
@@ -27,30 +31,44 @@ enum class InstrumentKind : std::uint8_t {
 /// Why this instrument cannot measure that; empty if it can.
 [[nodiscard]] std::string_view refusal(InstrumentKind kind, Sense sense, Axis moving);
 
+/// What an instrument has before it at one instant.
+struct Sight {
+  ToolPose pose;           ///< tool against workpiece, actual − target
+  double target_mm = 0.0;  ///< of the moving axis
+  double time_s = 0.0;
+  double stood_s = 1e9;  ///< since the machine last moved
+  Air air;
+  double material_degC = 20.0;  ///< of the scale or workpiece
+};
+
 class Instrument {
  public:
-  /// Sets it up: the slope and offset of a straight-edge are drawn here.
-  Instrument(InstrumentKind kind, Sense sense, const LaserSettings& settings, Random& random);
+  virtual ~Instrument() = default;
+  Instrument(const Instrument&) = delete;
+  Instrument& operator=(const Instrument&) = delete;
 
-  /// What it would show without noise: um, or um/m.
-  [[nodiscard]] double value(const ToolPose& pose, double position_mm) const;
-  /// Sets the display to zero here.
-  void zero(const ToolPose& pose, double position_mm);
+  /// Sets the display to zero here (that of straightness optics keeps the offset of its set-up).
+  virtual void zero(const Sight& sight) = 0;
   /// Turns the square: the line of the axis it was nulled along rises by `slope_um_per_m`.
-  void null_square(double slope_um_per_m) { slope_um_per_m_ = slope_um_per_m; }
-  /// One reading, with noise, to the resolution of the display.
-  [[nodiscard]] double read(const ToolPose& pose, double position_mm, Random& random) const;
+  virtual void null_square(double /*slope_um_per_m*/) {}
+  /// One reading, um or um/m, with noise, to the resolution of the display. @pre calls in the order of time
+  [[nodiscard]] double read(const Sight& sight, Random& random);
+
+ protected:
+  Instrument(double noise, double resolution) : noise_(noise), resolution_(resolution) {}
+  /// What it would show without white noise.
+  [[nodiscard]] virtual double shown(const Sight& sight, Random& random) = 0;
+  /// Standard deviation of the white noise.
+  [[nodiscard]] virtual double noise(const Sight& /*sight*/) const { return noise_; }
 
  private:
-  [[nodiscard]] double seen(const ToolPose& pose) const;
-
-  InstrumentKind kind_;
-  Sense sense_;
-  double noise_ = 0.0;
-  double resolution_ = 0.0;
-  double slope_um_per_m_ = 0.0;
-  double offset_ = 0.0;
-  double zero_mm_ = 0.0;
+  double noise_;
+  double resolution_;
 };
+
+/// Sets it up; slope and offset of a straight-edge are drawn here.
+/// @pre refusal(kind, sense, moving) is empty
+[[nodiscard]] std::unique_ptr<Instrument> set_up(InstrumentKind kind, Sense sense, Axis moving,
+                                                 const LaserSettings& settings, Random& random);
 
 }  // namespace ecs::emulator

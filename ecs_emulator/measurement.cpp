@@ -29,15 +29,16 @@ class Measuring {
   Result<laser::MeasurementSet> run() {
     if (auto fit = check(); !fit) return tl::unexpected(fit.error());
     parked_mm_ = parking_place(simulation_.description(), plan_);
-    MeasuringPost post(simulation_, plan_.axis, plan_.sense, kind_);
+    MeasuringPost post(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting);
+    if (plan_.beam_broken_at) post.interrupt_beam_at(*plan_.beam_broken_at);
     post_ = &post;
     if (kind_ == InstrumentKind::square && !post.null_square(at(plan_.targets_mm.front()))) return given_up();
     total_ = plan_.targets_mm.size() * static_cast<std::size_t>(plan_.runs) * (plan_.bidirectional ? 2 : 1);
     auto back = plan_.targets_mm;
     std::reverse(back.begin(), back.end());
     for (run_ = 1; run_ <= plan_.runs; ++run_) {
-      if (!pass(plan_.targets_mm)) return given_up();
-      if (plan_.bidirectional && !pass(back)) return given_up();
+      if (!pass(plan_.targets_mm)) return stopped();
+      if (plan_.bidirectional && !pass(back)) return stopped();
     }
     describe();
     return post.finished();
@@ -74,6 +75,11 @@ class Measuring {
     return place;
   }
 
+  /// Why a pass did not come to its end.
+  tl::unexpected<Problem> stopped() const {
+    return post_->lost() ? problem(ProblemKind::refused, *post_->lost()) : given_up();
+  }
+
   bool pass(const std::vector<double>& targets) {
     const double onward = targets[1] > targets[0] ? 1.0 : -1.0;
     approach_ = onward > 0.0 ? Approach::forward : Approach::reverse;
@@ -83,6 +89,7 @@ class Measuring {
       if (!simulation_.move_to(at(target_mm), plan_.feed_mm_min) || !simulation_.dwell(plan_.dwell_s)) return false;
       const MachineState state = simulation_.machine().state();
       take(state, target_mm, simulation_.tool_at(state, at(target_mm), true));
+      if (post_->lost()) return false;
     }
     return true;
   }
@@ -102,7 +109,7 @@ class Measuring {
       from_mm = to_mm;
     };
     return simulation_.move_to(at(targets.back() + onward * plan_.overrun_mm), plan_.feed_mm_min, watch) &&
-           next == targets.size();
+           next == targets.size() && !post_->lost();
   }
 
   /// A reading between two ticks, where the axis passes the target.
@@ -110,16 +117,30 @@ class Measuring {
     MachineState state = now;
     for (std::size_t a = 0; a < kAxes; ++a)
       state.position_mm[a] = std::lerp(before.position_mm[a], now.position_mm[a], part);
-    state.time_s = std::lerp(before.time_s, now.time_s, part);
+    const double period_s = now.time_s - before.time_s;
+    const double passing_s = std::lerp(before.time_s, now.time_s, part);
+    const double late_s = read_at_s(passing_s) - passing_s;
+    state.position_mm[axis_] += (now.position_mm[axis_] - before.position_mm[axis_]) * (late_s / period_s);
+    state.time_s = passing_s + late_s;
     ToolPose pose = simulation_.tool_at(state, at(target_mm), true);
     const double lag = simulation_.machine().axis(plan_.axis).settings().servo_lag_um_per_m_min;
     pose.error_um[axis_] += lag * plan_.feed_mm_min * 1e-3 * onward;
     take(state, target_mm, pose);
   }
 
+  /// When the instrument reads after a position pulse: its latency later, at the next tick of its own clock.
+  double read_at_s(double pulse_s) const {
+    const LaserSettings& laser = post_->settings();
+    const double due_s = pulse_s + laser.trigger_latency_s;
+    return laser.trigger_rate_Hz > 0.0 ? std::ceil(due_s * laser.trigger_rate_Hz) / laser.trigger_rate_Hz : due_s;
+  }
+
   void take(const MachineState& state, double target_mm, const ToolPose& pose) {
-    ReadingPlace place{at(target_mm), approach_, run_, {}};
-    if (plan_.on_the_fly) place.passing_mm_min = plan_.feed_mm_min;
+    ReadingPlace place{at(target_mm), approach_, run_, {}, plan_.dwell_s};
+    if (plan_.on_the_fly) {
+      place.passing_mm_min = plan_.feed_mm_min;
+      place.stood_s = 0.0;
+    }
     post_->take(state, place, pose);
     if (told_) told_({post_->set().readings.size(), total_});
   }

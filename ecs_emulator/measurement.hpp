@@ -25,6 +25,8 @@ struct MeasurementPlan {
   double dwell_s = 2.0;     ///< before each reading
   double overrun_mm = 5.0;  ///< beyond the end, before each pass
   bool on_the_fly = false;  ///< readings while passing, without a stop
+  InstrumentSetting setting;
+  std::optional<std::size_t> beam_broken_at;  ///< somebody steps into the beam before this reading, from 1
   // kept as metadata
   std::string date;
   std::string engineer;

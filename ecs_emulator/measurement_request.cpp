@@ -3,6 +3,34 @@
 #include <fmt/format.h>
 
 namespace ecs::emulator {
+namespace {
+
+std::optional<Compensation> compensation_in(Arguments& arguments, const char* key) {
+  const std::string name = arguments.word(key);
+  const auto named = compensation_named(name);
+  if (!name.empty() && !named)
+    arguments.complain(fmt::format("{}: expected off, manual or automatic, got \"{}\"", key, name));
+  return named;
+}
+
+std::optional<double> not_negative_in(Arguments& arguments, const char* key) {
+  const auto value = arguments.number(key);
+  if (value && *value < 0.0) arguments.complain(fmt::format("{}: expected 0 or more, got {}", key, *value));
+  return value;
+}
+
+InstrumentSetting setting_in(Arguments& arguments) {
+  InstrumentSetting setting;
+  setting.air = compensation_in(arguments, "air");
+  setting.material = compensation_in(arguments, "material");
+  setting.material_degC = arguments.number("material_temperature");
+  setting.dead_path_m = not_negative_in(arguments, "dead_path");
+  setting.misalignment_mrad = arguments.number("misalignment");
+  setting.trigger_latency_s = not_negative_in(arguments, "trigger_latency");
+  return setting;
+}
+
+}  // namespace
 
 std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   MeasurementPlan plan;
@@ -30,6 +58,9 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   plan.dwell_s = arguments.number_or("dwell", plan.dwell_s);
   plan.overrun_mm = arguments.number_or("overrun", plan.overrun_mm);
   plan.on_the_fly = arguments.flag("on_the_fly");
+  plan.setting = setting_in(arguments);
+  if (const auto reading = arguments.integer("beam_broken_at", 1, 100'000'000))
+    plan.beam_broken_at = static_cast<std::size_t>(*reading);
   plan.date = arguments.word("date");
   plan.engineer = arguments.word("engineer");
   plan.name = arguments.word("plan_name");

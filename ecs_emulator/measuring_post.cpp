@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
+#include "ecs_emulator/interferometer.hpp"
+
 namespace ecs::emulator {
 namespace {
 
@@ -22,12 +25,14 @@ Result<void> MeasuringPost::fits(const Simulation& simulation, Axis axis, Sense 
   return {};
 }
 
-MeasuringPost::MeasuringPost(Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind)
+MeasuringPost::MeasuringPost(Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind,
+                             const InstrumentSetting& setting)
     : simulation_(simulation),
       axis_(axis),
       sense_(sense),
       kind_(kind),
-      instrument_(kind, sense, simulation.description().settings.laser, simulation.random()) {
+      settings_(with(simulation.description().settings.laser, setting)),
+      instrument_(set_up(kind, sense, axis, settings_, simulation.random())) {
   set_.columns = {"axis", "x_mm", "y_mm", "z_mm", "sense", "reading", "approach", "run", "time_s"};
   describe("machine", simulation_.description().machine.name);
   describe("serial_number", simulation_.description().settings.serial_number);
@@ -50,19 +55,22 @@ bool MeasuringPost::null_square(const Vector3& place_mm) {
     inertia += arm_m * arm_m;
   }
   // The first leg follows the axis; the second, at a right angle to it, turns by the same angle the other way.
-  instrument_.null_square(moment / inertia);
+  instrument_->null_square(moment / inertia);
   return true;
 }
 
 void MeasuringPost::take(const MachineState& state, const ReadingPlace& place, const ToolPose& pose) {
+  if (interrupted_at_ == set_.readings.size() + 1) lose_beam(place);
+  if (lost_) return;
   const std::size_t a = index_of(axis_);
   const double target_mm = place.target_mm[a];
-  if (set_.readings.empty()) instrument_.zero(pose, target_mm);
+  const Sight sight{pose, target_mm, state.time_s, place.stood_s, simulation_.air(), simulation_.material_degC()};
+  if (set_.readings.empty()) instrument_->zero(sight);
   laser::Reading reading;
   reading.axis = axis_;
   reading.position_mm = place.target_mm;
   reading.sense = sense_;
-  reading.error = instrument_.read(pose, target_mm, simulation_.random());
+  reading.error = instrument_->read(sight, simulation_.random());
   reading.approach = place.approach;
   reading.run = place.run;
   reading.time_s = std::round(state.time_s * 1e3) / 1e3;
@@ -70,9 +78,29 @@ void MeasuringPost::take(const MachineState& state, const ReadingPlace& place, c
   if (state.load_kg > 0.0) reading.load_kg = state.load_kg;
   reading.travel_since_reversal_mm = std::round(state.travel_since_reversal_mm[a] * 1e3) / 1e3;
   reading.compensated = compensated();
-  for (const auto& [sensor, degC] : simulation_.errors().temperatures(state.time_s))
-    reading.sensors_degC.emplace(fmt::format("t_{}_degC", sensor), std::round(degC * 100.0) / 100.0);
+  for (const auto& [sensor, degC] : simulation_.sensors_degC(state.time_s))
+    reading.sensors_degC.emplace(fmt::format("t_{}_degC", sensor), degC);
+  add_weather(reading, sight);
   set_.readings.push_back(std::move(reading));
+}
+
+void MeasuringPost::lose_beam(const ReadingPlace& place) {
+  if (kind_ == InstrumentKind::level || kind_ == InstrumentKind::square) return;
+  lost_ = fmt::format(
+      "beam interrupted before reading {} ({} {} mm, run {}, {}): the counter has lost its place, set the display to "
+      "zero and measure again",
+      set_.readings.size() + 1, letter_of(axis_), shortest(place.target_mm[index_of(axis_)]), place.run,
+      place.approach == Approach::forward ? "forward" : "reverse");
+}
+
+void MeasuringPost::add_weather(laser::Reading& reading, const Sight& sight) const {
+  if (!simulation_.heat().has_air()) return;
+  const auto rounded = [](double value) { return std::round(value * 100.0) / 100.0; };
+  const Air air = sensed(sight.air, settings_);
+  reading.pressure_hPa = rounded(air.pressure_hPa);
+  reading.humidity_pct = rounded(air.humidity_pct);
+  reading.sensors_degC.emplace("t_air_degC", rounded(air.temperature_degC));
+  reading.sensors_degC.emplace("t_material_degC", rounded(sight.material_degC + settings_.material_sensor_error_degC));
 }
 
 void MeasuringPost::describe(std::string key, std::string value) {
