@@ -13,7 +13,7 @@ ScrewHeat::ScrewHeat(const ScrewSettings& settings, const std::array<double, 2>&
   cells_per_mm_ = 1.0 / cell_mm_;
   kept_ = std::exp(-1.0 / settings.loss_s);
   const double capacity_J_degC = settings.heat_capacity_J_per_m_degC * cell_mm_ * 1e-3;
-  degC_per_J_ = (1.0 - kept_) * settings.loss_s / capacity_J_degC;
+  degC_per_J_ = -std::expm1(-1.0 / settings.loss_s) * settings.loss_s / capacity_J_degC;
   diffusion_ = settings.diffusivity_mm2_s / (cell_mm_ * cell_mm_);
   rise_degC_.assign(cells, 0.0);
   work_J_.assign(cells, 0.0);
