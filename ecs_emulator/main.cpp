@@ -15,6 +15,7 @@
 
 #include "ecs_emulator/hide_files.hpp"
 #include "ecs_emulator/plan_file.hpp"
+#include "ecs_emulator/program_verb.hpp"
 #include "ecs_emulator/rig_verb.hpp"
 #include "ecs_emulator/serve.hpp"
 #include "ecs_emulator/workshop.hpp"
@@ -52,7 +53,9 @@ void show_progress(const std::string& line) {
   if (isatty(STDERR_FILENO) == 0) return;
   const Json parsed = Json::parse(line, nullptr, false);
   const double part = parsed.is_object() ? parsed.value("progress", 0.0) : 0.0;
-  fmt::print(stderr, "\r{:3.0f} %{}", part * 100.0, part >= 1.0 ? "\n" : "");
+  const int at = parsed.is_object() ? parsed.value("line", 0) : 0;
+  fmt::print(stderr, "\r{:3.0f} %{}{}", part * 100.0, at > 0 ? fmt::format("  line {:<8}", at) : "",
+             part >= 1.0 ? "\n" : "");
 }
 
 /// "y=-700,z=0" → {"Y": -700, "Z": 0}
@@ -87,6 +90,8 @@ class WorkshopVerbs {
     jog(add(app, "jog", "move axes: jog --x -100 --y 50 [--feed 2000]"));
     list(add(app, "reference", "run the controller's reference sequence, all axes or --axes X"), "--axes", "axes");
     measure(add(app, "measure", "measure: measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv"));
+    add_run_options(*add(app, "run", "run a part program: run exx.nc --axis X --sense EX -o exx.csv"), request_);
+    add_mdi_options(*add(app, "mdi", "one block of a part program: mdi \"G01 X-100 F2000\""), request_);
     survey(add(app, "survey", "true volumetric error: corners and grid"));
     word(add(app, "power", "the unit's mains switch: power off | on | cycle"), "state", "state")->required();
     number(add(app, "wait", "let simulated time pass: wait 3600"), "seconds", "seconds")->required();
@@ -113,6 +118,7 @@ class WorkshopVerbs {
     number(verb, "--overrun", "overrun");
     flag(verb, "--on-the-fly", "on_the_fly");
     word(verb, "--instrument", "instrument");
+    setting(verb);
     word(verb, "--date", "date");
     word(verb, "--engineer", "engineer");
     word(verb, "--plan-name", "plan_name");
@@ -122,7 +128,7 @@ class WorkshopVerbs {
           request_["output"] = Json::array();
           for (const auto& path : v) request_["output"].push_back(absolute(path));
         },
-        "files ending in .csv, .rtl, .rta or .rts");
+        "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
   }
 
   void survey(CLI::App* verb) {
@@ -161,6 +167,15 @@ class WorkshopVerbs {
     number(verb, "--y,-y", "Y");
     number(verb, "--z,-z", "Z");
     number(verb, "--feed", "feed");
+  }
+  void setting(CLI::App* verb) {
+    word(verb, "--air", "air")->description("off, manual or automatic");
+    word(verb, "--material", "material")->description("off, manual or automatic");
+    number(verb, "--material-temperature", "material_temperature")->description("entered, degC");
+    number(verb, "--dead-path", "dead_path")->description("m");
+    number(verb, "--misalignment", "misalignment")->description("between beam and axis, mrad");
+    number(verb, "--trigger-latency", "trigger_latency")->description("of readings on the fly, s");
+    whole(verb, "--beam-broken-at", "beam_broken_at")->description("somebody steps into the beam before this reading");
   }
   void fault(CLI::App* verb) {
     word(verb, "name", "name")->required();
@@ -355,6 +370,10 @@ int main(int argc, char** argv) {
   CLI::App* survey = verbs.add(app, "survey", "true volumetric error of a machine without a unit");
   add_machine(survey);
   verbs.survey(survey);
+  CLI::App* run = verbs.add(app, "run", "run a part program on a machine without a unit");
+  add_machine(run);
+  add_run_options(*run, request);
+  add_program_verb(app, exit_code);
   add_rig_verb(app, exit_code);
   HideOptions secret;
   const CLI::App* hiding = add_hide(app, secret);
@@ -367,6 +386,6 @@ int main(int argc, char** argv) {
   if (hiding->parsed()) return hide_and_tell(secret);
   if (plan->parsed()) return follow_plan(socket, plan_path, choice);
   if (workshop->parsed()) return ask(socket, request);
-  if (measure->parsed() || survey->parsed()) return act_alone(machine, errors, seed, request);
+  if (measure->parsed() || run->parsed() || survey->parsed()) return act_alone(machine, errors, seed, request);
   return exit_code;
 }

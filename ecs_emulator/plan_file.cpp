@@ -84,7 +84,7 @@ class PlanReader {
       request["on_the_fly"] = fly->value_or(false);
     }
     request["output"] = Json::array({(choice_.folder / (name + ".csv")).string()});
-    if (phase == "both" || phase == choice_.phase) requests.push_back(request.dump());
+    if (phase == "both" || phase == choice_.phase || choice_.phase.empty()) requests.push_back(request.dump());
   }
 
   TomlReader reader_;

@@ -11,7 +11,7 @@
 namespace ecs::emulator {
 
 struct PlanChoice {
-  std::string phase;             ///< "before" or "after": rows of that phase, and of both
+  std::string phase;             ///< "before" or "after": rows of that phase, and of both; empty: every row
   std::filesystem::path folder;  ///< each row is written to `<folder>/<name>.csv`
   std::string date;              ///< into the metadata; empty: none
   std::string engineer;

@@ -10,6 +10,7 @@
 #include "ecs_emulator/measurement_request.hpp"
 #include "ecs_emulator/referencing.hpp"
 #include "ecs_emulator/survey.hpp"
+#include "ecs_emulator/workshop_program.hpp"
 #include "laser/measurement_writer.hpp"
 
 namespace ecs::emulator {
@@ -65,12 +66,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
 /// After the last axis the unit gets as long as it needs to make up its mind.
 bool wait_for_unit(const Workshop& workshop) {
   const double end_s = workshop.simulation->machine().time_s() + kDatumGiveUp_s + 1.0;
-  const auto failed_axis = [&] {
-    for (const auto& axis : workshop.unit->status().axes)
-      if (axis.datum_stage == DatumStage::failed) return true;
-    return false;
-  };
-  while (workshop.unit->mode() == UnitMode::datuming && failed_axis() &&
+  while (workshop.unit->mode() == UnitMode::datuming && !workshop.unit->quiet() &&
          workshop.simulation->machine().time_s() < end_s)
     if (!workshop.simulation->run_for(0.1)) return false;
   return true;
@@ -89,7 +85,7 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
   if (axes.empty())
     for (const Axis a : kAllAxes)
       if (workshop.simulation->machine().has(a)) axes.push_back(a);
-  if (!reference(*workshop.simulation, axes)) return given_up();
+  if (auto referenced = reference(*workshop.simulation, axes); !referenced) return tl::unexpected(referenced.error());
   if (workshop.unit != nullptr && !wait_for_unit(workshop)) return given_up();
   return state_of(workshop);
 }
@@ -298,6 +294,8 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
   if (action == "jog") return jog(workshop, arguments);
   if (action == "reference") return reference_machine(workshop, arguments);
   if (action == "measure") return measure_machine(workshop, arguments, told);
+  if (action == "run") return run_part_program(workshop, arguments, told);
+  if (action == "mdi") return run_block(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
   if (action == "wait") return wait(workshop, arguments);
@@ -305,7 +303,7 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
   if (action == "load") return load(workshop, arguments);
   if (action == "fault") return fault(workshop, arguments);
   return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, survey, power, wait, tick, load or fault, got \"{}\"", action));
+      "action: expected state, jog, reference, measure, run, mdi, survey, power, wait, tick, load or fault, got \"{}\"", action));
 }
 
 }  // namespace
