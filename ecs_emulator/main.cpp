@@ -92,6 +92,7 @@ class WorkshopVerbs {
     measure(add(app, "measure", "measure: measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv"));
     add_run_options(*add(app, "run", "run a part program: run exx.nc --axis X --sense EX -o exx.csv"), request_);
     add_mdi_options(*add(app, "mdi", "one block of a part program: mdi \"G01 X-100 F2000\""), request_);
+    capture(add(app, "capture", "the display at a constant rate: capture --axis X --sense EX --seconds 10 -o run.rtx"));
     survey(add(app, "survey", "true volumetric error: corners and grid"));
     word(add(app, "power", "the unit's mains switch: power off | on | cycle"), "state", "state")->required();
     number(add(app, "wait", "let simulated time pass: wait 3600"), "seconds", "seconds")->required();
@@ -119,16 +120,25 @@ class WorkshopVerbs {
     flag(verb, "--on-the-fly", "on_the_fly");
     word(verb, "--instrument", "instrument");
     setting(verb);
+    whole(verb, "--beam-broken-at", "beam_broken_at")->description("somebody steps into the beam before this reading");
     word(verb, "--date", "date");
     word(verb, "--engineer", "engineer");
     word(verb, "--plan-name", "plan_name");
-    verb->add_option_function<std::vector<std::string>>(
-        "-o,--output",
-        [this](const auto& v) {
-          request_["output"] = Json::array();
-          for (const auto& path : v) request_["output"].push_back(absolute(path));
-        },
-        "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
+    outputs(verb, "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
+  }
+
+  void capture(CLI::App* verb) {
+    word(verb, "--axis", "axis")->required();
+    word(verb, "--sense", "sense")->required();
+    number(verb, "--rate", "rate")->description("Hz (1000)");
+    number(verb, "--seconds", "seconds")->description("(10)");
+    number(verb, "--to", "to")->description("mm; the axis starts to move there");
+    number(verb, "--feed", "feed");
+    word(verb, "--instrument", "instrument");
+    setting(verb);
+    word(verb, "--date", "date");
+    word(verb, "--engineer", "engineer");
+    outputs(verb, "files: .csv, .rtx");
   }
 
   void survey(CLI::App* verb) {
@@ -168,6 +178,15 @@ class WorkshopVerbs {
     number(verb, "--z,-z", "Z");
     number(verb, "--feed", "feed");
   }
+  void outputs(CLI::App* verb, const std::string& help) {
+    verb->add_option_function<std::vector<std::string>>(
+        "-o,--output",
+        [this](const auto& v) {
+          request_["output"] = Json::array();
+          for (const auto& path : v) request_["output"].push_back(absolute(path));
+        },
+        help);
+  }
   void setting(CLI::App* verb) {
     word(verb, "--air", "air")->description("off, manual or automatic");
     word(verb, "--material", "material")->description("off, manual or automatic");
@@ -175,7 +194,6 @@ class WorkshopVerbs {
     number(verb, "--dead-path", "dead_path")->description("m");
     number(verb, "--misalignment", "misalignment")->description("between beam and axis, mrad");
     number(verb, "--trigger-latency", "trigger_latency")->description("of readings on the fly, s");
-    whole(verb, "--beam-broken-at", "beam_broken_at")->description("somebody steps into the beam before this reading");
   }
   void fault(CLI::App* verb) {
     word(verb, "name", "name")->required();

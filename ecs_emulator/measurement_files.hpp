@@ -1,4 +1,5 @@
-// Measurement sets into files of the form that their extension names.
+// Measurements as files of the instruments that the host can read.
+// Does not live here: the formats themselves (the writers of laser/).
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,9 @@
 
 namespace ecs::emulator {
 
-/// `.csv` (docs/design.md 3.1), `.rtl`, `.rta` or `.rts` (Renishaw). Any other extension is a `usage` problem.
+/// By the extension of the name: .csv; Renishaw .rtl, .rta or .rts (whichever fits), .ren (means, compensation), .rtx
+/// (captures); API .pos (means); ISO 230-2 assignments .dat; .env.pos: the weather in a SIOS log. Any other extension
+/// is a `usage` problem, a set that the format cannot hold is refused with the reason.
 [[nodiscard]] Result<void> write_measurement(const std::filesystem::path& path, const laser::MeasurementSet& set);
 
 }  // namespace ecs::emulator

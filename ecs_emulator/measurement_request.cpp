@@ -19,6 +19,25 @@ std::optional<double> not_negative_in(Arguments& arguments, const char* key) {
   return value;
 }
 
+/// What every request for readings says: which component, by which instrument.
+template <class Plan>
+bool component_in(Arguments& arguments, Plan& plan) {
+  const auto axis = arguments.axis("axis");
+  const auto sense_name = arguments.word("sense");
+  const auto sense = sense_named(sense_name);
+  if (!axis) arguments.complain("axis: expected X, Y or Z");
+  if (!sense) arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense_name));
+  if (const std::string name = arguments.word("instrument"); !name.empty()) {
+    plan.instrument = instrument_named(name);
+    if (!plan.instrument)
+      arguments.complain(
+          fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
+  }
+  if (axis) plan.axis = *axis;
+  if (sense) plan.sense = *sense;
+  return axis && sense;
+}
+
 InstrumentSetting setting_in(Arguments& arguments) {
   InstrumentSetting setting;
   setting.air = compensation_in(arguments, "air");
@@ -34,17 +53,7 @@ InstrumentSetting setting_in(Arguments& arguments) {
 
 std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   MeasurementPlan plan;
-  const auto axis = arguments.axis("axis");
-  const auto sense_name = arguments.word("sense");
-  const auto sense = sense_named(sense_name);
-  if (!axis) arguments.complain("axis: expected X, Y or Z");
-  if (!sense) arguments.complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", sense_name));
-  if (const std::string name = arguments.word("instrument"); !name.empty()) {
-    plan.instrument = instrument_named(name);
-    if (!plan.instrument)
-      arguments.complain(
-          fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
-  }
+  const bool whole = component_in(arguments, plan);
   plan.targets_mm = arguments.numbers("targets");
   const auto from = arguments.number("from");
   const auto to = arguments.number("to");
@@ -64,9 +73,20 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   plan.date = arguments.word("date");
   plan.engineer = arguments.word("engineer");
   plan.name = arguments.word("plan_name");
-  if (axis) plan.axis = *axis;
-  if (sense) plan.sense = *sense;
-  return axis && sense ? std::optional(plan) : std::nullopt;
+  return whole ? std::optional(plan) : std::nullopt;
+}
+
+std::optional<CapturePlan> capture_in(Arguments& arguments) {
+  CapturePlan plan;
+  const bool whole = component_in(arguments, plan);
+  plan.rate_Hz = arguments.number_or("rate", plan.rate_Hz);
+  plan.seconds = arguments.number_or("seconds", plan.seconds);
+  plan.to_mm = arguments.number("to");
+  plan.feed_mm_min = arguments.number_or("feed", plan.feed_mm_min);
+  plan.setting = setting_in(arguments);
+  plan.date = arguments.word("date");
+  plan.engineer = arguments.word("engineer");
+  return whole ? std::optional(plan) : std::nullopt;
 }
 
 }  // namespace ecs::emulator
