@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
 #include "base/text.hpp"
 
 namespace ecs::laser {
@@ -77,12 +76,6 @@ Result<std::string> to_renishaw_dynamic(const MeasurementSet& set, const std::st
   std::string bytes = head(set, file_name);
   for (const Reading& reading : set.readings) append_sample(bytes, reading.error / kUmPerMm);
   return bytes + "\r\nEOF::\r\n";
-}
-
-Result<void> write_renishaw_dynamic(const std::filesystem::path& path, const MeasurementSet& set) {
-  const auto bytes = to_renishaw_dynamic(set, path.filename().string());
-  if (!bytes) return tl::unexpected(bytes.error());
-  return write_file(path, *bytes);
 }
 
 }  // namespace ecs::laser

@@ -2,7 +2,6 @@
 // Does not live here: the reader (import.hpp), runs at targets (renishaw_writer.hpp).
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "base/result.hpp"
@@ -15,8 +14,5 @@ namespace ecs::laser {
 /// the head. `refused`, with the reason, unless there are two readings or more of one axis and one sense, a rotation or
 /// the axis's own, with times a constant step apart (to 1 % of it).
 [[nodiscard]] Result<std::string> to_renishaw_dynamic(const MeasurementSet& set, const std::string& file_name);
-
-/// The same into a file, whole or not at all.
-[[nodiscard]] Result<void> write_renishaw_dynamic(const std::filesystem::path& path, const MeasurementSet& set);
 
 }  // namespace ecs::laser

@@ -1,0 +1,201 @@
+// Every raw format that the virtual workshop writes, read back by the host's readers: nothing of a measurement is lost
+// but what the format cannot hold.
+#include "ecs_emulator/measurement_files.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <doctest/doctest.h>
+
+#include "laser/import.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using laser::MeasurementSet;
+using laser::Reading;
+
+namespace {
+
+double error_of(int target, Approach approach, int run) {
+  return 0.37 * target - 1.25 * static_cast<double>(static_cast<std::int8_t>(approach)) + 0.011 * run;
+}
+
+/// Two runs each way over 0, −100 … −300 mm along X with Y parked at −700, air getting warmer.
+MeasurementSet there_and_back(Sense sense = Sense::EX) {
+  MeasurementSet set;
+  set.metadata = {{"machine", "test mill"}, {"serial_number", "T-1"}, {"date", "2024-05-06"}, {"engineer", "N.N."}};
+  for (int run = 1; run <= 2; ++run)
+    for (int stop = 0; stop < 8; ++stop) {
+      Reading reading;
+      const int target = stop < 4 ? stop : 7 - stop;
+      reading.axis = Axis::X;
+      reading.sense = sense;
+      reading.position_mm = {-100.0 * target, -700.0, 0.0};
+      reading.approach = stop < 4 ? Approach::reverse : Approach::forward;
+      reading.run = run;
+      reading.error = error_of(target, reading.approach, run);
+      reading.pressure_hPa = 1011.5;
+      reading.humidity_pct = 43.5;
+      reading.sensors_degC = {{"t_air_degC", 20.5 + 0.01 * stop}, {"t_material_degC", 21.25}};
+      set.readings.push_back(reading);
+    }
+  return set;
+}
+
+class Folder {
+ public:
+  Folder() : path_(std::filesystem::temp_directory_path() / "ecs_measurement_files_test") {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  laser::Imported written_and_read(const MeasurementSet& set, const std::string& name, const laser::ImportOptions& o) {
+    const auto written = write_measurement(path_ / name, set);
+    REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
+    auto read = laser::read_any(path_ / name, o);
+    REQUIRE_MESSAGE(read.has_value(), (read ? "" : to_text(read.error())));
+    return std::move(*read);
+  }
+  Result<void> write(const MeasurementSet& set, const std::string& name) {
+    return write_measurement(path_ / name, set);
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+laser::ImportOptions along_x(std::optional<Sense> sense = {}) {
+  laser::ImportOptions options;
+  options.axis = Axis::X;
+  options.sense = sense;
+  options.parked_mm = {0.0, -700.0, 0.0};
+  return options;
+}
+
+using Key = std::tuple<double, Approach, int>;
+
+std::map<Key, double> errors_of(const MeasurementSet& set) {
+  std::map<Key, double> errors;
+  for (const Reading& r : set.readings) errors[{laser::target_mm(r), r.approach, r.run}] = r.error;
+  return errors;
+}
+
+void same_errors(const MeasurementSet& a, const MeasurementSet& b, double tolerance) {
+  const auto left = errors_of(a);
+  const auto right = errors_of(b);
+  REQUIRE(left.size() == right.size());
+  for (const auto& [key, error] : left) {
+    REQUIRE(right.contains(key));
+    CHECK(std::abs(right.at(key) - error) < tolerance);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("runs in .rtl, .rta and .rts come back with errors, targets, runs, approach and conditions") {
+  Folder folder;
+  for (const auto& [name, sense] : {std::pair{"a.rtl", Sense::EX}, {"a.rta", Sense::EC}, {"a.rts", Sense::EY}}) {
+    const auto set = there_and_back(sense);
+    const auto back = folder.written_and_read(set, name, along_x(sense));
+    CHECK(back.format == laser::FileFormat::renishaw_run);
+    same_errors(set, back.set, 1e-3);  // six decimals, of um or of mrad
+    const Reading& last = back.set.readings.back();
+    CHECK(last.sense == sense);
+    CHECK(last.position_mm[1] == -700.0);
+    CHECK(*last.pressure_hPa == doctest::Approx(1011.5));
+    CHECK(*last.humidity_pct == doctest::Approx(43.5));
+    CHECK(last.sensors_degC.at("t_air_degC") == doctest::Approx(20.57));
+    CHECK(last.sensors_degC.at("t_material_degC") == doctest::Approx(21.25));
+    CHECK(*laser::metadata_value(back.set, "Serial No") == "T-1");
+  }
+}
+
+TEST_CASE("ISO 230-2 assignments come back with every cycle and direction") {
+  Folder folder;
+  const auto set = there_and_back();
+  const auto back = folder.written_and_read(set, "a.dat", along_x());
+  CHECK(back.format == laser::FileFormat::iso230_assignments);
+  same_errors(set, back.set, 1e-6);
+}
+
+TEST_CASE("an API report comes back with the mean of each direction") {
+  Folder folder;
+  const auto back = folder.written_and_read(there_and_back(), "a.pos", along_x());
+  CHECK(back.format == laser::FileFormat::api_pos);
+  CHECK(back.set.readings.size() == 8);
+  for (const Reading& r : back.set.readings) {
+    const int target = static_cast<int>(std::lround(-laser::target_mm(r) / 100.0));
+    CHECK(r.error ==
+          doctest::Approx(0.5 * (error_of(target, r.approach, 1) + error_of(target, r.approach, 2))).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("a compensation table comes back as the mean of everything, its sign turned twice") {
+  Folder folder;
+  const auto back = folder.written_and_read(there_and_back(), "a.ren", along_x());
+  CHECK(back.format == laser::FileFormat::renishaw_table);
+  REQUIRE(back.set.readings.size() == 4);
+  for (const Reading& r : back.set.readings)
+    CHECK(r.error == doctest::Approx(-0.37 * laser::target_mm(r) / 100.0 + 0.0165).epsilon(1e-5));
+  CHECK(*laser::metadata_value(back.set, "Compensation spacing") == "100.000000");
+}
+
+TEST_CASE("the weather comes back from an environment log") {
+  Folder folder;
+  const auto back = folder.written_and_read(there_and_back(), "a.env.pos", along_x());
+  CHECK(back.format == laser::FileFormat::sios_environment);
+  REQUIRE(back.environment.size() == 16);
+  CHECK(back.environment[3].stage_mm[0] == doctest::Approx(-300.0));
+  CHECK(back.environment[3].stage_mm[1] == doctest::Approx(-700.0));
+  CHECK(back.environment[3].air_degC[2] == doctest::Approx(20.53));
+  CHECK(back.environment[3].pressure_hPa == doctest::Approx(1011.5));
+  CHECK(back.environment[3].humidity_pct == doctest::Approx(43.5));
+  CHECK(back.environment[3].sample_degC == doctest::Approx(21.25));
+}
+
+TEST_CASE("a capture comes back sample by sample") {
+  Folder folder;
+  MeasurementSet set;
+  set.metadata = {{"machine", "test mill"}, {"feed_mm_min", "1500"}};
+  for (int i = 0; i < 500; ++i) {
+    Reading reading;
+    reading.position_mm = {-20.0, -700.0, 0.0};
+    reading.time_s = i / 250.0;
+    reading.error = 12'345.678 * std::sin(0.1 * i);
+    set.readings.push_back(reading);
+  }
+  auto options = along_x();
+  options.parked_mm[0] = -20.0;
+  const auto back = folder.written_and_read(set, "a.rtx", options);
+  CHECK(back.format == laser::FileFormat::renishaw_dynamic);
+  REQUIRE(back.set.readings.size() == 500);
+  for (std::size_t i = 0; i < 500; ++i) {
+    CHECK(back.set.readings[i].error == doctest::Approx(set.readings[i].error).epsilon(1e-14));
+    CHECK(*back.set.readings[i].time_s == doctest::Approx(*set.readings[i].time_s));
+    CHECK(back.set.readings[i].position_mm == set.readings[i].position_mm);
+  }
+  CHECK(*laser::metadata_value(back.set, "Machine") == "test mill");
+}
+
+TEST_CASE("what a format cannot hold is refused with the reason") {
+  Folder folder;
+  const auto because = [&](const MeasurementSet& set, const char* name) {
+    const auto written = folder.write(set, name);
+    return written ? std::string() : to_text(written.error());
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(has(because(there_and_back(Sense::EY), "a.ren"), "positioning only"));
+  CHECK(has(because(there_and_back(Sense::EC), "a.dat"), "positioning only"));
+  CHECK(has(because(there_and_back(), "a.rta"), "ends in .csv, .rtl"));
+  CHECK(has(because(there_and_back(), "a.rtx"), "a time with every sample"));
+  auto uneven = there_and_back();
+  for (Reading& r : uneven.readings)
+    if (r.position_mm[0] == -100.0) r.position_mm[0] = -110.0;
+  CHECK(has(because(uneven, "a.ren"), "constant step"));
+  auto unfinished = there_and_back();
+  unfinished.readings.pop_back();
+  CHECK(has(because(unfinished, "a.dat"), "expected 4 readings in run 2"));
+  auto indoors = there_and_back();
+  for (Reading& r : indoors.readings) r.pressure_hPa.reset();
+  CHECK(has(because(indoors, "a.env.pos"), "pressure"));
+}
