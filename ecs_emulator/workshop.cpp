@@ -40,6 +40,14 @@ Json state_of(const Workshop& workshop) {
     state["unit"] = {{"powered", workshop.unit->powered()},
                      {"mode", name_of(workshop.unit->mode())},
                      {"fault", text_of(workshop.unit->fault()).name}};
+  for (const auto& [sensor, degC] : workshop.simulation->sensors_degC(machine.time_s())) {
+    if (!state.contains("sensors_degC")) state["sensors_degC"] = Json::object();
+    state["sensors_degC"][sensor] = degC;
+  }
+  if (workshop.simulation->heat().has_air()) {
+    const Air air = workshop.simulation->air();
+    state["air"] = {{"degC", air.temperature_degC}, {"hPa", air.pressure_hPa}, {"humidity_pct", air.humidity_pct}};
+  }
   return state;
 }
 
