@@ -10,8 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-
 namespace ecs::laser {
 namespace {
 
@@ -149,12 +147,6 @@ Result<std::string> to_renishaw_run(const MeasurementSet& set) {
   return fmt::format("HEADER::\r\nFile type  : {}\r\nOwner      : ECS\r\nVersion no : 20.02.02\r\n\r\n",
                      extension.substr(1)) +
          target_data(*passes) + user_text(set) + deviations(*passes, factor) + environment(set) + "EOF::\r\n";
-}
-
-Result<void> write_renishaw_run(const std::filesystem::path& path, const MeasurementSet& set) {
-  const auto text = to_renishaw_run(set);
-  if (!text) return tl::unexpected(text.error());
-  return write_file(path, *text);
 }
 
 }  // namespace ecs::laser

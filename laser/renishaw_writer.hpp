@@ -2,7 +2,6 @@
 // Does not live here: the reader (import.hpp).
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "base/result.hpp"
@@ -20,8 +19,5 @@ namespace ecs::laser {
 
 /// The extension that goes with the set: ".rtl", ".rta" or ".rts". @pre !set.readings.empty()
 [[nodiscard]] std::string renishaw_extension(const MeasurementSet& set);
-
-/// The same into a file, whole or not at all.
-[[nodiscard]] Result<void> write_renishaw_run(const std::filesystem::path& path, const MeasurementSet& set);
 
 }  // namespace ecs::laser
