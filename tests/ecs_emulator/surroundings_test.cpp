@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "ecs_emulator/measurement.hpp"
+#include "ecs_emulator/serve.hpp"
 #include "laser/measurement_writer.hpp"
 #include "workshop_machines.hpp"
 
@@ -167,4 +168,20 @@ oil = "20"
   for (const int line : {3, 4, 6, 7, 9, 10, 11, 13, 16, 18, 20, 24, 25, 27, 29})
     CHECK_MESSAGE(text.find("errors.toml:" + std::to_string(line) + ":") != std::string::npos, line << " in " << text);
   CHECK_MESSAGE(text.find("cell_mm: expected at least 6.9") != std::string::npos, text);
+}
+
+TEST_CASE("the warm mill of the samples: droop, bed, spindle and day are as its comments say") {
+  auto simulation = simulation_for("samples/warm_mill/machine.toml", {}, std::nullopt, "");
+  REQUIRE_MESSAGE(simulation.has_value(), (simulation ? "" : to_text(simulation.error())));
+  MachineState state = simulation->machine().state();
+  const auto value = [&](Component c) { return simulation->errors().at(state, simulation->heat())[index_of(c)]; };
+  state.position_mm = {-750.0, 0.0, -500.0};
+  // 2451.66*0.2401/1.92e8 + 784.532*0.343/7.2e7 and 34323.3*4.913/2.88e10
+  CHECK(value(Component::EYZ) == doctest::Approx(-6.803).epsilon(1e-3));
+  CHECK(value(Component::EYX) == doctest::Approx(-5.855).epsilon(1e-3));
+  simulation->spindle(6000.0);
+  REQUIRE(simulation->dwell(4.0 * 1800.0));
+  state.time_s = simulation->machine().time_s();
+  state.position_mm[2] = 50.0;  // at the bearing of the screw: what the air does to it does not count
+  CHECK(value(Component::EZZ) == doctest::Approx(-2.4 * 21.0 * (1.0 - std::exp(-4.0))).epsilon(1e-3));
 }
