@@ -1,4 +1,4 @@
-// What each effect of docs/physics.md section 4 that has its seat in the machine adds to its component.
+// What each effect that has its seat in the machine adds to its component (docs/surroundings.md).
 // Does not live here: which component that is, when it acts (effect_errors.hpp, hide_contribution.hpp).
 #pragma once
 

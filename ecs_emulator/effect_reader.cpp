@@ -1,4 +1,4 @@
-// [[effect]] of the errors file: ids, keys and parameters of docs/physics.md section 4.
+// [[effect]] of the errors file: ids, keys and parameters of docs/surroundings.md.
 // Does not live here: what the effects do (effect_formula.hpp).
 #include <algorithm>
 

@@ -72,7 +72,6 @@ struct MachinePlace {
   Chain chain{};
   MeasurementLines lines_mm{};  ///< rotations act about these points
   Vector3 datum_mm{};
-  PerAxis<std::array<double, 2>> travel_mm{};
 };
 
 /// Adds what gravity does to the components at these positions, with so much workpiece on the table [um, um/m].
