@@ -37,7 +37,7 @@ Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, st
                 description.settings.tool_offset_mm},
       seed_(seed),
       random_(seed_of(seed, 1000, 0)) {
-  errors_.put_on({machine_.chain(), geometry_.lines_mm, machine_.datum_mm(), machine_.travel_mm()});
+  errors_.put_on({machine_.chain(), geometry_.lines_mm, machine_.datum_mm()});
 }
 
 Vector3 Simulation::carriages_mm() const {
