@@ -32,7 +32,7 @@ class Workbench {
              .state == protocol::CommandState::done);
     need(tell(protocol::Command{.code = protocol::CommandCode::enter_compensation}).state ==
          protocol::CommandState::done);
-    need(emulator::reference(simulation_, {Axis::X, Axis::Y, Axis::Z}));
+    need(emulator::reference(simulation_, {Axis::X, Axis::Y, Axis::Z}).has_value());
     need(unit_.mode() == UnitMode::compensating);
   }
 

@@ -35,16 +35,17 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
 constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
 constexpr std::array<std::string_view, 6> kStages{"waiting",        "seeking switch", "on switch",
                                                   "seeking marker", "done",           "failed"};
-constexpr std::array<std::string_view, 7> kFailures{
-    "none", "wrong initial state", "wrong direction", "too fast", "wrong final state", "no reversal", "no marker"};
-constexpr std::array<std::string_view, 7> kAdvice{
+constexpr std::array<std::string_view, 8> kFailures{
+    "none", "wrong initial state", "wrong direction", "too fast", "wrong final state", "no reversal", "no marker", "stopped early"};
+constexpr std::array<std::string_view, 8> kAdvice{
     "nothing to do",
     "move the axis off the reference switch before datuming, or change switch polarity or initial state",
     "change the approach direction, or reference the axis from the other side",
     "lower the reference feed of the controller, or raise the approach speed",
     "change the final state of the switch, or the datum type: the marker came at another place of the sequence",
     "the controller does not turn back off the switch: choose another datum type",
-    "check the marker signal of the transducer"};
+    "check the marker signal of the transducer",
+    "choose another datum type: the controller ends its reference motion before this one is complete"};
 
 template <class Texts, class Value>
 std::string_view at(const Texts& texts, Value value) noexcept {

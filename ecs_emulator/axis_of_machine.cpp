@@ -47,7 +47,7 @@ double AxisOfMachine::turn_mm() const { return servo_ ? facts_.resolution_um * 1
 void AxisOfMachine::watch_marker(double from_mm, double to_mm) {
   const auto turn = [&](double at_mm) { return std::floor((at_mm - datum_marker_mm()) / settings_.marker_pitch_mm); };
   marker_mm_.reset();
-  if (turn(from_mm) == turn(to_mm)) return;
+  if (marker_lost_ || transducer_lost_ || turn(from_mm) == turn(to_mm)) return;
   marker_mm_ = datum_marker_mm() + std::max(turn(from_mm), turn(to_mm)) * settings_.marker_pitch_mm;
 }
 
@@ -98,7 +98,7 @@ AxisSignals AxisOfMachine::signals() const {
   AxisSignals signals;
   signals.counts = wired(transducer_.counts());
   signals.switch_closed = on_switch() == (settings_.switch_polarity > 0);
-  signals.marker = marker_mm_.has_value() && !transducer_lost_;
+  signals.marker = marker_mm_.has_value();
   if (marker_mm_) signals.marker_counts = wired(transducer_.counts_at(*marker_mm_));
   signals.transducer_ok = !transducer_lost_;
   return signals;
@@ -126,6 +126,7 @@ std::array<double, 2> AxisOfMachine::switch_mm() const {
 }
 
 bool AxisOfMachine::on_switch() const {
+  if (switch_hangs_) return *switch_hangs_;
   const auto [low_mm, high_mm] = switch_mm();
   return position_mm() >= low_mm && position_mm() <= high_mm;
 }

@@ -36,11 +36,16 @@ class AxisOfMachine {
   void referenced();
 
   [[nodiscard]] AxisSignals signals() const;
+  /// As the switch shows it.
   [[nodiscard]] bool on_switch() const;
-  /// The marker that the axis passed in the last period, if any [mm].
+  /// The marker that the axis passed in the last period, as its wire shows it [mm].
   [[nodiscard]] std::optional<double> marker_mm() const { return marker_mm_; }
 
   void lose_transducer(bool lost) { transducer_lost_ = lost; }
+  /// The reference switch hangs: it shows the axis on it (true) or off it wherever the axis is; nothing: it works.
+  void hang_switch(std::optional<bool> shows) { switch_hangs_ = shows; }
+  /// The wire of the marker is broken.
+  void lose_marker(bool lost) { marker_lost_ = lost; }
   /// A burst of noise on the transducer's wires: so many counts too many from now on.
   void miscount(std::int64_t counts) { miscounted_ += counts; }
 
@@ -77,6 +82,8 @@ class AxisOfMachine {
   std::uint64_t pass_ = 0;
   std::optional<double> marker_mm_;
   bool transducer_lost_ = false;
+  bool marker_lost_ = false;
+  std::optional<bool> switch_hangs_;
   std::int64_t miscounted_ = 0;
 };
 

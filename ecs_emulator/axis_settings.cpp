@@ -68,6 +68,7 @@ AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
                "reference_kind",
                "reference_direction",
                "reference_speed_mm_min",
+               "creep_speed_mm_min",
                "marker_pitch_mm",
                "null_offset_mm",
                "switch_width_mm",
@@ -80,6 +81,7 @@ AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
   number_into(reader, table, "rapid_mm_min", Sign::positive, axis.rapid_mm_min);
   number_into(reader, table, "servo_lag_um_per_m_min", Sign::any, axis.servo_lag_um_per_m_min);
   number_into(reader, table, "reference_speed_mm_min", Sign::positive, axis.reference_speed_mm_min);
+  number_into(reader, table, "creep_speed_mm_min", Sign::positive, axis.creep_speed_mm_min);
   number_into(reader, table, "marker_pitch_mm", Sign::positive, axis.marker_pitch_mm);
   number_into(reader, table, "null_offset_mm", Sign::any, axis.null_offset_mm);
   number_into(reader, table, "switch_width_mm", Sign::positive, axis.switch_width_mm);

@@ -39,6 +39,7 @@ struct AxisSettings {
   DatumKind reference_kind = DatumKind::fanuc;
   Approach reference_direction = Approach::forward;  ///< onto the switch
   double reference_speed_mm_min = 1000.0;            ///< above 0
+  double creep_speed_mm_min = 300.0;                 ///< from the switch to the marker; above 0
   double marker_pitch_mm = 10.0;                     ///< one marker a revolution; above 0
   double null_offset_mm = 0.0;                       ///< from the datum marker to the reference position
   double switch_width_mm = 10.0;                     ///< above 0

@@ -66,8 +66,14 @@ void DatumWatch::finish(DatumFailure failure) {
 
 void DatumWatch::give_up_if_still(const DatumSignals& signals, double period_s) {
   still_s_ = signals.speed_mm_min == 0.0 ? still_s_ + period_s : 0.0;
-  if (pending_ == DatumFailure::none || done() || still_s_ < kDatumGiveUp_s) return;
-  finish(pending_);
+  if (!counting() || still_s_ < kDatumGiveUp_s) return;
+  finish(pending_ == DatumFailure::none ? DatumFailure::stopped_early : pending_);
+}
+
+bool DatumWatch::counting() const {
+  if (done() || final_ != DatumFailure::none) return false;
+  return pending_ != DatumFailure::none || state_.stage == DatumStage::on_switch ||
+         state_.stage == DatumStage::seeking_marker;
 }
 
 }  // namespace ecs::emulator

@@ -9,7 +9,7 @@ namespace ecs::emulator {
 /// Motion this long in the approach direction, switch in its initial state, begins the routine again after a failure
 /// that happened while the axis was brought back.
 inline constexpr double kDatumRetry_mm = 5.0;
-/// A failed axis that stands still so long is given up with the failure seen.
+/// An axis that has failed, or has come to its switch, and then stands still so long is given up.
 inline constexpr double kDatumGiveUp_s = 30.0;
 
 class DatumWatch {
@@ -21,6 +21,8 @@ class DatumWatch {
   void step(const DatumParameters& parameters, const AxisModule& module, double mm_per_count, double period_s);
 
   [[nodiscard]] const DatumState& state() const { return state_; }
+  /// Its time runs: standing still ends it.
+  [[nodiscard]] bool counting() const;
   [[nodiscard]] bool done() const { return state_.stage == DatumStage::done; }
   /// The failure that ended the routine; none while it goes on.
   [[nodiscard]] DatumFailure final_failure() const { return final_; }

@@ -1,13 +1,19 @@
-// The CNC's own reference sequence, by controller family (docs/unit.md, "datum kinds").
-// Does not live here: how the unit follows it (core/datum.hpp).
+// The reference sequence of the machine's own control: what it does on its switch and marker, axis after axis.
+// Does not live here: the unit that watches (datum_watch.hpp).
 #pragma once
 
+#include <vector>
+
+#include "base/result.hpp"
 #include "ecs_emulator/simulation.hpp"
 
 namespace ecs::emulator {
 
-/// References the given axes one after the other: clear of the switch, onto it, to the marker, to the reference
-/// position. False: given up.
-[[nodiscard]] bool reference(Simulation& simulation, const std::vector<Axis>& axes);
+/// The operator brings each axis in rapid to the approach side of its switch; the control then seeks the switch at
+/// reference speed, creeps on or back to the marker as its family does (core/datum.hpp names them), takes that place as
+/// its reference and goes to the reference position. An axis ends on `datum_mm`.
+/// Problems (refused): given up; an alarm of the control, which leaves the axis where it is: switch not met before the
+/// end of travel, switch not left, no marker.
+[[nodiscard]] Result<void> reference(Simulation& simulation, const std::vector<Axis>& axes);
 
 }  // namespace ecs::emulator

@@ -124,6 +124,11 @@ bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std
 bool Simulation::dwell(double seconds, const std::function<void()>& each) {
   double used_s = 0.0;
   if (!settle(seconds, used_s, each)) return false;
+  while (used_s < seconds && unit_ != nullptr && !unit_->quiet()) {
+    tick();
+    used_s += period_s();
+    if (!pause()) return false;
+  }
   if (used_s < seconds) machine_.wait(seconds - used_s);
   heat_.advance(machine_.time_s());
   return true;

@@ -21,6 +21,8 @@ class Compensator {
   /// One period of its loop.
   [[nodiscard]] virtual Drives tick(const Signals& signals) = 0;
   [[nodiscard]] virtual double period_s() const = 0;
+  /// Nothing of it waits for time to pass: periods in which nothing moves may be left out.
+  [[nodiscard]] virtual bool quiet() const = 0;
 };
 
 class Simulation {
@@ -47,7 +49,7 @@ class Simulation {
   [[nodiscard]] bool move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each = {});
   /// Ticks while `going`; `each` is called after every one. @return false: given up, the machine stopped
   [[nodiscard]] bool run_while(const std::function<bool()>& going, const std::function<void()>& each = {});
-  /// Time passes: ticks until all stands, the rest at once.
+  /// Time passes: ticks until all stands and the unit waits for nothing, the rest at once.
   [[nodiscard]] bool dwell(double seconds, const std::function<void()>& each = {});
   /// Ticks without skipping.
   [[nodiscard]] bool run_for(double seconds);

@@ -1,5 +1,6 @@
 #include "ecs_emulator/unit.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ecs::emulator {
@@ -148,6 +149,18 @@ Drives Unit::tick(const Signals& signals) {
   return drives_;
 }
 
+bool Unit::quiet() const {
+  if (!powered_ || mode_ == UnitMode::halted) return true;
+  if (hung_ || mode_ == UnitMode::starting || restart_) return false;
+  if (mode_ == UnitMode::datuming)
+    return std::none_of(watches_.begin(), watches_.end(), [](const DatumWatch& watch) { return watch.counting(); });
+  if (mode_ == UnitMode::compensating)
+    return std::all_of(at_limit_s_.begin(), at_limit_s_.end(), [](double seconds) { return seconds == 0.0; });
+  const bool driven =
+      std::any_of(drives_.begin(), drives_.end(), [](const AxisDrive& drive) { return drive.relay_closed; });
+  return !driven && !entering_compensation_ && result_.state != protocol::CommandState::busy;
+}
+
 void Unit::hang_step() {
   hung_s_ += period_s();
   if (hung_s_ < kWatchdog_s || mode_ == UnitMode::halted) return;
@@ -177,11 +190,13 @@ bool Unit::transducers_sound() {
   return true;
 }
 
-bool Unit::loop_in_time() {
-  if (extra_us_ <= parameters_.loop_period_us) return true;
-  ++overruns_;
-  raise(Fault::loop_overrun);
-  return false;
+/// The work of this period is not done when it ends.
+bool Unit::late() {
+  const bool late = extra_us_ > parameters_.loop_period_us;
+  if (slow_periods_ > 0 && --slow_periods_ == 0) extra_us_ = 0.0;
+  late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
+  overruns_ += late ? 1u : 0u;
+  return late;
 }
 
 void Unit::datum_step() {
@@ -216,12 +231,17 @@ void Unit::begin_compensating() {
   }
   start(tick_, counts, position, approach);
   at_limit_s_ = {};
+  late_in_a_row_ = 0;
   mode_ = UnitMode::compensating;
   compensate_step();
 }
 
 void Unit::compensate_step() {
-  if (!loop_in_time() || !transducers_sound()) return;
+  if (late()) {  // the output of the period before holds
+    if (late_in_a_row_ >= kMostLatePeriods) raise(Fault::loop_overrun);
+    return;
+  }
+  if (!transducers_sound()) return;
   PerAxis<std::int64_t> counts{};
   for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
   ecs::tick(*map_, tick_, counts);

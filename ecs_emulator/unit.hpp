@@ -26,6 +26,8 @@ enum class LinkSense : std::uint8_t {
 };
 
 inline constexpr double kLinkWait_s = 0.5;
+/// So many periods in a row that are not finished in time isolate the unit; fewer are counted.
+inline constexpr int kMostLatePeriods = 3;
 /// Longest time at the output limit before `compensation_output`.
 inline constexpr double kOutputLimit_s = 1.0;
 /// No axis moves faster: 120 m/min.
@@ -63,13 +65,18 @@ class Unit final : public protocol::UnitPort, public Compensator {
 
   [[nodiscard]] Drives tick(const Signals& signals) override;
   [[nodiscard]] double period_s() const override { return parameters_.loop_period_us * 1e-6; }
+  [[nodiscard]] bool quiet() const override;
 
   [[nodiscard]] UnitMemory& memory() { return memory_; }
   [[nodiscard]] UnitMode mode() const { return mode_; }
   [[nodiscard]] Fault fault() const { return fault_; }
 
   // what can be wrong with the processor
-  void slow_down(double extra_us_per_period) { extra_us_ = extra_us_per_period; }
+  /// The work of a period takes longer. @param periods  so many; 0: from now on
+  void slow_down(double extra_us_per_period, std::uint64_t periods = 0) {
+    extra_us_ = extra_us_per_period;
+    slow_periods_ = periods;
+  }
   void hang() { hung_ = true; }
 
   // protocol::UnitPort
@@ -108,7 +115,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void datum_step();
   void begin_compensating();
   void compensate_step();
-  [[nodiscard]] bool loop_in_time();
+  [[nodiscard]] bool late();
   [[nodiscard]] bool transducers_sound();
   void command_step();
   void reload_parameters();
@@ -164,6 +171,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
 
   std::function<void()> on_commit_;
   double extra_us_ = 0.0;
+  std::uint64_t slow_periods_ = 0;
+  int late_in_a_row_ = 0;
   bool hung_ = false;
   double hung_s_ = 0.0;
 };

@@ -6,12 +6,11 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/arguments.hpp"
-#include "ecs_emulator/measurement_files.hpp"
-#include "ecs_emulator/measurement_request.hpp"
 #include "ecs_emulator/referencing.hpp"
 #include "ecs_emulator/survey.hpp"
+#include "ecs_emulator/workshop_faults.hpp"
+#include "ecs_emulator/workshop_measure.hpp"
 #include "ecs_emulator/workshop_program.hpp"
-#include "laser/measurement_writer.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -98,27 +97,6 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
-Answer measure_machine(const Workshop& workshop, Arguments& arguments, const Told& told) {
-  const auto plan = plan_in(arguments);
-  const auto outputs = arguments.words("output");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  std::size_t percent = 0;
-  const auto progress = [&](const MeasurementProgress& at) {
-    const std::size_t now = at.readings_done * 100 / at.readings_total;
-    if (now == percent || !told) return;
-    percent = now;
-    told(Json{{"progress", static_cast<double>(now) / 100.0}}.dump());
-  };
-  const auto set = measure(*workshop.simulation, *plan, progress);
-  if (!set) return tl::unexpected(set.error());
-  for (const std::string& output : outputs)
-    if (auto written = write_measurement(output, *set); !written) return tl::unexpected(written.error());
-  Json answer{
-      {"readings", set->readings.size()}, {"output", outputs}, {"time_s", set->readings.back().time_s.value_or(0.0)}};
-  if (outputs.empty()) answer["csv"] = laser::to_csv(*set);
-  return answer;
-}
-
 Json point_of(const MachineTool& machine, const SurveyPoint& point) {
   return {{"position_mm", by_axis(machine, point.position_mm)},
           {"error_um", by_axis(machine, point.error_um)},
@@ -193,103 +171,9 @@ Answer load(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
-// --- faults by name
-
-std::optional<Address> address_in(Arguments& arguments, const Workshop& workshop) {
-  const auto address = arguments.integer("address", 0, 0xFFFFFF);
-  if (!address || !workshop.unit->memory().exists(static_cast<Address>(*address), 1)) {
-    arguments.complain("address: expected an address of the unit's memory");
-    return std::nullopt;
-  }
-  return static_cast<Address>(*address);
-}
-
-Answer unit_fault(const Workshop& workshop, Arguments& arguments, const std::string& name) {
-  if (workshop.unit == nullptr) return wrong("no unit stands here");
-  Unit& unit = *workshop.unit;
-  if (name == "ram_stuck") {
-    const auto address = address_in(arguments, workshop);
-    const auto bit = arguments.integer("bit", 0, 7).value_or(0);
-    const auto level = arguments.integer("level", 0, 1).value_or(1);
-    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-    unit.memory().stick(*address, static_cast<int>(bit), static_cast<int>(level));
-  } else if (name == "corrupt") {
-    const auto address = address_in(arguments, workshop);
-    const auto bits = arguments.integer("bits", 1, 255).value_or(1);
-    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-    unit.memory().corrupt(*address, static_cast<std::uint8_t>(bits));
-  } else if (name == "overrun") {
-    const double extra_us = arguments.number_or("us", 1e6);
-    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-    unit.slow_down(extra_us);
-  } else if (name == "power_fails") {
-    const auto bytes = arguments.integer("count", 0, 100'000'000).value_or(0);
-    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-    unit.memory().power_fails_after(static_cast<std::uint64_t>(bytes));
-  } else {
-    if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-    unit.hang();
-  }
-  return state_of(workshop);
-}
-
-Answer transducer_fault(const Workshop& workshop, Arguments& arguments) {
-  const auto axis = arguments.axis("axis");
-  const bool back = arguments.flag("back");
-  if (!axis || !workshop.simulation->machine().has(*axis)) arguments.complain("axis: expected an axis of this machine");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  workshop.simulation->machine().axis(*axis).lose_transducer(!back);
-  return state_of(workshop);
-}
-
-Answer miscount(const Workshop& workshop, Arguments& arguments) {
-  const auto axis = arguments.axis("axis");
-  const auto counts = arguments.integer("count", -1'000'000'000, 1'000'000'000).value_or(10'000);
-  if (!axis || !workshop.simulation->machine().has(*axis)) arguments.complain("axis: expected an axis of this machine");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  workshop.simulation->machine().axis(*axis).miscount(counts);
-  workshop.simulation->idle_tick();
-  return state_of(workshop);
-}
-
-Answer line_fault(const Workshop& workshop, Arguments& arguments, protocol::LineFault fault) {
-  const auto count = arguments.integer("count", 0, 1'000'000);
-  const double probability = arguments.number_or("probability", 0.0);
-  const auto slow_ms = arguments.number("slow_ms");
-  if (workshop.line == nullptr) arguments.complain("no line comes here");
-  if (!(probability >= 0.0 && probability <= 1.0)) arguments.complain("probability: expected 0 to 1");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  if (slow_ms) workshop.line->slow_ms = *slow_ms;
-  if (count)
-    workshop.line->next(fault, static_cast<std::uint32_t>(*count));
-  else
-    workshop.line->with_probability(fault, probability);
-  return state_of(workshop);
-}
-
-Answer clear_faults(const Workshop& workshop, Arguments& arguments) {
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  if (workshop.line != nullptr) workshop.line->clear();
-  if (workshop.unit != nullptr) {
-    workshop.unit->memory().repair();
-    workshop.unit->slow_down(0.0);
-  }
-  for (const Axis a : kAllAxes)
-    if (workshop.simulation->machine().has(a)) workshop.simulation->machine().axis(a).lose_transducer(false);
-  return state_of(workshop);
-}
-
 Answer fault(const Workshop& workshop, Arguments& arguments) {
-  const std::string name = arguments.word("name");
-  if (name == "clear") return clear_faults(workshop, arguments);
-  if (name == "transducer") return transducer_fault(workshop, arguments);
-  if (name == "miscount") return miscount(workshop, arguments);
-  if (name == "ram_stuck" || name == "corrupt" || name == "overrun" || name == "hang" || name == "power_fails")
-    return unit_fault(workshop, arguments, name);
-  if (const auto line = protocol::line_fault_named(name)) return line_fault(workshop, arguments, *line);
-  return wrong(fmt::format(
-      "name: expected clear, transducer, miscount, ram_stuck, corrupt, overrun, hang, power_fails, {}, got \"{}\"",
-      fmt::join(protocol::kLineFaultNames, ", "), name));
+  if (auto provoked = provoke(workshop, arguments); !provoked) return tl::unexpected(provoked.error());
+  return state_of(workshop);
 }
 
 Answer act(const Workshop& workshop, const Json& request, const Told& told) {
@@ -302,6 +186,7 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
   if (action == "jog") return jog(workshop, arguments);
   if (action == "reference") return reference_machine(workshop, arguments);
   if (action == "measure") return measure_machine(workshop, arguments, told);
+  if (action == "capture") return capture_machine(workshop, arguments);
   if (action == "run") return run_part_program(workshop, arguments, told);
   if (action == "mdi") return run_block(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
@@ -310,8 +195,10 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
   if (action == "tick") return tick(workshop, arguments);
   if (action == "load") return load(workshop, arguments);
   if (action == "fault") return fault(workshop, arguments);
-  return wrong(fmt::format(
-      "action: expected state, jog, reference, measure, run, mdi, survey, power, wait, tick, load or fault, got \"{}\"", action));
+  return wrong(
+      fmt::format("action: expected state, jog, reference, measure, capture, run, mdi, survey, power, wait, tick, load "
+                  "or fault, got \"{}\"",
+                  action));
 }
 
 }  // namespace

@@ -153,8 +153,11 @@ TEST_CASE("faults in the loop isolate the unit in the same period") {
     bench.simulation.machine().axis(Axis::Y).lose_transducer(true);
     expected = Fault::axis_module;
   }
-  SUBCASE("loop overrun") {
+  SUBCASE("work that takes longer than a period, three times in a row") {
     bench.unit.slow_down(1500.0);
+    bench.simulation.tick();
+    bench.simulation.tick();
+    CHECK(bench.unit.mode() == UnitMode::compensating);
     expected = Fault::loop_overrun;
   }
   bench.simulation.tick();
@@ -162,6 +165,23 @@ TEST_CASE("faults in the loop isolate the unit in the same period") {
   CHECK(bench.unit.mode() == UnitMode::integration);
   CHECK(all_relays(bench, false));
   if (expected == Fault::axis_module) CHECK(bench.unit.status().fault_axis == Axis::Y);
+}
+
+TEST_CASE("a period that is late now and then is counted, and the output holds until the next") {
+  Bench bench;
+  bench.compensate([](Component c, double p, Approach) { return is_positioning(c) ? 0.1 * p : 0.0; });
+  bench.simulation.machine().move_to({-200.0, 0.0, 0.0}, 6000.0);
+  REQUIRE(bench.simulation.run_for(0.5));
+  for (const std::uint32_t so_far : {2u, 4u, 6u}) {
+    bench.unit.slow_down(1500.0, 2);
+    const std::int32_t held = bench.simulation.drives()[0].dac_counts;
+    bench.simulation.tick();
+    CHECK(bench.simulation.drives()[0].dac_counts == held);
+    REQUIRE(bench.simulation.run_for(0.1));
+    CHECK(bench.simulation.drives()[0].dac_counts != held);
+    CHECK(bench.unit.status().loop_overruns == so_far);
+    CHECK(bench.unit.mode() == UnitMode::compensating);
+  }
 }
 
 TEST_CASE("a position that jumps isolates the unit") {
