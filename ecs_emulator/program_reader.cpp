@@ -178,7 +178,8 @@ class ProgramReader {
     }
     for (const std::size_t open : open_)
       complain_at(program_.blocks[open].line, 1, "$REP: expected its $END before the end of the program");
-    if (problems_.empty() && program_.blocks.empty()) complain_at(line_, 1, "expected a part program, found no block");
+    if (problems_.empty() && program_.blocks.empty())
+      complain_at(std::max(line_, 1), 1, "expected a part program, found no block");
     if (problems_.empty()) return std::move(program_);
     return tl::unexpected(folded(std::move(problems_)));
   }

@@ -39,10 +39,12 @@ class WordCutter {
   WordLine cut() {
     while (skip_blanks()) {
       const std::size_t start = at_;
-      if (letter(code_[at_]))
+      if (letter(code_[at_])) {
         take_word();
-      else
-        complain(start, fmt::format("expected a letter and its number, got {}", shown(code_[at_++])));
+        continue;
+      }
+      complain(start, fmt::format("expected a letter and its number, got {}", shown(code_[at_])));
+      while (at_ < code_.size() && !letter(code_[at_])) ++at_;
     }
     return std::move(line_);
   }
@@ -81,12 +83,12 @@ class WordCutter {
 }  // namespace
 
 std::string without_comments(std::string_view line, std::vector<WordProblem>& problems) {
-  std::string code(line.substr(0, line.find(';')));
-  for (std::size_t open = code.find('('); open != code.npos; open = code.find('(', open)) {
-    const std::size_t close = code.find(')', open);
+  std::string code(line);
+  for (std::size_t at = code.find_first_of("(;"); at != code.npos; at = code.find_first_of("(;", at)) {
+    const std::size_t close = code[at] == '(' ? code.find(')', at) : code.size();
     if (close == code.npos)
-      problems.push_back({static_cast<int>(open) + 1, "comment: expected a \")\" before the end of the line"});
-    for (std::size_t i = open; i < code.size() && i <= close; ++i) code[i] = ' ';
+      problems.push_back({static_cast<int>(at) + 1, "comment: expected a \")\" before the end of the line"});
+    for (; at < code.size() && at <= close; ++at) code[at] = ' ';
   }
   const std::size_t first = code.find_first_not_of(" \t");
   if (first != code.npos && code[first] == '>') code[first] = ' ';
