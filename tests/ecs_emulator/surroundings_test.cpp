@@ -5,6 +5,7 @@
 
 #include "ecs_emulator/measurement.hpp"
 #include "ecs_emulator/serve.hpp"
+#include "ecs_emulator/workshop.hpp"
 #include "laser/measurement_writer.hpp"
 #include "workshop_machines.hpp"
 
@@ -184,4 +185,29 @@ TEST_CASE("the warm mill of the samples: droop, bed, spindle and day are as its 
   state.time_s = simulation->machine().time_s();
   state.position_mm[2] = 50.0;  // at the bearing of the screw: what the air does to it does not count
   CHECK(value(Component::EZZ) == doctest::Approx(-2.4 * 21.0 * (1.0 - std::exp(-4.0))).epsilon(1e-3));
+}
+
+TEST_CASE("the state of the workshop shows sensors and air where there are any") {
+  Simulation warm = simulation_of(kWarm);
+  const std::string shown = perform({&warm, nullptr, nullptr}, R"({"action": "state"})");
+  for (const char* part : {"\"sensors_degC\":{\"far_end\":", "\"oil\":30.0", "\"air\":{", "\"hPa\":"})
+    CHECK_MESSAGE(shown.find(part) != std::string::npos, part << " in " << shown);
+  Simulation bare = simulation_of("");
+  CHECK(perform({&bare, nullptr, nullptr}, R"({"action": "state"})").find("degC") == std::string::npos);
+}
+
+TEST_CASE("a workpiece put on the table shows in what the tool does") {
+  Simulation simulation = simulation_of(R"([gravity]
+direction = "-Z"
+[table.X]
+stiffness_N_um = 400.0
+base_mm = 600.0
+load_at_mm = -250.0
+)",
+                                        small_machine("XTYZ"));
+  REQUIRE(simulation.move_to({-250.0, 0.0, 0.0}, 0.0));
+  const double before_um = simulation.tool_now(false).error_um[2];
+  const std::string answer = perform({&simulation, nullptr, nullptr}, R"({"action": "load", "kg": 400})");
+  CHECK_MESSAGE(answer.find("\"ok\":true") != std::string::npos, answer);
+  CHECK(simulation.tool_now(false).error_um[2] - before_um == doctest::Approx(400.0 * 9.80665 / 400.0));
 }
