@@ -358,6 +358,7 @@ int main(int argc, char** argv) {
       ->check([](const std::string& name) {
         return link_sense_named(name) ? std::string() : std::string("expected auto, compensate or integrate");
       });
+  server->add_flag("--real-time", options.real_time, "simulated time goes by the clock; `state` counts missed periods");
   server->add_flag("--with-parent", with_parent, "end when the parent process ends");
   server->callback([&] {
     options.machine = machine;
@@ -385,6 +386,10 @@ int main(int argc, char** argv) {
   CLI::App* measure = verbs.add(app, "measure", "measure a machine without a unit");
   add_machine(measure);
   verbs.measure(measure);
+  CLI::App* capture =
+      verbs.add(app, "capture", "an instrument's display at a constant rate, on a machine without a unit");
+  add_machine(capture);
+  verbs.capture(capture);
   CLI::App* survey = verbs.add(app, "survey", "true volumetric error of a machine without a unit");
   add_machine(survey);
   verbs.survey(survey);
@@ -404,6 +409,7 @@ int main(int argc, char** argv) {
   if (hiding->parsed()) return hide_and_tell(secret);
   if (plan->parsed()) return follow_plan(socket, plan_path, choice);
   if (workshop->parsed()) return ask(socket, request);
-  if (measure->parsed() || run->parsed() || survey->parsed()) return act_alone(machine, errors, seed, request);
+  if (measure->parsed() || capture->parsed() || run->parsed() || survey->parsed())
+    return act_alone(machine, errors, seed, request);
   return exit_code;
 }

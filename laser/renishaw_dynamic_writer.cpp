@@ -33,10 +33,10 @@ std::string fault_of(const MeasurementSet& set) {
   return {};
 }
 
-/// Samples a second: over the whole capture, so that rounded times do not count.
+/// Samples a second: over the whole capture, so that rounded times do not count; to a millionth.
 double rate_Hz(const MeasurementSet& set) {
   const double whole_s = *set.readings.back().time_s - *set.readings.front().time_s;
-  return static_cast<double>(set.readings.size() - 1) / whole_s;
+  return std::round(static_cast<double>(set.readings.size() - 1) / whole_s * 1e6) / 1e6;
 }
 
 std::string head(const MeasurementSet& set, const std::string& file_name) {
