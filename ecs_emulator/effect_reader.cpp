@@ -55,10 +55,13 @@ std::string elsewhere(EffectKind kind) {
              "elsewhere "
              "(parked_mm of the plan)";
     case EffectKind::air_refraction:
-      return "an effect of the instrument: the air is [air] of this file, what the laser makes of it [emulator.laser] "
+      return "an effect of the instrument: the air is [air] of this file, what the laser makes of it air_compensation "
+             "in [emulator.laser] "
              "of the machine file";
+    case EffectKind::dead_path:
+      return "an effect of the instrument: set dead_path_m in [emulator.laser] of the machine file";
     default:
-      return "an effect of the instrument: set it in [emulator.laser] of the machine file";
+      return "an effect of the instrument: set misalignment_mrad in [emulator.laser] of the machine file";
   }
 }
 

@@ -139,8 +139,8 @@ parameters = { um_per_degC = -2.0 }
 
 TEST_CASE("effects that do not sit in the machine are refused with where they belong") {
   has(told("[[effect]]\nid = \"cosine\"\n"),
-      "errors.toml:2:6: cosine: an effect of the instrument: set it in [emulator.laser]");
-  has(told("[[effect]]\nid = \"dead_path\"\n"), "[emulator.laser]");
+      "errors.toml:2:6: cosine: an effect of the instrument: set misalignment_mrad in [emulator.laser]");
+  has(told("[[effect]]\nid = \"dead_path\"\n"), "set dead_path_m in [emulator.laser]");
   has(told("[[effect]]\nid = \"air_refraction\"\n"), "the air is [air] of this file");
   has(told("[[effect]]\nid = \"measurement_line\"\n"), "parked_mm of the plan");
   for (const char* id : {"map_polarity", "map_gain", "map_shift", "map_direction_swap"})
