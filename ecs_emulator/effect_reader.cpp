@@ -52,12 +52,10 @@ std::string elsewhere(EffectKind kind) {
   switch (kind) {
     case EffectKind::measurement_line:
       return "comes from where the map was measured, not from the machine: measure with the other axes parked "
-             "elsewhere "
-             "(parked_mm of the plan)";
+             "elsewhere (parked_mm of the plan)";
     case EffectKind::air_refraction:
-      return "an effect of the instrument: the air is [air] of this file, what the laser makes of it air_compensation "
-             "in [emulator.laser] "
-             "of the machine file";
+      return "an effect of the instrument: the air is [air] of this file, what the laser makes of it "
+             "air_compensation in [emulator.laser] of the machine file";
     case EffectKind::dead_path:
       return "an effect of the instrument: set dead_path_m in [emulator.laser] of the machine file";
     default:
