@@ -1,5 +1,6 @@
 #include "ecs_emulator/capture.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,6 +9,8 @@
 
 namespace ecs::emulator {
 namespace {
+
+constexpr double kStill_mm = 1e-5;  ///< less than this in one period is no motion
 
 tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
@@ -41,7 +44,8 @@ class Capturing {
                            with(simulation.description().settings.laser, plan.setting), simulation.random())),
         origin_(simulation.machine().command_mm()),
         before_(simulation.machine().state()),
-        start_s_(before_.time_s) {}
+        start_s_(before_.time_s),
+        moved_s_(start_s_) {}
 
   Result<laser::MeasurementSet> run() {
     instrument_->zero(sight_of(before_));
@@ -65,11 +69,13 @@ class Capturing {
   /// Samples that fall between the last two ticks; carriages go straight from one to the other.
   void watch(std::size_t count) {
     const MachineState now = simulation_.machine().state();
+    const std::size_t a = index_of(plan_.axis);
+    if (std::abs(now.position_mm[a] - before_.position_mm[a]) > kStill_mm) moved_s_ = now.time_s;
     while (set_.readings.size() < count && due_s() <= now.time_s + 1e-9) {
       MachineState then = now;
       const double part = (due_s() - before_.time_s) / (now.time_s - before_.time_s);
-      for (std::size_t a = 0; a < kAxes; ++a)
-        then.position_mm[a] = std::lerp(before_.position_mm[a], now.position_mm[a], part);
+      for (std::size_t i = 0; i < kAxes; ++i)
+        then.position_mm[i] = std::lerp(before_.position_mm[i], now.position_mm[i], part);
       then.time_s = due_s();
       sample(then);
     }
@@ -80,7 +86,7 @@ class Capturing {
     return {simulation_.tool_at(state, origin_, true),
             origin_[index_of(plan_.axis)],
             state.time_s,
-            0.0,
+            std::max(0.0, state.time_s - moved_s_),
             simulation_.air(),
             simulation_.material_degC()};
   }
@@ -116,6 +122,7 @@ class Capturing {
   Vector3 origin_;
   MachineState before_;
   double start_s_;
+  double moved_s_;  ///< when the axis last moved
   laser::MeasurementSet set_;
 };
 

@@ -1,4 +1,5 @@
 // Electronic level: a damped pendulum, for roll. Does not live here: pitch and yaw by laser (instrument_angular.cpp).
+#include <algorithm>
 #include <cmath>
 
 #include "ecs_emulator/instruments.hpp"
@@ -20,12 +21,15 @@ class ElectronicLevel final : public Instrument {
   void zero(const Sight& sight) override {
     zero_ = pendulum_ = seen(sight.pose, sense_);
     pivot_.start_at(zero_);
+    last_s_ = sight.time_s;
   }
 
  protected:
   double shown(const Sight& sight, Random& /*random*/) override {
     const double tilt = pivot_.follow(seen(sight.pose, sense_));
-    const double left = settling_s_ > 0.0 ? std::exp(-sight.stood_s / settling_s_) : 0.0;
+    const double settled_s = std::min(sight.stood_s, sight.time_s - last_s_);
+    const double left = settling_s_ > 0.0 ? std::exp(-settled_s / settling_s_) : 0.0;
+    last_s_ = sight.time_s;
     pendulum_ = tilt + (pendulum_ - tilt) * left;
     return pendulum_ - zero_ + zero_shown_;
   }
@@ -37,6 +41,7 @@ class ElectronicLevel final : public Instrument {
   Play pivot_;
   double zero_ = 0.0;
   double pendulum_ = 0.0;
+  double last_s_ = 0.0;  ///< of the last reading
 };
 
 }  // namespace

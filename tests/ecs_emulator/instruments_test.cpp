@@ -235,11 +235,21 @@ TEST_CASE("a level that is read too early still shows what was before") {
     Sight tilted = at(100.0);
     tilted.pose.rotation_um_per_m[0] = 100.0;
     tilted.stood_s = stood_s;
+    tilted.time_s = 100.0;
     return Bench(InstrumentKind::level, Sense::EA, s).reads(tilted);
   };
   CHECK(after(3.0) == doctest::Approx(63.212).epsilon(1e-4));
   CHECK(after(0.0) == doctest::Approx(0.0));
   CHECK(after(60.0) == doctest::Approx(100.0).epsilon(1e-6));
+  Bench watched(InstrumentKind::level, Sense::EA, s);  // looked at every tenth of a second it settles no faster
+  double shown = 0.0;
+  for (int i = 1; i <= 30; ++i) {
+    Sight tilted = at(100.0);
+    tilted.pose.rotation_um_per_m[0] = 100.0;
+    tilted.stood_s = tilted.time_s = 0.1 * i;
+    shown = watched.reads(tilted);
+  }
+  CHECK(shown == doctest::Approx(63.212).epsilon(1e-4));
 }
 
 TEST_CASE("a level's pivot has play and its zero an offset") {
