@@ -6,6 +6,7 @@
 #include "ecs_emulator/capture.hpp"
 #include "ecs_emulator/measurement.hpp"
 #include "ecs_emulator/refraction.hpp"
+#include "ecs_emulator/workshop.hpp"
 #include "laser/measurement_writer.hpp"
 #include "workshop_machines.hpp"
 
@@ -229,6 +230,27 @@ TEST_CASE("a capture that cannot be taken is refused with the reason") {
   plan.sense = Sense::EA;
   plan.instrument = InstrumentKind::linear;
   CHECK(because(plan).starts_with("instrument linear"));
+}
+
+TEST_CASE("what a person sets at the instrument comes with the request, and is judged there") {
+  auto simulation = workshop("", kWarmDay);
+  Workshop room;
+  room.simulation = &simulation;
+  const auto answer = [&](const std::string& rest) {
+    return perform(room,
+                   R"({"action": "measure", "axis": "X", "sense": "EX", "targets": [0, -500], "runs": 1)" + rest + "}");
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(has(answer(R"(, "air": "off", "dead_path": 0.4, "misalignment": -1.2)"), "\"ok\":true"));
+  const std::string wrong = answer(R"(, "air": "damp", "dead_path": -1, "material": "steel")");
+  CHECK(has(wrong, "air: expected off, manual or automatic, got"));
+  CHECK(has(wrong, "dead_path: expected 0 or more, got -1"));
+  CHECK(has(wrong, "material: expected off, manual or automatic"));
+  CHECK(has(answer(R"(, "beam_broken_at": 2)"), "beam interrupted before reading 2"));
+  const std::string captured = perform(
+      room, R"({"action": "capture", "axis": "X", "sense": "EX", "rate": 100, "seconds": 1, "to": -20, "feed": 600})");
+  CHECK(has(captured, "\"readings\":100,"));
+  CHECK(has(captured, "X,-500,0,0,EX,0,0"));  // the first sample: zero, at time zero
 }
 
 TEST_CASE("settings of the instruments are read, and every wrong one is told with its line") {
