@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kUsualPitch_mm = 10.0;
 constexpr double kSpeedReserve = 1.2;    ///< of the drive above rapid
-constexpr double kStanding_s = 0.02;     ///< so long near the place asked for: it stands
-constexpr double kNear_pulses = 1.5;     ///< from the place asked for
+constexpr double kStandingLags = 2.0;    ///< so many times 1/Kv near the place asked for: it stands
+constexpr double kNear_pulses = 1.0;     ///< from the place asked for
 constexpr double kStandingPulses = 3.0;  ///< speed that so many pulses in the counter ask for
 
 }  // namespace
@@ -36,6 +36,7 @@ AxisServo::AxisServo(const params::MachineAxis& axis, const AxisSettings& settin
       drive_(servo_parameters_for(axis, settings)),
       slide_(settings.slide, start_mm),
       start_mm_(start_mm),
+      standing_s_(kStandingLags / settings.kv_per_s),
       command_mm_(start_mm) {}
 
 void AxisServo::drive_step(double command_mm, double added_pulses, PositionTransducer& transducer) {
@@ -69,7 +70,7 @@ void AxisServo::judge_standing(double added_pulses, double seconds) {
   const bool near = std::abs(counter_pulses_ + added_pulses) <= kNear_pulses;
   const bool slow = std::abs(drive_.speed_rad_s()) <= slow_rad_s;
   still_s_ = near && slow ? still_s_ + seconds : 0.0;
-  if (still_s_ < kStanding_s) return;
+  if (still_s_ < standing_s_) return;
   stands_ = true;
   still_s_ = owed_s_ = 0.0;
   drive_.stand();

@@ -28,7 +28,8 @@ class AxisServo {
   [[nodiscard]] double position_mm() const { return slide_.position_mm(); }
   /// True place of what the transducer sits on: slide or nut.
   [[nodiscard]] double measured_mm() const { return feedback_ == Feedback::motor ? nut_mm() : slide_.position_mm(); }
-  /// Within a pulse or so of what is asked for, for 20 ms: held by friction until something else is asked for.
+  /// Within a pulse of what is asked for, for twice the lag of the loop: held by friction until something else is
+  /// asked.
   [[nodiscard]] bool stands() const { return stands_; }
   [[nodiscard]] const ServoDrive& drive() const { return drive_; }
   /// Asked for less fed back [pulses], as the up-down counter shows it.
@@ -44,6 +45,7 @@ class AxisServo {
   ServoDrive drive_;
   Slide slide_;
   double start_mm_ = 0.0;
+  double standing_s_ = 0.0;
   double command_mm_ = 0.0;
   double added_um_ = 0.0;
   double counter_pulses_ = 0.0;

@@ -63,6 +63,7 @@ class Room {
         line_(std::move(line)),
         door_(std::move(door)),
         battery_(options.memory),
+        real_time_(options.real_time),
         stop_(stop),
         workshop_{&simulation_, &unit_, &line_.faults()} {
     simulation_.attach(&unit_);
@@ -84,11 +85,15 @@ class Room {
     return {};
   }
   Result<void> run() {
+    if (real_time_) simulation_.run_in_real_time();
     while (stop_ == 0) {
-      wait();
+      if (simulation_.real_time())
+        simulation_.idle_tick();
+      else
+        wait();
       (void)serve_line();
       if (door_) door_->serve_ready([this](const auto& request, const auto& told) { return act(request, told); });
-      catch_up();
+      if (!simulation_.real_time()) catch_up();
       if (unit_.memory().changed() && Clock::now() - kept_ > kBatteryDelay) keep_memory();
     }
     if (unit_.memory().changed()) keep_memory();
@@ -154,6 +159,7 @@ class Room {
   protocol::ModbusServer line_;
   std::optional<WorkshopSocket> door_;
   std::filesystem::path battery_;
+  bool real_time_ = false;
   std::optional<Problem> battery_problem_;
   const volatile std::sig_atomic_t& stop_;
   Workshop workshop_;

@@ -26,6 +26,7 @@ struct ServeOptions {
   int pace_baud = 0;                         ///< 0: as fast as the pseudo-terminal goes
   std::uint8_t memory_modules = 5;
   LinkSense mode = LinkSense::automatic;
+  bool real_time = false;  ///< simulated time goes by the clock, what is done in the workshop too
 };
 
 /// Machine and errors, put together.

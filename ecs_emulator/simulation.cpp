@@ -59,6 +59,7 @@ void Simulation::tick() {
 }
 
 void Simulation::step() {
+  if (real_time_) real_time_->wait(period_s());
   const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
   steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
   drives_ = drives;
@@ -67,7 +68,9 @@ void Simulation::step() {
 }
 
 bool Simulation::pause() {
-  if (!pause_ || ticks_ % kTicksBetweenLooks != 0) return true;
+  if (!pause_) return true;
+  if (real_time_) return pause_();
+  if (ticks_ % kTicksBetweenLooks != 0) return true;
   const double now_s = real_time_s();
   if (now_s < next_pause_s_) return true;
   const bool go_on = pause_();
@@ -124,7 +127,7 @@ bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std
 bool Simulation::dwell(double seconds, const std::function<void()>& each) {
   double used_s = 0.0;
   if (!settle(seconds, used_s, each)) return false;
-  while (used_s < seconds && unit_ != nullptr && !unit_->quiet()) {
+  while (used_s < seconds && (real_time_ || (unit_ != nullptr && !unit_->quiet()))) {
     tick();
     used_s += period_s();
     if (!pause()) return false;

@@ -10,6 +10,7 @@
 #include "ecs_emulator/kinematics.hpp"
 #include "ecs_emulator/machine_tool.hpp"
 #include "ecs_emulator/random.hpp"
+#include "ecs_emulator/real_time.hpp"
 #include "ecs_emulator/true_errors.hpp"
 
 namespace ecs::emulator {
@@ -34,6 +35,10 @@ class Simulation {
   void attach(Compensator* unit) { unit_ = unit; }
   /// Called every few milliseconds of real time while something runs; false gives it up.
   void on_pause(std::function<bool()> pause) { pause_ = std::move(pause); }
+
+  /// From now on every period takes the time that it stands for, and no time is left out.
+  void run_in_real_time() { real_time_.emplace(); }
+  [[nodiscard]] const std::optional<RealTime>& real_time() const { return real_time_; }
 
   /// One period of the unit's loop.
   void tick();
@@ -105,6 +110,7 @@ class Simulation {
   ComponentValues stop_scatter_{};
   Compensator* unit_ = nullptr;
   std::function<bool()> pause_;
+  std::optional<RealTime> real_time_;
   Drives drives_{};
   std::uint64_t ticks_ = 0;
   int steady_ticks_ = 0;  ///< periods since a drive signal last changed

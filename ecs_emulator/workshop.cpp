@@ -1,5 +1,7 @@
 #include "ecs_emulator/workshop.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -46,6 +48,13 @@ Json state_of(const Workshop& workshop) {
   if (workshop.simulation->heat().has_air()) {
     const Air air = workshop.simulation->air();
     state["air"] = {{"degC", air.temperature_degC}, {"hPa", air.pressure_hPa}, {"humidity_pct", air.humidity_pct}};
+  }
+  if (const auto& clock = workshop.simulation->real_time()) {
+    const RealTimeRecord& record = clock->record();
+    state["real_time"] = {{"periods", record.periods},
+                          {"missed", record.missed},
+                          {"worst_late_us", std::round(record.worst_late_us)},
+                          {"fifo", record.fifo}};
   }
   return state;
 }
