@@ -51,7 +51,9 @@ std::function<void(const ProgramProgress&)> percents(const Told& told) {
     const std::size_t now = at.blocks_done * 100 / std::max<std::size_t>(at.blocks_total, 1);
     if (now == last) return;
     last = now;
-    told(Json{{"progress", static_cast<double>(now) / 100.0}, {"line", at.line}, {"readings", at.readings}}.dump());
+    // "progress" comes first: by that the client knows that this is not the answer.
+    told(fmt::format(R"({{"progress":{},"line":{},"readings":{}}})", static_cast<double>(now) / 100.0, at.line,
+                     at.readings));
   };
 }
 

@@ -291,5 +291,6 @@ TEST_CASE("the workshop runs programs and single blocks by request") {
   CHECK(answer.find("\"readings\":50") != answer.npos);
   CHECK(answer.find("\"missed_trigger_lines\":[6]") != answer.npos);
   CHECK(told.size() > 50);
+  CHECK(told.front().rfind("{\"progress\":0.0", 0) == 0);  // as the socket tells it from an answer
   CHECK(told.front().find("\"line\":") != std::string::npos);
 }
