@@ -18,7 +18,10 @@ class Workbench {
   /// @param drive  of every axis: servo or ideal
   Workbench(const std::string& drive, bool with_unit)
       : simulation_(machine(drive), emulator::TrueErrors(), 1),
-        unit_({"BENCH", kMostModules, {true, true, true}, emulator::LinkSense::integrate}) {
+        unit_({"BENCH",
+               kMostModules,
+               {Transducer::encoder, Transducer::encoder, Transducer::encoder},
+               emulator::LinkSense::integrate}) {
     if (!with_unit) return;
     simulation_.attach(&unit_);
     unit_.power(true);

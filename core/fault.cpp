@@ -19,8 +19,9 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "run `ecs params check` and send them again"},
     {"compensation_output", "the compensation output stayed at its limit",
      "check the output scaling factor, the size limit and the map's largest value"},
-    {"axis_module", "an axis module or its transducer signal is lost",
-     "check the transducer cable and the axis module"},
+    {"axis_module",
+     "an axis module, or its transducer's signal, is lost or of the wrong kind",
+     "check the transducer cable, the axis module, and the transducer that the parameters name"},
     {"datum_sequence", "the datum routine saw something that its parameters do not allow",
      "record the datum sequence and compare it with the datuming parameters"},
     {"loop_overrun", "the compensation loop did not finish within its period", "lengthen the loop iteration time"},
@@ -35,8 +36,9 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
 constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
 constexpr std::array<std::string_view, 6> kStages{"waiting",        "seeking switch", "on switch",
                                                   "seeking marker", "done",           "failed"};
-constexpr std::array<std::string_view, 8> kFailures{
-    "none", "wrong initial state", "wrong direction", "too fast", "wrong final state", "no reversal", "no marker", "stopped early"};
+constexpr std::array<std::string_view, 8> kFailures{"none",      "wrong initial state", "wrong direction",
+                                                    "too fast",  "wrong final state",   "no reversal",
+                                                    "no marker", "stopped early"};
 constexpr std::array<std::string_view, 8> kAdvice{
     "nothing to do",
     "move the axis off the reference switch before datuming, or change switch polarity or initial state",

@@ -58,7 +58,7 @@ enum class DatumFailure : std::uint16_t {
   wrong_final_state = 4,    ///< the marker came while the switch was not in its final state
   no_reversal = 5,          ///< the axis was expected to turn back off the switch and did not
   no_marker = 6,            ///< no marker within the distance that one revolution allows
-  stopped_early = 7,        ///< the axis came to its switch and stands where the routine is not complete
+  stopped_early = 7,        ///< the axis came to its switch and stands on it, where it should go on
 };
 [[nodiscard]] std::string_view name_of(DatumStage stage) noexcept;
 [[nodiscard]] std::string_view name_of(DatumFailure failure) noexcept;

@@ -4,12 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "core/datum.hpp"
-
 namespace ecs::emulator {
 namespace {
 
 constexpr double kOvertravel_mm = 25.0;  ///< beyond the travel: the limit switch
+constexpr double kSearch_mm = 120.0;     ///< how far the control seeks the end of its switch, or a marker
 
 tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "reference: given up before its end"); }
 
@@ -69,8 +68,8 @@ class ReferenceCycle {
 
   [[nodiscard]] Result<void> seek_marker(double direction) {
     return seek(
-        direction, kMarkerSearch_mm, axis_.settings().creep_speed_mm_min,
-        [this] { return axis_.marker_mm().has_value(); }, "no marker within 100 mm of the switch");
+        direction, kSearch_mm, axis_.settings().creep_speed_mm_min, [this] { return axis_.marker_mm().has_value(); },
+        "no marker within 120 mm of the switch");
   }
 
   /// Fanuc: on through the switch; Allen-Bradley: back off it.
@@ -79,20 +78,20 @@ class ReferenceCycle {
     const double direction = back ? -onward() : onward();
     if (back && !go(machine_.command_mm()[index_of(name_)], 0.0)) return given_up();
     auto left = seek(
-        direction, kMarkerSearch_mm, axis_.settings().creep_speed_mm_min, [this] { return !axis_.on_switch(); },
-        "the reference switch did not open within 100 mm");
+        direction, kSearch_mm, axis_.settings().creep_speed_mm_min, [this] { return !axis_.on_switch(); },
+        "the reference switch did not open within 120 mm");
     return left ? seek_marker(direction) : left;
   }
 
   [[nodiscard]] Result<void> marker_on_switch() {
     bool left = false;
     auto marked = seek(
-        onward(), kMarkerSearch_mm, axis_.settings().creep_speed_mm_min,
+        onward(), kSearch_mm, axis_.settings().creep_speed_mm_min,
         [&] {
           left = !axis_.on_switch();
           return left || axis_.marker_mm().has_value();
         },
-        "no marker within 100 mm of the switch");
+        "no marker within 120 mm of the switch");
     if (marked && left)
       return problem(ProblemKind::refused,
                      fmt::format("{}: alarm of the control: the switch opened before a marker came", letter_of(name_)));

@@ -34,7 +34,7 @@ Address inactive_bank(const UnitMemory& memory) {
   return active && active->first == kBankA.first ? kBankB.first : kBankA.first;
 }
 
-TestVerdict test_map(const UnitMemory& memory, const PerAxis<bool>& axis_modules, CompiledMap& map) {
+TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, CompiledMap& map) {
   const auto active = active_image(memory);
   if (!active) return {Fault::no_map, 0, std::nullopt, 0, 0};
   const ByteView bank = bank_from(memory, active->first);
@@ -51,7 +51,8 @@ TestVerdict test_map(const UnitMemory& memory, const PerAxis<bool>& axis_modules
     return verdict;
   }
   for (const Axis a : kAllAxes) {
-    if (!parameters->axis_present[index_of(a)] || axis_modules[index_of(a)]) continue;
+    const std::size_t i = index_of(a);
+    if (!parameters->axis_present[i] || axis_modules[i] == parameters->axes[i].transducer) continue;
     verdict.fault = Fault::axis_module;
     verdict.axis = a;
     return verdict;

@@ -6,6 +6,7 @@
 
 #include "core/compiled_map.hpp"
 #include "core/fault.hpp"
+#include "ecs_emulator/rack.hpp"
 #include "ecs_emulator/unit_memory.hpp"
 
 namespace ecs::emulator {
@@ -13,7 +14,7 @@ namespace ecs::emulator {
 struct TestVerdict {
   Fault fault = Fault::none;
   Address address = 0;         ///< of the failing location, or of the image at fault
-  std::optional<Axis> axis;    ///< an axis that the parameters name and the rack has no module for
+  std::optional<Axis> axis;    ///< an axis that the parameters name and the rack has no such module for
   std::uint32_t expected = 0;  ///< block check stored with the active image
   std::uint32_t found = 0;     ///< block check computed over it
 };
@@ -32,8 +33,8 @@ struct ActiveImage {
 [[nodiscard]] Address inactive_bank(const UnitMemory& memory);
 
 /// Block check, parameters and map of the active image; `map` is built on success.
-/// @param axis_modules  axes for which the rack has a module
-[[nodiscard]] TestVerdict test_map(const UnitMemory& memory, const PerAxis<bool>& axis_modules, CompiledMap& map);
+/// An axis that the parameters name needs a module in the rack, for the transducer that they name.
+[[nodiscard]] TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, CompiledMap& map);
 
 /// The parameters of the active image if its block check holds.
 [[nodiscard]] std::optional<UnitParameters> stored_parameters(const UnitMemory& memory);

@@ -102,9 +102,10 @@ class Room {
   }
 
  private:
-  static PerAxis<bool> axis_modules(const Simulation& simulation) {
-    PerAxis<bool> modules{};
-    for (const Axis a : kAllAxes) modules[index_of(a)] = simulation.machine().has(a);
+  static AxisModules axis_modules(const Simulation& simulation) {
+    AxisModules modules{};
+    for (const Axis a : kAllAxes)
+      if (simulation.machine().has(a)) modules[index_of(a)] = simulation.machine().axis(a).facts().transducer;
     return modules;
   }
 

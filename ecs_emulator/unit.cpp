@@ -51,7 +51,8 @@ void Unit::start_up() {
 void Unit::reload_parameters() {
   const auto stored = stored_parameters(memory_);
   parameters_ = stored.value_or(UnitParameters{});
-  if (!stored) parameters_.axis_present = settings_.axis_modules;
+  if (stored) return;
+  for (std::size_t a = 0; a < kAxes; ++a) parameters_.axis_present[a] = settings_.axis_modules[a].has_value();
 }
 
 void Unit::note_request() {

@@ -46,7 +46,7 @@ inline constexpr double kMostDacCounts = 32767.0;
 struct UnitSettings {
   std::string serial_number = "EMULATOR-1";
   std::uint8_t memory_modules = 1;
-  PerAxis<bool> axis_modules{true, true, true};
+  AxisModules axis_modules{Transducer::encoder, Transducer::encoder, Transducer::encoder};
   LinkSense link = LinkSense::automatic;
 };
 
@@ -68,6 +68,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] bool quiet() const override;
 
   [[nodiscard]] UnitMemory& memory() { return memory_; }
+  [[nodiscard]] const UnitSettings& settings() const { return settings_; }
   [[nodiscard]] UnitMode mode() const { return mode_; }
   [[nodiscard]] Fault fault() const { return fault_; }
 

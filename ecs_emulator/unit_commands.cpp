@@ -230,6 +230,8 @@ protocol::CommandResult Unit::user_software_step() {
           ? done(user_software_->registers().d[0], fmt::format("{} instructions", user_software_->instructions()))
           : failed(user_software_->end() == UserEnd::too_long ? UnitError::time_out : UnitError::unit_fault,
                    user_software_->why());
+  if (user_software_->end() != UserEnd::returned)
+    raise(Fault::user_software, std::nullopt, user_software_->registers().pc);
   user_software_.reset();
   return result;
 }

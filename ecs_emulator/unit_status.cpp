@@ -10,7 +10,7 @@ protocol::Identity Unit::identity() {
   identity.serial_number = settings_.serial_number;
   identity.unit_name = "ECS unit, virtual workshop";
   identity.memory_modules = memory_.modules();
-  identity.axis_present = settings_.axis_modules;
+  for (std::size_t a = 0; a < kAxes; ++a) identity.axis_present[a] = settings_.axis_modules[a].has_value();
   identity.capacity_values = static_cast<std::uint32_t>(memory_.modules() * kValuesPerModule);
   return identity;
 }

@@ -31,6 +31,13 @@ Json by_axis(const MachineTool& machine, const Vector3& values) {
   return object;
 }
 
+Json rack_in(const Unit& unit) {
+  Json rack = Json::array();
+  for (const RackModule& module : rack_of(unit.settings().memory_modules, unit.settings().axis_modules))
+    rack.push_back({{"module", module.name}, {"slot", module.first_slot}, {"slots", module.slots}});
+  return rack;
+}
+
 Json state_of(const Workshop& workshop) {
   const MachineTool& machine = workshop.simulation->machine();
   Json state{{"command_mm", by_axis(machine, machine.command_mm())},
@@ -40,7 +47,8 @@ Json state_of(const Workshop& workshop) {
   if (workshop.unit != nullptr)
     state["unit"] = {{"powered", workshop.unit->powered()},
                      {"mode", name_of(workshop.unit->mode())},
-                     {"fault", text_of(workshop.unit->fault()).name}};
+                     {"fault", text_of(workshop.unit->fault()).name},
+                     {"rack", rack_in(*workshop.unit)}};
   for (const auto& [sensor, degC] : workshop.simulation->sensors_degC(machine.time_s())) {
     if (!state.contains("sensors_degC")) state["sensors_degC"] = Json::object();
     state["sensors_degC"][sensor] = degC;

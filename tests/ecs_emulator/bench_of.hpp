@@ -17,15 +17,18 @@ struct Bench {
   explicit Bench(const std::string& errors = "", const std::string& machine = small_machine(),
                  LinkSense link = LinkSense::integrate)
       : simulation(simulation_of(errors, machine)),
-        unit({"TEST-1", 1, modules_of(simulation.machine().chain()), link}),
+        unit({"TEST-1", 1, modules_of(simulation.machine()), link}),
         parameters(params::default_parameters_for(simulation.description().machine)) {
     simulation.attach(&unit);
     unit.power(true);
     simulation.tick();
   }
 
-  static PerAxis<bool> modules_of(const Chain& chain) {
-    return {chain.has(Axis::X), chain.has(Axis::Y), chain.has(Axis::Z)};
+  static AxisModules modules_of(const MachineTool& machine) {
+    AxisModules modules{};
+    for (const Axis a : kAllAxes)
+      if (machine.has(a)) modules[index_of(a)] = machine.axis(a).facts().transducer;
+    return modules;
   }
 
   protocol::CommandResult tell(protocol::Command command) {

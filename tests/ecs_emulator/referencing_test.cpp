@@ -88,7 +88,7 @@ TEST_CASE("what the control cannot find is an alarm of its own, and the machine 
   }
   auto simulation = one_axis("");
   simulation.machine().axis(Axis::X).hang_switch(true);
-  CHECK(alarm_of(simulation) == "X: alarm of the control: the reference switch did not open within 100 mm");
+  CHECK(alarm_of(simulation) == "X: alarm of the control: the reference switch did not open within 120 mm");
 }
 
 TEST_CASE("lost counts are gone once the machine is referenced again") {
