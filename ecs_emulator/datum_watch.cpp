@@ -67,8 +67,8 @@ void DatumWatch::finish(DatumFailure failure) {
 void DatumWatch::give_up_if_still(const DatumSignals& signals, double period_s) {
   still_s_ = signals.speed_mm_min == 0.0 ? still_s_ + period_s : 0.0;
   if (!counting() || still_s_ < kDatumGiveUp_s) return;
-  if (pending_ != DatumFailure::none) return finish(pending_);
-  finish(state_.stage == DatumStage::on_switch ? DatumFailure::stopped_early : DatumFailure::no_marker);
+  if (state_.stage == DatumStage::seeking_marker) return finish(DatumFailure::no_marker);
+  finish(pending_ == DatumFailure::none ? DatumFailure::stopped_early : pending_);
 }
 
 bool DatumWatch::counting() const {
