@@ -32,7 +32,7 @@ FaceOptions options_of_stderr() {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const char* kind = std::getenv("TERM");
   const bool dumb = kind == nullptr || std::string_view(kind) == "dumb";
-  return {terminal, terminal && !dumb && !is_set("NO_COLOR")};
+  return {terminal, terminal && !dumb && !is_set("NO_COLOR"), nullptr};
 }
 
 void Face::say(std::string_view colour, std::string_view text) {

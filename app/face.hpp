@@ -3,17 +3,20 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <ostream>
 #include <string>
 #include <string_view>
 
+#include "app/keyboard.hpp"
 #include "base/result.hpp"
 
 namespace ecs::app {
 
 struct FaceOptions {
-  bool messages_on_terminal = false;  ///< progress bar wanted
-  bool colour = false;                ///< on the messages
+  bool messages_on_terminal = false;   ///< progress bar wanted
+  bool colour = false;                 ///< on the messages
+  std::shared_ptr<Keyboard> keyboard;  ///< lines typed while a verb runs; empty: there is nobody to type
 };
 
 /// What stderr can show: a terminal, and colour unless NO_COLOR is set or TERM says "dumb".
@@ -45,6 +48,9 @@ class Face {
   /// @param fraction  0 … 1
   void progress(std::string_view label, double fraction, double seconds_left);
   void end_progress();
+
+  /// Null: there is nobody to type.
+  [[nodiscard]] Keyboard* keyboard() const { return options_.keyboard.get(); }
 
   /// False once stdout could not be written.
   [[nodiscard]] bool output_is_whole();

@@ -9,5 +9,7 @@ int main(int argc, char** argv) {
   ecs::app::catch_signals();
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (const auto left = ecs::app::screens_started(words)) return *left;
-  return ecs::app::run_program(words, std::cout, std::cerr, ecs::app::options_of_stderr());
+  ecs::app::FaceOptions options = ecs::app::options_of_stderr();
+  options.keyboard = ecs::app::keyboard_of_stdin();
+  return ecs::app::run_program(words, std::cout, std::cerr, options);
 }
