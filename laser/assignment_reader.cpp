@@ -8,12 +8,22 @@
 
 #include "base/text.hpp"
 #include "laser/findings.hpp"
+#include "laser/import_units.hpp"
 #include "laser/readers.hpp"
 
 namespace ecs::laser {
 namespace {
 
 constexpr double kUmPerMm = 1000.0;
+
+/// Shell scripts may quote a value and write a comment after it.
+std::string_view unquoted(std::string_view value) {
+  if (const std::size_t comment = value.find(" #"); comment != std::string_view::npos)
+    value = trimmed(value.substr(0, comment));
+  if (value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front())
+    value = value.substr(1, value.size() - 2);
+  return trimmed(value);
+}
 
 /// `NAME[i]=value` or `NAME[i,j]=value`.
 struct Assignment {
@@ -53,7 +63,7 @@ struct Contents {
 };
 
 void take_number(Contents& contents, const Assignment& found, int line, Findings& findings) {
-  const auto value = number_in(found.value);
+  const auto value = number_or_comma(unquoted(found.value));
   const std::size_t expected = found.name == "TGT_DATA" ? 1 : 2;
   if (!value || found.indices.size() != expected) {
     findings.add(line, 1,
@@ -94,10 +104,23 @@ std::optional<long long> count_of(const Contents& contents, std::string_view key
   return std::nullopt;
 }
 
+std::optional<Unit> unit_in(const MetadataEntry& entry) {
+  const auto unit = unit_named(unquoted(entry.value));
+  return unit && unit->kind == UnitKind::length ? unit : std::nullopt;
+}
+
+/// Millimetres of a unit of the file.
+double mm_per_unit(const Contents& contents) {
+  for (const MetadataEntry& entry : contents.metadata)
+    if (entry.key == "UNIT")
+      if (const auto unit = unit_in(entry)) return unit->factor;
+  return 1.0;
+}
+
 void check(const Contents& contents, bool accept_truncated, Findings& findings) {
   for (const MetadataEntry& entry : contents.metadata)
-    if (entry.key == "UNIT" && entry.value != "mm")
-      findings.add(0, 0, "UNIT: expected mm, found " + in_quotes(entry.value));
+    if (entry.key == "UNIT" && !unit_in(entry))
+      findings.add(0, 0, "UNIT: expected a unit of length (mm, um, in), found " + in_quotes(entry.value));
   if (contents.targets_mm.empty()) findings.add(0, 0, "expected targets TGT_DATA[i], found none");
   if (contents.forward.empty() && contents.reverse.empty())
     findings.add(0, 0, "expected positions REF_DATA_FWD[i,j] or REF_DATA_BWD[i,j], found none");
@@ -128,19 +151,20 @@ Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std
   const Contents contents = contents_of(text, findings);
   if (findings.empty()) check(contents, options.accept_truncated, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  const double factor = mm_per_unit(contents);
   MeasurementSet set;
   set.source = file_name;
   set.metadata = contents.metadata;
   for (const auto& [stops, approach] :
        {std::pair{&contents.forward, Approach::forward}, std::pair{&contents.reverse, Approach::reverse}}) {
     for (const auto& [key, stop] : *stops) {
-      const double target_position_mm = contents.targets_mm.at(key.second);
+      const double target_position_mm = contents.targets_mm.at(key.second) * factor;
       Reading reading;
       reading.line = stop.line;
       reading.axis = *axis;
       reading.sense = *sense;
       reading.position_mm = position_at(options, *axis, target_position_mm);
-      reading.error = (stop.position_mm - target_position_mm) * kUmPerMm;
+      reading.error = (stop.position_mm - contents.targets_mm.at(key.second)) * factor * kUmPerMm;
       reading.approach = approach;
       reading.run = static_cast<int>(key.first);
       set.readings.push_back(std::move(reading));

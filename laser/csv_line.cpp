@@ -22,8 +22,8 @@ class Cursor {
     if (at_end() || (static_cast<unsigned char>(line_[place_]) & 0xC0u) != 0x80u) ++column_;
     return c;
   }
-  void skip_blanks() {
-    while (!at_end() && is_blank(here())) take();
+  void skip_blanks(char separator) {
+    while (!at_end() && is_blank(here()) && here() != separator) take();
   }
 
  private:
@@ -49,11 +49,11 @@ bool take_quoted(Cursor& cursor, std::string& text) {
 
 }  // namespace
 
-CsvLine csv_fields(std::string_view text) {
+CsvLine csv_fields(std::string_view text, char separator) {
   CsvLine line;
   Cursor cursor(text);
   for (;;) {
-    cursor.skip_blanks();
+    cursor.skip_blanks(separator);
     CsvField field{{}, cursor.column(), false};
     if (!cursor.at_end() && cursor.here() == '"') {
       field.quoted = true;
@@ -63,14 +63,14 @@ CsvLine csv_fields(std::string_view text) {
         line.fault_column = field.column;
         return line;
       }
-      cursor.skip_blanks();
-      if (!cursor.at_end() && cursor.here() != ',') {
-        line.fault = "expected a comma after the closing double quote, found other text";
+      cursor.skip_blanks(separator);
+      if (!cursor.at_end() && cursor.here() != separator) {
+        line.fault = "expected a separator after the closing double quote, found other text";
         line.fault_column = cursor.column();
         return line;
       }
     } else {
-      while (!cursor.at_end() && cursor.here() != ',') field.text += cursor.take();
+      while (!cursor.at_end() && cursor.here() != separator) field.text += cursor.take();
       field.text = std::string(trimmed(field.text));
     }
     line.fields.push_back(std::move(field));

@@ -20,9 +20,9 @@ struct CsvLine {
   int fault_column = 0;  ///< 1-based, if there is a fault
 };
 
-/// Fields between commas; double quotes protect commas and blanks, "" inside them is one quote. Blanks round a field
-/// are dropped. A quote that is never closed, or text after a closing quote, is a fault.
-[[nodiscard]] CsvLine csv_fields(std::string_view line);
+/// Fields between separators; double quotes protect separators and blanks, "" inside them is one quote. Blanks round a
+/// field are dropped. A quote that is never closed, or text after a closing quote, is a fault.
+[[nodiscard]] CsvLine csv_fields(std::string_view line, char separator = ',');
 
 /// `text` as one field: in quotes where it holds a comma, a quote, a '#' in front or blanks at an end. Line ends become
 /// blanks: a field never spans lines.

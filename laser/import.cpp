@@ -1,8 +1,5 @@
 #include "laser/import.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -11,45 +8,6 @@
 
 namespace ecs::laser {
 namespace {
-
-constexpr std::size_t kHead = 16 * 1024;  ///< heads and headings stand at the start of a file
-
-bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
-
-bool is_dynamic(std::string_view bytes) {
-  const std::string_view head = bytes.substr(0, kHead);
-  return has(head, "HEADER::") && has(head, "Data:") && !has(head, "TARGET DATA::") && !has(head, "DEVIATIONS::");
-}
-
-std::string_view first_line(std::string_view text) {
-  for (const std::string_view line : lines_of(text.substr(0, kHead)))
-    if (!trimmed(line).empty() && !trimmed(line).starts_with('#')) return trimmed(line);
-  return {};
-}
-
-bool is_nine_numbers(std::string_view line) {
-  int count = 0;
-  for (const std::string_view word : split(line, ' ')) {
-    if (trimmed(word).empty()) continue;
-    if (!number_in(word)) return false;
-    ++count;
-  }
-  return count == 9;
-}
-
-bool is_csv_header(std::string_view line) {
-  std::string plain = lower(line);
-  std::replace_if(
-      plain.begin(), plain.end(), [](char c) { return c == ';' || c == '\t' || c == '"' || c == ' '; }, ',');
-  int known = 0;
-  for (const std::string_view word : split(plain, ','))
-    if (word == "axis" || word == "sense" || word == "reading" || word == "approach" || word == "x_mm") ++known;
-  return known >= 2;
-}
-
-std::string extension_of(const std::string& file_name) {
-  return lower(std::filesystem::path(file_name).extension().string());
-}
 
 Result<Imported> wrapped(FileFormat format, Result<MeasurementSet> set) {
   if (!set) return tl::unexpected(std::move(set.error()));
@@ -79,49 +37,68 @@ Result<Imported> parsed_text(FileFormat format, std::string_view text, const std
       return environment_of(text, file_name);
     case FileFormat::renishaw_dynamic:
       return wrapped(format, parse_renishaw_dynamic(text, file_name, options));
+    case FileFormat::plate:
+      return wrapped(format, parse_plate(text, file_name, options));
+    case FileFormat::height_map:
+      return wrapped(format, parse_height_map(text, file_name, options));
+    case FileFormat::channel_log:
+      return wrapped(format, parse_channel_log(text, file_name, options));
+    case FileFormat::mapped_columns:
     case FileFormat::measurement_csv:
       break;
   }
   return wrapped(FileFormat::measurement_csv, parse_measurement_set(text, file_name));
 }
 
+/// The unit in which a reader took the errors of a file.
+double usual_reading_factor(FileFormat format, Sense sense) {
+  constexpr double kPerMrad = 1000.0;  // and um per mm
+  if (is_rotation(sense)) return kPerMrad;
+  return format == FileFormat::renishaw_run ? 1.0 : kPerMrad;
+}
+
+/// Other units than the file's usual ones.
+Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& options) {
+  if (!imported || (!options.target_unit && !options.reading_unit)) return imported;
+  const auto wrong = [&](std::string message) -> Result<Imported> {
+    return tl::unexpected(Problem{ProblemKind::usage, std::move(message), imported->set.source, 0, 0, {}});
+  };
+  if (imported->format == FileFormat::measurement_csv || imported->format == FileFormat::sios_environment)
+    return wrong(fmt::format("{}: its units are fixed", name_of(imported->format)));
+  if (imported->format == FileFormat::iso230_assignments && options.reading_unit)
+    return wrong("the file holds positions: give the unit of the targets, it is that of the readings too");
+  if (options.target_unit && options.target_unit->kind != UnitKind::length)
+    return wrong(fmt::format("{} is no unit of length", options.target_unit->name));
+  for (Reading& reading : imported->set.readings) {
+    if (options.target_unit) {
+      reading.position_mm[index_of(reading.axis)] *= options.target_unit->factor;
+      if (imported->format == FileFormat::iso230_assignments) reading.error *= options.target_unit->factor;
+    }
+    if (!options.reading_unit) continue;
+    const bool angle = is_rotation(reading.sense);
+    if (options.reading_unit->kind != (angle ? UnitKind::angle : UnitKind::length))
+      return wrong(fmt::format("{} is no unit of {}", options.reading_unit->name, ecs::name_of(reading.sense)));
+    const double inside = options.reading_unit->factor * (angle ? 1.0 : 1000.0);
+    reading.error *= inside / usual_reading_factor(imported->format, reading.sense);
+  }
+  if (options.target_unit) imported->set.notes.push_back(fmt::format("targets taken as {}", options.target_unit->name));
+  if (options.reading_unit)
+    imported->set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
+  return imported;
+}
+
 }  // namespace
 
-std::string_view name_of(FileFormat format) {
-  constexpr std::array<std::string_view, 7> kNames{"measurement CSV",
-                                                   "Renishaw run file (.rtl .rta .rts)",
-                                                   "Renishaw dynamic capture (.rtx)",
-                                                   "Renishaw error compensation table (.REN)",
-                                                   "API laser report (.pos)",
-                                                   "SIOS environment log (.pos)",
-                                                   "ISO 230-2 assignments (.dat)"};
-  return kNames[static_cast<std::size_t>(format)];
-}
-
-std::optional<FileFormat> format_of(std::string_view bytes, const std::string& file_name) {
-  if (is_dynamic(bytes)) return FileFormat::renishaw_dynamic;
-  if (has(bytes, "TARGET DATA::") || has(bytes, "DEVIATIONS::")) return FileFormat::renishaw_run;
-  if (has(bytes, "REF_DATA_FWD[") || has(bytes, "REF_DATA_BWD[")) return FileFormat::iso230_assignments;
-  if (has(bytes, "Avg Error")) return FileFormat::api_pos;
-  if (has(bytes, "Axis position") && has(bytes, "Combined")) return FileFormat::renishaw_table;
-  const std::string_view line = first_line(bytes);
-  if (is_nine_numbers(line)) return FileFormat::sios_environment;
-  if (is_csv_header(line) || extension_of(file_name) == ".csv") return FileFormat::measurement_csv;
-  return std::nullopt;
-}
-
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
-  const auto format = format_of(bytes, file_name);
-  if (format == FileFormat::renishaw_dynamic) return parsed_text(*format, bytes, file_name, options);
+  if (!options.mapping && format_of(bytes, file_name) == FileFormat::renishaw_dynamic)
+    return rescaled(parsed_text(FileFormat::renishaw_dynamic, bytes, file_name, options), options);
   const auto text = decoded(bytes, file_name, options.encoding);
   if (!text) return tl::unexpected(text.error());
-  if (!format) {
-    std::string known;
-    for (std::size_t i = 0; i < 7; ++i)
-      known += fmt::format("{}{}", i == 0 ? "" : ", ", name_of(static_cast<FileFormat>(i)));
-    return problem_at(file_name, 0, 0, "not a measurement file that is known here; looked for: " + known);
-  }
-  auto imported = parsed_text(*format, text->text, file_name, options);
+  const auto format = options.mapping ? FileFormat::mapped_columns : format_of(text->text, file_name);
+  if (!format) return problem_at(file_name, 0, 0, explanation_of(text->text));
+  auto imported = format == FileFormat::mapped_columns
+                      ? wrapped(*format, parse_columns(text->text, file_name, *options.mapping, options))
+                      : rescaled(parsed_text(*format, text->text, file_name, options), options);
   if (imported && text->encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));
   return imported;

@@ -10,6 +10,7 @@
 #include "laser/csv_columns.hpp"
 #include "laser/csv_line.hpp"
 #include "laser/findings.hpp"
+#include "laser/import_units.hpp"
 #include "laser/text_decoding.hpp"
 
 namespace ecs::laser {
@@ -27,16 +28,21 @@ MetadataEntry metadata_in(std::string_view line) {
   return {std::string(trimmed(text.substr(0, colon))), std::string(trimmed(text.substr(colon + 1)))};
 }
 
-/// Empty, or why this header row cannot be one of comma separated fields.
-std::string separator_fault(std::string_view header) {
-  if (header.find(',') != std::string_view::npos) return {};
-  for (const auto& [separator, name] : {std::pair{';', "semicolons"}, std::pair{'\t', "tabs"}})
-    if (header.find(separator) != std::string_view::npos)
-      return fmt::format(
-          "expected fields separated by commas, found {}: save as CSV with ',' between the fields and '.' as decimal "
-          "sign",
-          name);
-  return {};
+/// Of the header row: a comma where it has one, else a semicolon or a tab.
+char separator_of(std::string_view header) {
+  for (const char separator : {',', ';', '\t'})
+    if (header.find(separator) != std::string_view::npos) return separator;
+  return ',';
+}
+
+/// The fields of a line. Where commas do not separate, "1,5" is the number 1.5.
+CsvLine fields_of(std::string_view text, char separator) {
+  CsvLine line = csv_fields(text, separator);
+  if (separator == ',') return line;
+  for (CsvField& field : line.fields)
+    if (const auto number = number_or_comma(field.text); number && !number_in(field.text))
+      field.text = shortest(*number);
+  return line;
 }
 
 std::vector<std::string> columns_in(const CsvLine& header, int line, Findings& findings) {
@@ -119,12 +125,12 @@ Reading reading_in(const Row& row, const std::vector<std::string>& columns,
 
 /// Rows of the right length; the others become findings.
 std::vector<Row> rows_in(const std::vector<std::string_view>& lines, std::size_t first, std::size_t width,
-                         Findings& findings) {
+                         char separator, Findings& findings) {
   std::vector<Row> rows;
   for (std::size_t i = first; i < lines.size(); ++i) {
     if (trimmed(lines[i]).empty()) continue;
     const int line = static_cast<int>(i) + 1;
-    CsvLine cut = csv_fields(lines[i]);
+    CsvLine cut = fields_of(lines[i], separator);
     if (!cut.fault.empty()) {
       findings.add(line, cut.fault_column, cut.fault);
     } else if (trimmed(lines[i]).starts_with('#')) {
@@ -178,14 +184,13 @@ Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::s
   if (next == lines.size())
     return problem_at(file_name, 0, 0, "expected a header row and readings, found only comments");
   const int header_line = static_cast<int>(next) + 1;
-  if (const std::string fault = separator_fault(lines[next]); !fault.empty())
-    return problem_at(file_name, header_line, 1, fault);
-  const CsvLine header = csv_fields(lines[next]);
+  const char separator = separator_of(lines[next]);
+  const CsvLine header = csv_fields(lines[next], separator);
   if (!header.fault.empty()) return problem_at(file_name, header_line, header.fault_column, header.fault);
   Findings findings(file_name);
   set.columns = columns_in(header, header_line, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  const std::vector<Row> rows = rows_in(lines, next + 1, set.columns.size(), findings);
+  const std::vector<Row> rows = rows_in(lines, next + 1, set.columns.size(), separator, findings);
   const auto extra_numbers = extra_number_columns(set.columns, rows);
   for (const Row& row : rows) {
     set.readings.push_back(reading_in(row, set.columns, extra_numbers, findings));
@@ -195,6 +200,9 @@ Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::s
   if (set.readings.empty())
     return problem_at(file_name, header_line, 0, "expected readings below the header, found none");
   set.notes = notes_on(set.columns, set.readings);
+  if (separator != ',')
+    set.notes.push_back(
+        fmt::format("{} between the fields, decimal commas taken as points", separator == ';' ? "semicolons" : "tabs"));
   if (whole->encoding != Encoding::utf8)
     set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(whole->encoding)));
   return set;

@@ -75,10 +75,11 @@ struct MeasurementSet {
 /// Reads the CSV form: `# key: value` lines, a header row, one row per reading. Columns by name in any order:
 /// axis, sense, reading are needed; x_mm y_mm z_mm (absent = 0), approach (absent or empty = unknown), run (= 1),
 /// time_s, feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct, t_<sensor>_degC, compensated are
-/// known; others are kept. CRLF, a byte order mark, blanks round fields and quoted fields are taken as they come.
+/// known; others are kept. CRLF, a byte order mark, blanks round fields and quoted fields are taken as they come, and
+/// semicolons or tabs between the fields, with decimal commas then.
 /// Refuses, every bad row at once with line and column: unknown axis or sense, text or NaN where a number belongs,
 /// approach other than 1, -1, 0, a run that is no integer, an empty position of the moving axis, missing or
-/// duplicate columns, rows of another length, decimal commas, other separators, empty and binary files, no readings.
+/// duplicate columns, rows of another length, decimal commas between commas, empty and binary files, no readings.
 [[nodiscard]] Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::string& file_name);
 
 /// The same from a file.

@@ -40,6 +40,20 @@ namespace ecs::laser {
 [[nodiscard]] Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std::string& file_name,
                                                               const ImportOptions& options);
 
+/// Hole positions of a plate: nominal place and error in X and Y, mm. Two readings for each hole, approach unknown.
+[[nodiscard]] Result<MeasurementSet> parse_plate(std::string_view text, const std::string& file_name,
+                                                 const ImportOptions& options);
+
+/// Probed surface: the first bed mesh of a Klipper configuration, a RepRapFirmware height map, or LinuxCNC probe
+/// points, as EZ along X at each Y. Places that were not probed are left out.
+[[nodiscard]] Result<MeasurementSet> parse_height_map(std::string_view text, const std::string& file_name,
+                                                      const ImportOptions& options);
+
+/// One channel of a log, values in mm: readings over time, or, where headings such as `3mm` stand between the values,
+/// deviations from them.
+[[nodiscard]] Result<MeasurementSet> parse_channel_log(std::string_view text, const std::string& file_name,
+                                                       const ImportOptions& options);
+
 /// The moving axis from the options; a `usage` problem that says what to give if they have none.
 [[nodiscard]] Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name);
 

@@ -8,6 +8,7 @@
 
 #include "base/text.hpp"
 #include "laser/findings.hpp"
+#include "laser/import_units.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -46,6 +47,8 @@ class SectionReader {
       take_target_data(line, number);
     } else if (section_ == "user-text") {
       take_entry(line, file_.user_text);
+    } else if (section_ == "equipment") {
+      take_entry(line, file_.equipment);
     } else if (section_ == "environment") {
       take_entry(line, file_.environment);
     } else if (section_ == "runs") {
@@ -62,7 +65,7 @@ class SectionReader {
 
   void take_targets(std::string_view line, std::string_view part, int number) {
     for (const std::string_view word : words_of(part)) {
-      const auto target = number_in(word);
+      const auto target = number_or_comma(word);
       if (target)
         file_.targets.push_back(*target);
       else
@@ -109,7 +112,7 @@ class SectionReader {
     const auto words = words_of(line);
     const auto run = integer_in(words[0]);
     const auto target = words.size() > 1 ? integer_in(words[1]) : std::nullopt;
-    const auto deviation = words.size() > 2 ? number_in(words[2]) : std::nullopt;
+    const auto deviation = words.size() > 2 ? number_or_comma(words[2]) : std::nullopt;
     const auto known = [](std::optional<long long> value) { return value && *value >= 1 && *value <= 1'000'000; };
     if (words.size() != 3 || !known(run) || !known(target) || !deviation) {
       findings_.add(number, column_of(line, words[0]),
@@ -180,7 +183,7 @@ std::vector<std::string_view> words_of(std::string_view text) {
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> numbers;
   for (const std::string_view word : words_of(text))
-    if (const auto number = number_in(word)) numbers.push_back(*number);
+    if (const auto number = number_or_comma(word)) numbers.push_back(*number);
   return numbers;
 }
 

@@ -23,6 +23,7 @@ struct RunPoint {
 struct RunFile {
   std::vector<MetadataEntry> header;  ///< HEADER and the keys of TARGET DATA but the targets
   std::vector<MetadataEntry> user_text;
+  std::vector<MetadataEntry> equipment;  ///< newer software: instruments and optics
   std::vector<MetadataEntry> environment;
   std::vector<double> targets;  ///< mm (degrees for rotary axes), in file order
   std::optional<long long> target_count;
@@ -40,7 +41,7 @@ struct RunFile {
 /// The value of a key, case ignored; nothing if there is none or it is empty.
 [[nodiscard]] std::optional<std::string> value_of(const std::vector<MetadataEntry>& entries, std::string_view key);
 
-/// The numbers of a text, separated by blanks; what is no number is left out.
+/// The numbers of a text, separated by blanks, decimal point or comma; what is no number is left out.
 [[nodiscard]] std::vector<double> numbers_of(std::string_view text);
 
 /// Words of a text between blanks and tabs.

@@ -101,6 +101,15 @@ std::optional<StartAndEnd> start_and_end(const RunFile& file, std::string_view k
   return StartAndEnd{numbers[0] * factor, (numbers.size() > 1 ? numbers[1] : numbers[0]) * factor};
 }
 
+/// A material sensor; one that was not there at the start or at the end has the other value throughout.
+std::optional<StartAndEnd> material_of(const RunFile& file, std::string_view key) {
+  auto value = start_and_end(file, key, 1.0);
+  if (!value) return std::nullopt;
+  if (value->start == kNoSensor_degC) value->start = value->end;
+  if (value->end == kNoSensor_degC) value->end = value->start;
+  return value->start == kNoSensor_degC ? std::nullopt : value;
+}
+
 /// Air pressure is kPa by a flag of 1 or by its size; a size that fits hPa is taken as hPa, any other is not used.
 std::optional<StartAndEnd> pressure_of(const RunFile& file, std::vector<std::string>& notes) {
   const auto raw = start_and_end(file, "Air press", 1.0);
@@ -126,8 +135,7 @@ Environment environment_of(const RunFile& file, std::vector<std::string>& notes)
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kMaterial{
       {{"Mat temp 1", "t_material_degC"}, {"Mat temp 2", "t_material2_degC"}, {"Mat temp 3", "t_material3_degC"}}};
   for (const auto& [key, column] : kMaterial) {
-    const auto value = start_and_end(file, key, 1.0);
-    if (value && value->start != kNoSensor_degC) environment.material.emplace_back(column, *value);
+    if (const auto value = material_of(file, key)) environment.material.emplace_back(column, *value);
   }
   return environment;
 }
@@ -151,9 +159,20 @@ void spread(MeasurementSet& set, const Environment& environment, bool over_all) 
         "air and material values go linearly from start to end over the readings: the file has only these two");
 }
 
+/// Keys in the spelling of most versions, whatever case this one used.
+std::string usual_spelling(const std::string& key) {
+  constexpr std::array<std::string_view, 20> kKeys{"File type",  "Owner",      "Version no", "Filetype",  "Machine",
+                                                   "Serial No",  "Date",       "By",         "Axis",      "Location",
+                                                   "TITLE",      "Air temp",   "Air press",  "Air humid", "Mat temp 1",
+                                                   "Mat temp 2", "Mat temp 3", "Env factor", "Exp coeff", "Date Time"};
+  for (const std::string_view usual : kKeys)
+    if (lower(usual) == lower(key)) return std::string(usual);
+  return key;
+}
+
 void add_metadata(MeasurementSet& set, const RunFile& file) {
-  for (const auto* const entries : {&file.header, &file.user_text, &file.environment})
-    set.metadata.insert(set.metadata.end(), entries->begin(), entries->end());
+  for (const auto* const entries : {&file.header, &file.user_text, &file.equipment, &file.environment})
+    for (const MetadataEntry& entry : *entries) set.metadata.push_back({usual_spelling(entry.key), entry.value});
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Small text tables of instruments: Renishaw error compensation table, API report, SIOS environment log.
 // Does not live here: run files (renishaw_reader.cpp), assignments (assignment_reader.cpp).
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -38,6 +39,39 @@ Reading reading_at(const ImportOptions& options, const Target& target, double po
   reading.position_mm = position_at(options, target.axis, position_mm);
   reading.error = error_um;
   return reading;
+}
+
+/// "Compensation end 200.000", with a colon, an equals sign or blanks before the number.
+std::optional<MetadataEntry> compensation_entry(std::string_view line) {
+  const std::string plain = lower(trimmed(line));
+  for (const std::string_view name : {"Compensation start", "Compensation end", "Compensation spacing"}) {
+    const std::size_t at = plain.find(lower(name));
+    if (at == std::string::npos) continue;
+    const auto numbers = numbers_of(std::string_view(plain).substr(at + name.size()));
+    return MetadataEntry{std::string(name), numbers.empty() ? "" : shortest(numbers.front())};
+  }
+  return std::nullopt;
+}
+
+/// The rows must be those that the head announces.
+void check_announced(const MeasurementSet& set, Findings& findings) {
+  const auto announced = [&](std::string_view key) {
+    const auto text = metadata_value(set, key);
+    return text ? number_in(*text) : std::nullopt;
+  };
+  constexpr double kSame_mm = 1e-3;
+  const auto start = announced("Compensation start"), end = announced("Compensation end");
+  const double first = target_mm(set.readings.front()), last = target_mm(set.readings.back());
+  const bool reversed = start && end && std::abs(first - *end) < kSame_mm && std::abs(last - *start) < kSame_mm;
+  if (reversed) return;
+  if (start && std::abs(first - *start) > kSame_mm)
+    findings.add(set.readings.front().line, 1,
+                 fmt::format("expected the first position at {} (Compensation start), found {}", *start, first));
+  if (end && std::abs(last - *end) > kSame_mm)
+    findings.add(set.readings.back().line, 1,
+                 fmt::format("expected the last position at {} (Compensation end), found {}: the file is cut short (it "
+                             "can be taken as it is, if so asked)",
+                             *end, last));
 }
 
 /// The numbers of a row, if it holds `count` of them and nothing else.
@@ -103,12 +137,15 @@ Result<MeasurementSet> parse_renishaw_table(std::string_view text, const std::st
                                           (options.table_holds_errors ? 1.0 : -1.0) * (*row)[2] * kUmPerMm, number));
       else
         findings.add(number, 1, "expected number, position and combined value, found " + in_quotes(trimmed(lines[i])));
+    } else if (const auto entry = compensation_entry(lines[i]); !in_table && entry) {
+      set.metadata.push_back(*entry);
     } else if (!in_table && colon != std::string_view::npos) {
       set.metadata.push_back(
           {std::string(trimmed(lines[i].substr(0, colon))), std::string(trimmed(lines[i].substr(colon + 1)))});
     }
   }
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected rows below the heading, found none");
+  if (findings.empty() && !options.accept_truncated) check_announced(set, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   set.notes.push_back(options.table_holds_errors ? "combined values taken as errors in mm"
                                                  : "combined values taken as compensation in mm: error = -value");

@@ -98,6 +98,26 @@ Encoding guessed(std::string_view text) {
   return pairs_as_chinese(text) ? Encoding::gbk : Encoding::windows_1252;
 }
 
+/// "UTF-16LE" or "UTF-16BE" where the bytes are one: by the mark, else by a zero in every second byte of the start.
+std::optional<const char*> utf16_order(std::string_view bytes) {
+  constexpr std::size_t kLooked = 64;
+  if (bytes.starts_with("\xFF\xFE")) return "UTF-16LE";
+  if (bytes.starts_with("\xFE\xFF")) return "UTF-16BE";
+  if (bytes.size() < 4) return std::nullopt;
+  std::size_t zeros[2] = {0, 0};
+  const std::size_t looked = std::min(bytes.size() & ~std::size_t{1}, kLooked);
+  for (std::size_t i = 0; i < looked; ++i)
+    if (bytes[i] == '\0') ++zeros[i % 2];
+  if (zeros[1] == looked / 2 && zeros[0] == 0) return "UTF-16LE";
+  if (zeros[0] == looked / 2 && zeros[1] == 0) return "UTF-16BE";
+  return std::nullopt;
+}
+
+std::optional<std::string> from_utf16(std::string_view bytes, const char* order) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) bytes.remove_prefix(2);
+  return bytes.size() % 2 == 0 ? converted(bytes, order) : std::nullopt;
+}
+
 bool is_binary(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
@@ -117,13 +137,24 @@ std::string_view name_of(Encoding encoding) {
       return "Windows-1252";
     case Encoding::gbk:
       return "GBK";
+    case Encoding::latin1:
+      return "ISO-8859-1";
+    case Encoding::shift_jis:
+      return "Shift-JIS";
+    case Encoding::utf16:
+      return "UTF-16";
   }
   return "unknown";
 }
 
 Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name, Encoding wanted) {
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
-    return problem_at(file_name, 0, 0, "expected UTF-8 text, found UTF-16: save the file as UTF-8");
+  if (const auto order = utf16_order(bytes); order && (wanted == Encoding::automatic || wanted == Encoding::utf16)) {
+    const auto plain = from_utf16(bytes, *order);
+    if (!plain) return problem_at(file_name, 0, 0, "expected UTF-16 text, found bytes that it lacks");
+    auto text = decoded(*plain, file_name, Encoding::utf8);
+    if (text) text->encoding = Encoding::utf16;
+    return text;
+  }
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   if (trimmed(bytes).empty()) return problem_at(file_name, 0, 0, "expected readings, found an empty file");
   if (is_binary(bytes)) return problem_at(file_name, 0, 0, "expected text, found a binary file");
@@ -132,6 +163,8 @@ Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name
   if (taken == Encoding::utf8 && is_utf8(bytes)) text = std::string(bytes);
   if (taken == Encoding::gbk) text = converted(bytes, "GBK");
   if (taken == Encoding::windows_1252) text = from_windows_1252(bytes);
+  if (taken == Encoding::latin1) text = converted(bytes, "ISO-8859-1");
+  if (taken == Encoding::shift_jis) text = converted(bytes, "SHIFT-JIS");
   if (!text)
     return problem_at(file_name, 0, 0, fmt::format("expected {} text, found bytes that it lacks", name_of(taken)));
   return DecodedText{std::move(*text), taken};

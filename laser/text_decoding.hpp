@@ -10,10 +10,14 @@
 namespace ecs::laser {
 
 enum class Encoding {
-  automatic,  ///< UTF-8 if it is valid UTF-8; else GBK if every high byte pairs as Chinese text; else Windows-1252
+  automatic,  ///< UTF-16 by its mark or its zero bytes; UTF-8 if it is valid; else GBK if every high byte pairs as
+              ///< Chinese text; else Windows-1252
   utf8,
   windows_1252,
   gbk,
+  latin1,
+  shift_jis,  ///< Japanese; only if asked for, its bytes pass for others
+  utf16,      ///< byte order by the mark, else by where the zero bytes stand
 };
 
 [[nodiscard]] std::string_view name_of(Encoding encoding);
@@ -23,7 +27,7 @@ struct DecodedText {
   Encoding encoding = Encoding::utf8;  ///< what it was taken for; never `automatic`
 };
 
-/// Refuses an empty file, UTF-16, binary content (control characters) and bytes that the asked-for encoding lacks.
+/// Refuses an empty file, binary content (control characters) and bytes that the asked-for encoding lacks.
 [[nodiscard]] Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name,
                                           Encoding wanted = Encoding::automatic);
 
