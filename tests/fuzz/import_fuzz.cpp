@@ -1,0 +1,104 @@
+// libFuzzer over every reader of measurement files: whatever the bytes are, a Result comes back, and what was read is
+// finite. Built once for each reader: ECS_FUZZ_READER is its name below. Does not live here: the seeds (corpus/).
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "laser/import.hpp"
+#include "laser/iso230.hpp"
+#include "laser/measurement_writer.hpp"
+#include "laser/readers.hpp"
+
+namespace {
+
+using namespace ecs;
+using namespace ecs::laser;
+
+/// The first byte chooses options; the rest is the file.
+ImportOptions options_of(std::uint8_t choice) {
+  constexpr Sense kSenses[] = {Sense::EX, Sense::EY, Sense::EB};
+  ImportOptions options;
+  if ((choice & 1u) != 0) options.axis = Axis::X;
+  if ((choice & 6u) != 0) options.sense = kSenses[((choice >> 1u) & 3u) - 1];
+  options.accept_truncated = (choice & 8u) != 0;
+  options.table_holds_errors = (choice & 16u) != 0;
+  if ((choice & 32u) != 0) options.target_unit = unit_named("in");
+  if ((choice & 64u) != 0) options.reading_unit = unit_named("arcsec");
+  options.spread_environment = (choice & 128u) == 0;
+  options.most_samples = 1000;
+  return options;
+}
+
+/// What may follow reading.
+void use(const MeasurementSet& set) {
+  for (const Reading& reading : set.readings)
+    if (!std::isfinite(reading.error) || !std::isfinite(reading.position_mm[0]) ||
+        !std::isfinite(reading.position_mm[1]) || !std::isfinite(reading.position_mm[2]))
+      std::abort();
+  if (set.readings.size() > 2000) return;
+  const auto groups = groups_of(set);
+  if (groups.size() > 50) return;
+  for (const Group& group : groups) static_cast<void>(iso230_of(set, group));
+  if (!set.readings.empty()) static_cast<void>(to_csv(set));
+}
+
+void use(const Result<MeasurementSet>& set) {
+  if (set)
+    use(*set);
+  else if (set.error().message.empty())
+    std::abort();
+}
+
+void any(std::string_view bytes, const ImportOptions& options) {
+  const auto imported = parse_any(bytes, "fuzz", options);
+  if (imported)
+    use(imported->set);
+  else if (imported.error().message.empty())
+    std::abort();
+}
+
+void run_file(std::string_view bytes, const ImportOptions& options) {
+  use(parse_renishaw_run(bytes, "fuzz.rtl", options));
+}
+void dynamic(std::string_view bytes, const ImportOptions& options) {
+  use(parse_renishaw_dynamic(bytes, "f.rtx", options));
+}
+void table(std::string_view bytes, const ImportOptions& options) { use(parse_renishaw_table(bytes, "f.ren", options)); }
+void api(std::string_view bytes, const ImportOptions& options) { use(parse_api_pos(bytes, "f.pos", options)); }
+void assignments(std::string_view bytes, const ImportOptions& options) {
+  use(parse_iso230_assignments(bytes, "f.dat", options));
+}
+void plate(std::string_view bytes, const ImportOptions& options) { use(parse_plate(bytes, "f.txt", options)); }
+void height_map(std::string_view bytes, const ImportOptions& options) {
+  use(parse_height_map(bytes, "f.cfg", options));
+}
+void channel_log(std::string_view bytes, const ImportOptions& options) {
+  use(parse_channel_log(bytes, "f.log", options));
+}
+void csv(std::string_view bytes, const ImportOptions&) { use(parse_measurement_set(bytes, "f.csv")); }
+void environment(std::string_view bytes, const ImportOptions&) {
+  static_cast<void>(parse_sios_environment(bytes, "f.pos"));
+}
+
+/// The mapping stands in the first line, the table below.
+void columns(std::string_view bytes, const ImportOptions& options) {
+  const std::size_t end = bytes.find('\n');
+  const auto mapping = column_mapping(bytes.substr(0, end));
+  if (!mapping || end == std::string_view::npos) return;
+  ImportOptions mapped = options;
+  mapped.mapping = *mapping;
+  mapped.mapping->values = static_cast<TableValues>(options.table_holds_errors ? 1 : options.accept_truncated ? 2 : 0);
+  any(bytes.substr(end + 1), mapped);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 1) return 0;
+  const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
+  ECS_FUZZ_READER(bytes, options_of(data[0]));
+  return 0;
+}
