@@ -10,7 +10,11 @@ void add_laser_menu(Menu& root) {
   add_laser_show(menu);
   add_laser_stats(menu);
   add_laser_process(menu);
+  add_laser_normalise(menu);
+  add_laser_air(menu);
   add_laser_table(menu);
+  add_laser_capture(menu);
+  add_laser_devices(menu);
 }
 
 }  // namespace ecs::app

@@ -98,6 +98,12 @@ PortChange DevicePort::look(double now_s) {
   }
   if (now_s - looked_s_ < kLookEvery_s) return PortChange::none;
   looked_s_ = now_s;
+  const auto present = hid_devices();
+  if (!present || std::none_of(present->begin(), present->end(),
+                               [&](const HidIdentity& one) { return fits(device_.match, one); })) {
+    hindrance_.clear();
+    return PortChange::none;
+  }
   const auto connected = connect();
   hindrance_ = connected ? "" : connected.error().message;
   return connected ? PortChange::back : PortChange::none;
