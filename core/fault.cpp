@@ -19,8 +19,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "run `ecs params check` and send them again"},
     {"compensation_output", "the compensation output stayed at its limit",
      "check the output scaling factor, the size limit and the map's largest value"},
-    {"axis_module",
-     "an axis module, or its transducer's signal, is lost or of the wrong kind",
+    {"axis_module", "an axis module, or its transducer's signal, is lost or of the wrong kind",
      "check the transducer cable, the axis module, and the transducer that the parameters name"},
     {"datum_sequence", "the datum routine saw something that its parameters do not allow",
      "record the datum sequence and compare it with the datuming parameters"},
@@ -34,12 +33,12 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
 }};
 
 constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};
-constexpr std::array<std::string_view, 6> kStages{"waiting",        "seeking switch", "on switch",
-                                                  "seeking marker", "done",           "failed"};
-constexpr std::array<std::string_view, 8> kFailures{"none",      "wrong initial state", "wrong direction",
-                                                    "too fast",  "wrong final state",   "no reversal",
-                                                    "no marker", "stopped early"};
-constexpr std::array<std::string_view, 8> kAdvice{
+constexpr std::array<std::string_view, kDatumStageCount> kStages{"waiting",        "seeking switch", "on switch",
+                                                                 "seeking marker", "done",           "failed"};
+constexpr std::array<std::string_view, kDatumFailureCount> kFailures{
+    "none",        "wrong initial state", "wrong direction", "too fast", "wrong final state",
+    "no reversal", "no marker",           "stopped early"};
+constexpr std::array<std::string_view, kDatumFailureCount> kAdvice{
     "nothing to do",
     "move the axis off the reference switch before datuming, or change switch polarity or initial state",
     "change the approach direction, or reference the axis from the other side",

@@ -50,6 +50,7 @@ enum class DatumStage : std::uint16_t {
   done = 4,            ///< referenced
   failed = 5,          ///< see DatumFailure
 };
+inline constexpr std::uint16_t kDatumStageCount = 6;
 enum class DatumFailure : std::uint16_t {
   none = 0,
   wrong_initial_state = 1,  ///< the switch was not in its initial state when the axis started
@@ -60,6 +61,7 @@ enum class DatumFailure : std::uint16_t {
   no_marker = 6,            ///< no marker within the distance that one revolution allows
   stopped_early = 7,        ///< the axis came to its switch and stands on it, where it should go on
 };
+inline constexpr std::uint16_t kDatumFailureCount = 8;
 [[nodiscard]] std::string_view name_of(DatumStage stage) noexcept;
 [[nodiscard]] std::string_view name_of(DatumFailure failure) noexcept;
 /// What the failure means and which parameter to look at.

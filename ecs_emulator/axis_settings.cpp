@@ -24,22 +24,46 @@ void word_into(TomlReader& reader, const toml::table& table, std::string_view ke
   reader.complain(*table.get(key), fmt::format("{}: expected {}, got \"{}\"", key, expected, *word));
 }
 
+/// A number of a table, and what it may be.
+struct Field {
+  const char* key;
+  double* value;
+  double low;
+  double high;
+};
+
+void fields_into(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields) {
+  for (const Field& field : fields) {
+    const auto found = reader.number(table, field.key);
+    if (!found) continue;
+    if (*found >= field.low && *found <= field.high)
+      *field.value = *found;
+    else
+      reader.complain(*table.get(field.key),
+                      fmt::format("{}: expected {} to {}, got {}", field.key, field.low, field.high, *found));
+  }
+}
+
+void only(TomlReader& reader, const toml::table& table, const std::vector<Field>& fields,
+          std::vector<std::string> others, std::string_view what) {
+  for (const Field& field : fields) others.emplace_back(field.key);
+  reader.only(table, others, what);
+}
+
 TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
-  reader.only(table,
-              {"period_mm", "offset", "imbalance", "quadrature_mrad", "excitation", "carrier_Hz", "noise_um",
-               "fastest_mm_min", "dirt_mm", "dirt_counts"},
-              "emulator.axis.transducer");
   TransducerSettings transducer;
-  number_into(reader, table, "period_mm", Sign::positive, transducer.period_mm);
-  number_into(reader, table, "offset", Sign::any, transducer.offset);
-  number_into(reader, table, "imbalance", Sign::any, transducer.imbalance);
-  number_into(reader, table, "quadrature_mrad", Sign::any, transducer.quadrature_mrad);
-  number_into(reader, table, "carrier_Hz", Sign::positive, transducer.carrier_Hz);
-  number_into(reader, table, "noise_um", Sign::not_negative, transducer.noise_um);
-  number_into(reader, table, "fastest_mm_min", Sign::positive, transducer.fastest_mm_min);
-  number_into(reader, table, "dirt_mm", Sign::any, transducer.dirt_mm);
   double counts = 0.0;
-  number_into(reader, table, "dirt_counts", Sign::not_negative, counts);
+  const std::vector<Field> fields{{"period_mm", &transducer.period_mm, 1e-4, 1000.0},
+                                  {"offset", &transducer.offset, -0.5, 0.5},
+                                  {"imbalance", &transducer.imbalance, -1.0, 1.0},
+                                  {"quadrature_mrad", &transducer.quadrature_mrad, -500.0, 500.0},
+                                  {"carrier_Hz", &transducer.carrier_Hz, 50.0, 1e6},
+                                  {"noise_um", &transducer.noise_um, 0.0, 1000.0},
+                                  {"fastest_mm_min", &transducer.fastest_mm_min, 1.0, 1e6},
+                                  {"dirt_mm", &transducer.dirt_mm, -1e6, 1e6},
+                                  {"dirt_counts", &counts, 0.0, 1e6}};
+  only(reader, table, fields, {"excitation"}, "emulator.axis.transducer");
+  fields_into(reader, table, fields);
   transducer.dirt_counts = static_cast<std::int64_t>(counts);
   word_into<Excitation, 2>(reader, table, "excitation",
                            {{{"rotor", Excitation::rotor}, {"stator", Excitation::stator}}}, transducer.excitation);
@@ -49,42 +73,29 @@ TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
 }  // namespace
 
 AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
-  reader.only(table,
-              {"drive",
-               "feedback",
-               "friction_Nm",
-               "breakaway_Nm",
-               "slip_mm_s",
-               "lost_motion_um",
-               "wind_up_um",
-               "wind_up_length_mm",
-               "transducer",
-               "dac_um_per_count",
-               "kv_per_s",
-               "acceleration_mm_s2",
-               "rapid_mm_min",
-               "servo_lag_um_per_m_min",
-               "count_polarity",
-               "reference_kind",
-               "reference_direction",
-               "reference_speed_mm_min",
-               "creep_speed_mm_min",
-               "marker_pitch_mm",
-               "null_offset_mm",
-               "switch_width_mm",
-               "switch_polarity"},
-              "emulator.axis");
   AxisSettings axis;
-  number_into(reader, table, "dac_um_per_count", Sign::not_zero, axis.dac_um_per_count);
-  number_into(reader, table, "kv_per_s", Sign::positive, axis.kv_per_s);
-  number_into(reader, table, "acceleration_mm_s2", Sign::positive, axis.acceleration_mm_s2);
-  number_into(reader, table, "rapid_mm_min", Sign::positive, axis.rapid_mm_min);
-  number_into(reader, table, "servo_lag_um_per_m_min", Sign::any, axis.servo_lag_um_per_m_min);
-  number_into(reader, table, "reference_speed_mm_min", Sign::positive, axis.reference_speed_mm_min);
-  number_into(reader, table, "creep_speed_mm_min", Sign::positive, axis.creep_speed_mm_min);
-  number_into(reader, table, "marker_pitch_mm", Sign::positive, axis.marker_pitch_mm);
-  number_into(reader, table, "null_offset_mm", Sign::any, axis.null_offset_mm);
-  number_into(reader, table, "switch_width_mm", Sign::positive, axis.switch_width_mm);
+  const std::vector<Field> fields{{"kv_per_s", &axis.kv_per_s, 1.0, 300.0},
+                                  {"dac_um_per_count", &axis.dac_um_per_count, -100.0, 100.0},
+                                  {"acceleration_mm_s2", &axis.acceleration_mm_s2, 1.0, 1e5},
+                                  {"rapid_mm_min", &axis.rapid_mm_min, 10.0, 120'000.0},
+                                  {"servo_lag_um_per_m_min", &axis.servo_lag_um_per_m_min, -1e5, 1e5},
+                                  {"friction_Nm", &axis.friction_Nm, 0.0, 20.0},
+                                  {"breakaway_Nm", &axis.breakaway_Nm, 0.0, 20.0},
+                                  {"slip_mm_s", &axis.slip_mm_s, 1e-3, 1000.0},
+                                  {"lost_motion_um", &axis.slide.lost_motion_um, 0.0, 1e4},
+                                  {"wind_up_um", &axis.slide.wind_up_um, 0.0, 1e4},
+                                  {"wind_up_length_mm", &axis.slide.wind_up_length_mm, 1e-3, 1000.0},
+                                  {"reference_speed_mm_min", &axis.reference_speed_mm_min, 1.0, 60'000.0},
+                                  {"creep_speed_mm_min", &axis.creep_speed_mm_min, 1.0, 60'000.0},
+                                  {"marker_pitch_mm", &axis.marker_pitch_mm, 0.1, 100.0},
+                                  {"null_offset_mm", &axis.null_offset_mm, -1000.0, 1000.0},
+                                  {"switch_width_mm", &axis.switch_width_mm, 0.1, 100.0}};
+  only(
+      reader, table, fields,
+      {"drive", "feedback", "transducer", "count_polarity", "reference_kind", "reference_direction", "switch_polarity"},
+      "emulator.axis");
+  fields_into(reader, table, fields);
+  if (axis.dac_um_per_count == 0.0) reader.complain(*table.get("dac_um_per_count"), "dac_um_per_count: expected not 0");
   sign_into(reader, table, "count_polarity", axis.count_polarity);
   sign_into(reader, table, "switch_polarity", axis.switch_polarity);
   int direction = 1;
@@ -98,12 +109,6 @@ AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table) {
                           axis.drive);
   word_into<Feedback, 2>(reader, table, "feedback", {{{"scale", Feedback::scale}, {"motor", Feedback::motor}}},
                          axis.feedback);
-  number_into(reader, table, "friction_Nm", Sign::not_negative, axis.friction_Nm);
-  number_into(reader, table, "breakaway_Nm", Sign::not_negative, axis.breakaway_Nm);
-  number_into(reader, table, "slip_mm_s", Sign::positive, axis.slip_mm_s);
-  number_into(reader, table, "lost_motion_um", Sign::not_negative, axis.slide.lost_motion_um);
-  number_into(reader, table, "wind_up_um", Sign::not_negative, axis.slide.wind_up_um);
-  number_into(reader, table, "wind_up_length_mm", Sign::positive, axis.slide.wind_up_length_mm);
   if (const auto* transducer = reader.child(table, "transducer")) axis.transducer = transducer_of(reader, *transducer);
   return axis;
 }

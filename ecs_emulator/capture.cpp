@@ -27,7 +27,8 @@ Result<void> judged(const Simulation& simulation, const CapturePlan& plan) {
   if (plan.rate_Hz * plan.seconds > static_cast<double>(kMostSamples))
     return refused(fmt::format("rate times seconds: expected up to {} samples, got {:.0f}", kMostSamples,
                                plan.rate_Hz * plan.seconds));
-  if (!(plan.feed_mm_min > 0.0)) return refused("feed: expected above 0 mm/min");
+  if (!(plan.feed_mm_min >= kSlowestFeed_mm_min))
+    return refused(fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
   const auto [low_mm, high_mm] = simulation.machine().axis(plan.axis).facts().travel_mm;
   if (plan.to_mm && !(*plan.to_mm >= low_mm && *plan.to_mm <= high_mm))
     return refused(fmt::format("to: expected within the travel {} … {} mm, got {}", low_mm, high_mm, *plan.to_mm));

@@ -54,6 +54,13 @@ Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std:
   const auto table = reader.parsed(text);
   if (!table) return tl::unexpected(table.error());
   WorkshopMachine workshop{std::move(machine->machine), {}};
+  for (const Axis a : kAllAxes) {
+    const auto& axis = workshop.machine.axes[index_of(a)];
+    if (axis && (axis->datum_mm < axis->travel_mm[0] || axis->datum_mm > axis->travel_mm[1]))
+      reader.complain(1,
+                      fmt::format("axis.{}: expected datum_mm within travel_mm, or the control cannot go there, got {}",
+                                  letter_of(a), axis->datum_mm));
+  }
   if (const auto* own = reader.child(*table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
   if (!reader.clean()) return tl::unexpected(reader.all());
   return workshop;

@@ -11,6 +11,8 @@ namespace ecs::emulator {
 
 /// How far beyond its travel an axis can go before its buffers.
 inline constexpr double kOvertravel_mm = 25.0;
+/// No control feeds slower.
+inline constexpr double kSlowestFeed_mm_min = 1.0;
 
 class MachineTool {
  public:

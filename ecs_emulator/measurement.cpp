@@ -53,7 +53,8 @@ class Measuring {
       if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)
         return refused(fmt::format("targets: expected one direction, {} mm turns back", targets[i]));
     if (plan_.runs < 1 || plan_.runs > 1000) return refused("runs: expected 1 to 1000");
-    if (!(plan_.feed_mm_min > 0.0)) return refused("feed: expected above 0 mm/min");
+    if (!(plan_.feed_mm_min >= kSlowestFeed_mm_min))
+      return refused(fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
     if (!(plan_.dwell_s >= 0.0)) return refused("dwell: expected 0 s or more");
     if (!(plan_.overrun_mm >= 0.0 && plan_.overrun_mm <= kOvertravel_mm))
       return refused(fmt::format("overrun: expected 0 to {} mm", kOvertravel_mm));

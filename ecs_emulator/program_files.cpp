@@ -1,5 +1,6 @@
 #include "ecs_emulator/program_files.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "ecs_emulator/measurement_request.hpp"
@@ -26,7 +27,8 @@ Result<void> fits(const MeasurementPlan& plan) {
   for (std::size_t i = 1; i < targets.size(); ++i)
     if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)
       return problem(ProblemKind::usage, "targets: expected one direction");
-  if (!(plan.feed_mm_min > 0.0)) return problem(ProblemKind::usage, "feed: expected above 0 mm/min");
+  if (!(plan.feed_mm_min >= kSlowestFeed_mm_min))
+    return problem(ProblemKind::usage, fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
   if (!(plan.dwell_s >= 0.0)) return problem(ProblemKind::usage, "dwell: expected 0 s or more");
   if (!(plan.overrun_mm >= 0.0)) return problem(ProblemKind::usage, "overrun: expected 0 mm or more");
   return {};

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/machine_tool.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -110,6 +111,8 @@ std::optional<PathPiece> ProgramInterpreter::motion_of(const ProgramBlock& block
   const bool feed = *motion_ != ProgramMotion::rapid;
   if (feed && !(feed_mm_min_ > 0.0))
     complain_(block.line, "expected a feed F before the first motion that is not rapid");
+  else if (feed && feed_mm_min_ < kSlowestFeed_mm_min)
+    complain_(block.line, fmt::format("F: expected {} mm/min or more, got {}", kSlowestFeed_mm_min, feed_mm_min_));
   PathPiece piece;
   piece.to_mm = target_of(block);
   piece.feed_mm_min = feed ? feed_mm_min_ : 0.0;

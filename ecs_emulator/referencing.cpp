@@ -7,8 +7,7 @@
 namespace ecs::emulator {
 namespace {
 
-constexpr double kOvertravel_mm = 25.0;  ///< beyond the travel: the limit switch
-constexpr double kSearch_mm = 120.0;     ///< how far the control seeks the end of its switch, or a marker
+constexpr double kSearch_mm = 120.0;  ///< how far the control seeks the end of its switch, or a marker
 
 tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "reference: given up before its end"); }
 

@@ -67,7 +67,7 @@ class Room {
         stop_(stop),
         workshop_{&simulation_, &unit_, &line_.faults()} {
     simulation_.attach(&unit_);
-    simulation_.on_pause([this] { return serve_line(); });
+    simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
     unit_.on_commit([this] { keep_memory(); });
   }
   Room(const Room&) = delete;

@@ -81,7 +81,14 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
     if (!place[index_of(a)]) continue;
     if (!simulation.machine().has(a)) arguments.complain(fmt::format("this machine has no {}", letter_of(a)));
     target_mm[index_of(a)] = *place[index_of(a)];
+    const auto [low_mm, high_mm] = simulation.machine().travel_mm()[index_of(a)];
+    if (!(*place[index_of(a)] >= low_mm - kOvertravel_mm && *place[index_of(a)] <= high_mm + kOvertravel_mm))
+      arguments.complain(fmt::format("{}: expected within its travel {} … {} mm, give or take {} mm, got {}",
+                                     letter_of(a), low_mm, high_mm, kOvertravel_mm, *place[index_of(a)]));
   }
+  if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
+    arguments.complain(
+        fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
   if (!simulation.move_to(target_mm, feed)) return given_up();
   return state_of(workshop);
@@ -123,6 +130,7 @@ Json point_of(const MachineTool& machine, const SurveyPoint& point) {
 Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
   SurveyPlan plan;
   plan.step_mm = arguments.number_or("step", plan.step_mm);
+  if (!(plan.step_mm > 0.0)) arguments.complain("step: expected above 0 mm");
   plan.scatter = arguments.flag("with_scatter");
   const auto approach = arguments.integer("approach", -1, 1).value_or(1);
   if (approach == 0) arguments.complain("approach: expected 1 or -1");
@@ -182,7 +190,7 @@ Answer tick(const Workshop& workshop, Arguments& arguments) {
 
 Answer load(const Workshop& workshop, Arguments& arguments) {
   const double load_kg = arguments.number("kg").value_or(-1.0);
-  if (load_kg < 0.0) arguments.complain("kg: expected 0 or more");
+  if (!(load_kg >= 0.0 && load_kg <= 1e6)) arguments.complain("kg: expected 0 to 1000000");
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
   workshop.simulation->machine().load(load_kg);
   return state_of(workshop);

@@ -124,8 +124,15 @@ void WorkshopSocket::answer(Visitor& visitor, const WorkshopHandler& handler) {
     visitor.received.erase(0, end + 1);
     const int line = visitor.line.get();
     const auto told = [line](const std::string& progress) { (void)send_all(line, progress + "\n"); };
+    served_ = line;
     if (!send_all(line, handler(request, told) + "\n")) visitor.gone = true;
+    served_ = -1;
   }
+}
+
+bool WorkshopSocket::visitor_left() const {
+  pollfd line{served_, 0, 0};
+  return served_ >= 0 && ::poll(&line, 1, 0) == 1 && (line.revents & (POLLHUP | POLLERR)) != 0;
 }
 
 void WorkshopSocket::serve_ready(const WorkshopHandler& handler) {

@@ -43,6 +43,8 @@ class WorkshopSocket {
   [[nodiscard]] std::vector<pollfd> poll_fds() const;
   /// Does all there is to do without waiting; requests are answered in the order of their arrival, one at a time.
   void serve_ready(const WorkshopHandler& handler);
+  /// While a request is carried out: whoever sent it has closed the line and waits for no answer.
+  [[nodiscard]] bool visitor_left() const;
 
  private:
   struct Visitor {
@@ -58,6 +60,7 @@ class WorkshopSocket {
   Descriptor listener_;
   std::filesystem::path path_;
   std::vector<Visitor> visitors_;
+  int served_ = -1;  ///< line of the visitor whose request is carried out
 };
 
 /// The client's side: one request, its answer. Progress lines go to `told`. `link` problem if nobody answers.

@@ -13,6 +13,10 @@
 namespace ecs::params {
 namespace {
 
+constexpr double kFurthest_mm = 1e6;      ///< no machine is longer than a kilometre
+constexpr double kCoarsest_um = 1e4;      ///< position count
+constexpr double kLongestPitch_mm = 1e4;  ///< of a screw or a scale
+
 const std::vector<std::string>& axis_keys() {
   static const std::vector<std::string> keys{"travel_mm",
                                              "datum_mm",
@@ -128,11 +132,11 @@ class MachineReader {
   void take_axis_entry(Axis axis, const TomlEntry& entry, std::string_view key) {
     MachineAxis& a = *file_.machine.axes[index_of(axis)];
     if (key == "travel_mm") return take_travel(axis, entry);
-    if (key == "datum_mm") return take_number(entry, a.datum_mm);
+    if (key == "datum_mm") return take_position(entry, a.datum_mm);
     if (key == "transducer") return take_transducer(entry, a);
-    if (key == "resolution_um") return take_positive(entry, a.resolution_um);
-    if (key == "screw_pitch_mm") return take_positive(entry, a.screw_pitch_mm.emplace());
-    if (key == "scale_pitch_mm") return take_positive(entry, a.scale_pitch_mm.emplace());
+    if (key == "resolution_um") return take_positive(entry, kCoarsest_um, a.resolution_um);
+    if (key == "screw_pitch_mm") return take_positive(entry, kLongestPitch_mm, a.screw_pitch_mm.emplace());
+    if (key == "scale_pitch_mm") return take_positive(entry, kLongestPitch_mm, a.scale_pitch_mm.emplace());
     if (key == "expansion_um_per_m_degC") return take_number(entry, a.expansion_um_per_m_degC.emplace());
     if (key == "measurement_line_mm") {
       if (!std::holds_alternative<TomlTable>(entry.value)) refuse(entry, "a table such as { y = -1400.0, z = 0.0 }");
@@ -145,9 +149,9 @@ class MachineReader {
   void take_travel(Axis axis, const TomlEntry& entry) {
     travel_given_[index_of(axis)] = true;
     const auto* ends = std::get_if<std::vector<double>>(&entry.value);
-    const bool sound = ends != nullptr && ends->size() == 2 && std::isfinite((*ends)[0]) && std::isfinite((*ends)[1]) &&
-                       (*ends)[0] < (*ends)[1];
-    if (!sound) return refuse(entry, "two ends in mm, the lower first, such as [-4100.0, 0.0]");
+    const bool sound = ends != nullptr && ends->size() == 2 && std::abs((*ends)[0]) <= kFurthest_mm &&
+                       std::abs((*ends)[1]) <= kFurthest_mm && (*ends)[0] < (*ends)[1];
+    if (!sound) return refuse(entry, "two ends in mm, the lower first, such as [-4100.0, 0.0], within 1000000 mm of 0");
     file_.machine.axes[index_of(axis)]->travel_mm = {(*ends)[0], (*ends)[1]};
   }
 
@@ -168,9 +172,16 @@ class MachineReader {
       refuse(entry, "a finite number");
   }
 
-  void take_positive(const TomlEntry& entry, double& number) {
+  void take_position(const TomlEntry& entry, double& position_mm) {
     const auto value = number_of(entry);
-    if (!value || *value <= 0.0) return refuse(entry, "a number above 0");
+    if (!value || std::abs(*value) > kFurthest_mm) return refuse(entry, "a position within 1000000 mm of 0");
+    position_mm = *value;
+  }
+
+  void take_positive(const TomlEntry& entry, double most, double& number) {
+    const auto value = number_of(entry);
+    if (!value || *value <= 0.0 || *value > most)
+      return refuse(entry, fmt::format("a number above 0, at most {}", shortest(most)));
     number = *value;
   }
 
@@ -178,7 +189,7 @@ class MachineReader {
     const auto lever = axis_of_small(part);
     if (!lever) return warn(entry, "a measurement line has the coordinates x, y, z; ignored");
     if (*lever == axis) return warn(entry, "an axis is no coordinate of its own measurement line; ignored");
-    take_number(entry, file_.machine.axes[index_of(axis)]->measurement_line_mm[index_of(*lever)].emplace());
+    take_position(entry, file_.machine.axes[index_of(axis)]->measurement_line_mm[index_of(*lever)].emplace());
   }
 
   void judge_axes() {

@@ -32,8 +32,8 @@ void fault_axis(FieldReader& pass, std::optional<Axis>& axis) {
 template <class Pass, class T>
 void axis_fields(Pass& pass, T& axis) {
   pass.flag(axis.referenced, "referenced");
-  pass.one_of(axis.datum_stage, 7, "datum stage");
-  pass.one_of(axis.datum_failure, 7, "datum failure");
+  pass.one_of(axis.datum_stage, kDatumStageCount, "datum stage");
+  pass.one_of(axis.datum_failure, kDatumFailureCount, "datum failure");
   pass.real(axis.position_mm, "position");
   pass.approach(axis.last_approach);
   pass.flag(axis.relay_closed, "relay");

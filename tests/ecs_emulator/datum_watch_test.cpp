@@ -85,7 +85,7 @@ TEST_CASE("a wrong datum parameter is named the same when the axis is first brou
 }
 
 TEST_CASE("every failure of the datum routine can be met") {
-  for (int f = 1; f <= static_cast<int>(DatumFailure::stopped_early); ++f) {
+  for (int f = 1; f < kDatumFailureCount; ++f) {
     const auto is_it = [&](const WrongParameter& wrong) { return wrong.expected == static_cast<DatumFailure>(f); };
     CHECK_MESSAGE(std::any_of(kWrong.begin(), kWrong.end(), is_it), name_of(static_cast<DatumFailure>(f)));
   }

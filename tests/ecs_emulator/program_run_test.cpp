@@ -69,9 +69,8 @@ WorkshopMachine mill(const std::string& x_travel = "") {
     text.replace(text.find(old), old.size(), by);
   };
   if (!x_travel.empty()) replace("travel_mm = [-4100.0, 0.0]", "travel_mm = " + x_travel);
-  replace("[emulator.axis.Y]\n",
-          "[emulator.axis.X]\ndrive = \"ideal\"\n[emulator.axis.Z]\ndrive = \"ideal\"\n[emulator.axis.Y]\ndrive = "
-          "\"ideal\"\n");
+  for (const std::string axis : {"X", "Y", "Z"})
+    replace("[emulator.axis." + axis + "]\n", "[emulator.axis." + axis + "]\ndrive = \"ideal\"\n");
   return machine_of(text + kPerfectInstruments);
 }
 

@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "base/file.hpp"
@@ -254,4 +256,48 @@ TEST_CASE("how long the machine was left alone changes nothing in what is measur
     return served.ask(plan)["csv"].get<std::string>();
   };
   CHECK(csv(0) == csv(130));
+}
+
+TEST_CASE("an axis is not sent beyond its limit switches, nor so slowly that it never arrives") {
+  Served served;
+  for (const double to_mm : {26.0, -526.0, 1e300}) {
+    const Json answer = served.ask({{"action", "jog"}, {"X", to_mm}});
+    CHECK(answer["ok"] == false);
+    CHECK(answer["exit"] == 2);
+  }
+  CHECK(served.ask({{"action", "jog"}, {"X", -100.0}, {"feed", 1e-300}})["ok"] == false);
+  CHECK(served.ask({{"action", "jog"}, {"X", 25.0}})["ok"] == true);
+}
+
+TEST_CASE("who asks for a long action and goes away has given it up: the machine stops, the next one is served") {
+  Served served;
+  served.ask({{"action", "jog"}, {"X", 0.0}});
+  {
+    const int line = ::socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    served.options.workshop.string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+    REQUIRE(::connect(line, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0);
+    const std::string slow = "{\"action\": \"jog\", \"X\": -500, \"feed\": 1}\n";  // more than eight hours
+    REQUIRE(::send(line, slow.data(), slow.size(), 0) == static_cast<ssize_t>(slow.size()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ::close(line);
+  }
+  const Json state = served.ask({{"action", "state"}});
+  CHECK(state["ok"] == true);
+  CHECK(state["command_mm"]["X"].get<double>() > -499.0);
+  CHECK(served.ask({{"action", "jog"}, {"X", -10.0}})["ok"] == true);
+}
+
+TEST_CASE("in real time an action takes the time that it stands for, and what came late is counted") {
+  Served served;
+  served.end();
+  served.options.real_time = true;
+  served.begin();
+  const auto began = std::chrono::steady_clock::now();
+  const Json answer = served.ask({{"action", "wait"}, {"seconds", 0.5}});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  CHECK(answer["ok"] == true);
+  CHECK(took.count() >= 0.5);
+  CHECK(answer["real_time"]["periods"].get<double>() + answer["real_time"]["missed"].get<double>() >= 500.0);
 }
