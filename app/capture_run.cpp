@@ -67,15 +67,19 @@ void CaptureRun::tell_change(laser::PortChange change, const std::string& device
 }
 
 void CaptureRun::look_after_devices(double now_s) {
-  if (setup_.trigger)
-    tell_change(setup_.trigger->look(now_s), name_of(setup_.trigger->port()), setup_.trigger->port().hindrance());
+  if (setup_.trigger) {
+    const laser::PortChange change = setup_.trigger->look(now_s);
+    tell_change(change, name_of(setup_.trigger->port()), setup_.trigger->port().hindrance());
+  }
   if (setup_.source) {
-    tell_change(setup_.source->look(now_s), setup_.source->name(), setup_.source->hindrance());
+    const laser::PortChange change = setup_.source->look(now_s);
+    tell_change(change, setup_.source->name(), setup_.source->hindrance());
     setup_.source->attend(now_s);
   }
   if (!setup_.environment) return;
   laser::Sensor& sensor = *setup_.environment;
-  tell_change(sensor.look(now_s), name_of(sensor.port()), sensor.port().hindrance());
+  const laser::PortChange change = sensor.look(now_s);
+  tell_change(change, name_of(sensor.port()), sensor.port().hindrance());
   sensor.attend(now_s);
   if (sensor.silent() >= kSilentPolls && !silence_told_)
     tell(CaptureNews::Kind::warning,
@@ -104,6 +108,8 @@ void CaptureRun::fire(double now_s) {
   if (!setup_.source)
     return tell(CaptureNews::Kind::warning, "the display's value has to be typed: type it and press Enter");
   if (asked_) return tell(CaptureNews::Kind::warning, "not taken: the last trigger still waits for its reading");
+  if (std::string why = record_.doubled(now_s - zero_s_); !why.empty())
+    return tell(CaptureNews::Kind::warning, std::move(why));
   asked_ = true;
   setup_.source->ask(now_s);
 }

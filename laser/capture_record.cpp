@@ -135,12 +135,17 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
                       stands_mm, target_mm(target))};
 }
 
+std::string CaptureRecord::doubled(double at_s) const {
+  if (taken_.empty()) return {};
+  const double since_s = at_s - taken_.back().time_s.value_or(at_s);
+  if (since_s >= rules_.min_interval_s) return {};
+  return fmt::format("not taken: a doubled trigger, {:.2f} s after the last one (readings count from {} s)", since_s,
+                     rules_.min_interval_s);
+}
+
 Verdict CaptureRecord::offer(double shown, double at_s, const Values& around) {
   if (next_ >= plan_.stops.size()) return {false, 0, "not taken: every target has its reading"};
-  if (!taken_.empty() && at_s - taken_.back().time_s.value_or(at_s) < rules_.min_interval_s)
-    return {false, 0,
-            fmt::format("not taken: a doubled trigger, {:.2f} s after the last one (readings count from {} s)",
-                        at_s - taken_.back().time_s.value_or(at_s), rules_.min_interval_s)};
+  if (std::string why = doubled(at_s); !why.empty()) return {false, 0, std::move(why)};
   if (rules_.shows == Shows::position) return by_position(shown, at_s, around);
   return take(shown * rules_.scale, at_s, shown, around);
 }

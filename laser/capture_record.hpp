@@ -52,6 +52,9 @@ class CaptureRecord {
   /// Highest run number of the plan.
   [[nodiscard]] int runs() const;
 
+  /// Why a trigger at this moment is a doubled one; empty: it is none. Ask before a display is read that gives each
+  /// reading once.
+  [[nodiscard]] std::string doubled(double at_s) const;
   /// A trigger with what the display showed. @param at_s  seconds since the measurement began
   /// @param around  values of the surroundings; reading_um among them means nothing
   [[nodiscard]] Verdict offer(double shown, double at_s, const Values& around);

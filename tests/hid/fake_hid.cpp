@@ -9,6 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <umockdev.h>
@@ -59,6 +60,7 @@ Device::Device(_UMockdevTestbed* testbed, std::vector<std::string> paths, std::s
     : testbed_(testbed), paths_(std::move(paths)), node_(std::move(node)) {
   descriptor_ = umockdev_testbed_get_dev_fd(testbed_, node_.c_str());
   if (descriptor_ < 0) throw std::runtime_error("no descriptor for " + node_);
+  ::fcntl(descriptor_, F_SETFD, FD_CLOEXEC);  // a program started later must not hold the device itself
   server_ = std::thread([this] { serve(); });
 }
 
