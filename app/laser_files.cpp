@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/import_profile.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -29,9 +30,49 @@ Result<Vector3> parked_in(std::string_view text) {
 }
 
 laser::Encoding encoding_named(const std::string& name) {
-  for (const auto encoding : {laser::Encoding::utf8, laser::Encoding::windows_1252, laser::Encoding::gbk})
+  for (const auto encoding : {laser::Encoding::utf8, laser::Encoding::windows_1252, laser::Encoding::gbk,
+                              laser::Encoding::latin1, laser::Encoding::shift_jis, laser::Encoding::utf16})
     if (name == laser::name_of(encoding)) return encoding;
   return laser::Encoding::automatic;
+}
+
+Result<std::optional<laser::Unit>> unit_given(const std::string& name, const char* option) {
+  if (name.empty()) return std::optional<laser::Unit>();
+  if (const auto unit = laser::unit_named(name)) return std::optional(*unit);
+  return problem(ProblemKind::usage,
+                 fmt::format("{}: expected a unit ({}), got \"{}\"", option, laser::unit_names(), name));
+}
+
+Result<char> delimiter_given(const std::string& name) {
+  if (name.empty()) return '\0';
+  if (name.size() == 1) return name[0];
+  for (const auto& [word, character] :
+       {std::pair{"blank", ' '}, {"tab", '\t'}, {"\\t", '\t'}, {"comma", ','}, {"semicolon", ';'}, {"bar", '|'}})
+    if (lower(name) == word) return character;
+  return problem(ProblemKind::usage,
+                 fmt::format("--delimiter: expected one character, or blank, tab, comma, semicolon, got \"{}\"", name));
+}
+
+Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments& arguments) {
+  if (arguments.columns.empty()) {
+    if (arguments.skip > 0 || arguments.rows > 0 || !arguments.delimiter.empty() || !arguments.decimal.empty() ||
+        !arguments.values.empty())
+      return problem(
+          ProblemKind::usage,
+          "--skip, --rows, --delimiter, --decimal and --values belong to --columns: give which column is what");
+    return std::optional<laser::ColumnMapping>();
+  }
+  auto mapping = laser::column_mapping(arguments.columns);
+  if (!mapping) return tl::unexpected(mapping.error());
+  const auto delimiter = delimiter_given(arguments.delimiter);
+  if (!delimiter) return tl::unexpected(delimiter.error());
+  mapping->delimiter = *delimiter;
+  mapping->skip_lines = arguments.skip;
+  mapping->most_rows = arguments.rows;
+  if (!arguments.decimal.empty()) mapping->decimal = arguments.decimal == "comma" ? ',' : '.';
+  if (arguments.values == "actual") mapping->values = laser::TableValues::actual_positions;
+  if (arguments.values == "compensation") mapping->values = laser::TableValues::compensations;
+  return std::optional(std::move(*mapping));
 }
 
 bool same_line(const laser::Group& a, const laser::Group& b) {
@@ -64,7 +105,7 @@ std::string conflict(const MeasurementSet& a, const MeasurementSet& b, std::stri
 }
 
 Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
-  for (const char* key : {"machine", "serial_number"})
+  for (const char* key : {"machine", "serial_number", "Machine", "Serial No"})
     if (const std::string differs = conflict(all, more, key); !differs.empty())
       return problem(ProblemKind::refused, differs + "; files of different machines are not joined");
   for (const laser::MetadataEntry& entry : more.metadata) {
@@ -95,19 +136,56 @@ Result<std::vector<int>> integers_in(const std::vector<std::string>& words, cons
   return numbers;
 }
 
+/// The option that a problem of usage asks for.
+std::string_view option_that_helps(const Problem& wrong) {
+  const auto says = [&](std::string_view word) { return wrong.message.find(word) != std::string::npos; };
+  if (says("channel")) return " (--channel NAME)";
+  if (says("unit")) return " (--target-unit, --reading-unit)";
+  if (says("columns") && !says("axis")) return " (--columns)";
+  return " (--axis X, --sense EX)";
+}
+
 }  // namespace
 
 void take_import_options(Verb& verb, ImportArguments& arguments) {
   verb.choice("--axis", arguments.axis, {"X", "Y", "Z"}, "the axis that was moved, where the file does not say")
       .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "what was measured, if not in the file")
       .text("--parked", arguments.parked, "where the other axes stood, as in y=-1400,z=0 [mm]")
-      .choice("--encoding", arguments.encoding, {"UTF-8", "Windows-1252", "GBK"}, "code page; by itself if not given")
+      .choice("--encoding", arguments.encoding, {"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"},
+              "code page; by itself if not given")
       .flag("--accept-truncated", arguments.accept_truncated, "take what is left of a file that ends too early")
-      .flag("--table-holds-errors", arguments.table_holds_errors, "a .REN table holds errors, not compensation");
+      .flag("--table-holds-errors", arguments.table_holds_errors, "a .REN table holds errors, not compensation")
+      .text("--target-unit", arguments.target_unit, "unit of the targets where it is not the usual one, as in in")
+      .text("--reading-unit", arguments.reading_unit,
+            "unit of the readings where it is not the usual one, as in um, arcsec")
+      .text("--channel", arguments.channel, "the channel of a log that holds several")
+      .text("--columns", arguments.columns,
+            "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3*0.001,run=2,approach=4")
+      .integer("--skip", arguments.skip, "lines before the table", 0, 1'000'000)
+      .integer("--rows", arguments.rows, "rows of the table to take; 0: all", 0, 1'000'000)
+      .text("--delimiter", arguments.delimiter,
+            "one character, or blank, tab, comma, semicolon; by itself if not given")
+      .choice("--decimal", arguments.decimal, {"point", "comma"}, "decimal sign of the table; both if not given")
+      .choice("--values", arguments.values, {"error", "actual", "compensation"},
+              "what the readings of the table are; error if not given")
+      .text("--profile", arguments.profile, "import options saved under this name, or a path");
 }
 
-Result<laser::ImportOptions> import_options(const ImportArguments& arguments) {
+Result<laser::ImportOptions> import_options(const ImportArguments& given) {
+  const auto whole = with_profile(given);
+  if (!whole) return tl::unexpected(whole.error());
+  const ImportArguments& arguments = *whole;
   laser::ImportOptions options;
+  const auto target_unit = unit_given(arguments.target_unit, "--target-unit");
+  if (!target_unit) return tl::unexpected(target_unit.error());
+  const auto reading_unit = unit_given(arguments.reading_unit, "--reading-unit");
+  if (!reading_unit) return tl::unexpected(reading_unit.error());
+  auto mapping = mapping_given(arguments);
+  if (!mapping) return tl::unexpected(mapping.error());
+  options.target_unit = *target_unit;
+  options.reading_unit = *reading_unit;
+  options.mapping = std::move(*mapping);
+  options.channel = arguments.channel;
   if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
   if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
   if (!arguments.parked.empty()) {
@@ -125,7 +203,8 @@ Result<laser::Imported> read_measurements(const std::string& file, const ImportA
   const auto options = import_options(arguments);
   if (!options) return tl::unexpected(options.error());
   auto imported = laser::read_any(file, *options);
-  if (!imported && imported.error().kind == ProblemKind::usage) imported.error().message += " (--axis X, --sense EX)";
+  if (!imported && imported.error().kind == ProblemKind::usage)
+    imported.error().message += option_that_helps(imported.error());
   if (imported && imported->set.source.empty()) imported->set.source = file;
   return imported;
 }

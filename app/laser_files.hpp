@@ -20,9 +20,20 @@ struct ImportArguments {
   std::string encoding;
   bool accept_truncated = false;
   bool table_holds_errors = false;
+  std::string target_unit;
+  std::string reading_unit;
+  std::string channel;
+  std::string columns;    ///< "x_mm=1,reading=3*0.001,run=2,approach=4": the file is a table, read by this
+  int skip = 0;           ///< lines before the table
+  int rows = 0;           ///< rows to take; 0: all
+  std::string delimiter;  ///< one character, or blank, tab, comma, semicolon
+  std::string decimal;    ///< point or comma
+  std::string values;     ///< error, actual, compensation
+  std::string profile;    ///< name or path of a profile with the answers above
 };
 
-/// Adds --axis --sense --parked --encoding --accept-truncated --table-holds-errors.
+/// Adds --axis --sense --parked --encoding --accept-truncated --table-holds-errors --target-unit --reading-unit
+/// --channel, and --columns --skip --rows --delimiter --decimal --values --profile.
 void take_import_options(Verb& verb, ImportArguments& arguments);
 
 /// A `usage` problem names the option that is wrong.

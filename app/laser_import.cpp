@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/import_profile.hpp"
 #include "app/laser_files.hpp"
 #include "app/laser_json.hpp"
 #include "app/laser_menu.hpp"
@@ -14,6 +15,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> files;
   std::string output;
+  std::string save_profile;
   ImportArguments import;
 };
 
@@ -58,6 +60,13 @@ Result<Outcome> import(Session&, const Arguments& arguments) {
     files.push_back(json_of_file(file, *imported));
     sets.push_back(std::move(imported->set));
   }
+  if (!arguments.save_profile.empty()) {
+    const auto kept = with_profile(arguments.import);
+    if (!kept) return tl::unexpected(kept.error());
+    const auto saved = save_profile(arguments.save_profile, *kept);
+    if (!saved) return tl::unexpected(saved.error());
+    text += fmt::format("import options kept in {}\n", saved->string());
+  }
   auto all = joined(sets);
   if (!all) return tl::unexpected(all.error());
   if (arguments.output.empty()) {
@@ -76,9 +85,12 @@ Result<Outcome> import(Session&, const Arguments& arguments) {
 void add_laser_import(Menu& menu) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = menu.verb("import", "any instrument's file as a measurement set (CSV); says what it took it for",
-                        "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0");
+                        "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
+                        "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
+                        "--skip 3 --save-profile gauge -o table.csv");
   verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
-      .text("-o,--output", arguments->output, "the CSV to write");
+      .text("-o,--output", arguments->output, "the CSV to write")
+      .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
   take_import_options(verb, arguments->import);
   verb.runs([arguments](Session& session) { return import(session, *arguments); });
 }

@@ -2,6 +2,7 @@
 // Does not live here: the formats that are read (import_format.cpp).
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -50,11 +51,12 @@ constexpr std::array<Known, 24> kKnown{{
 
 bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'); }
 
-std::string seems(std::string_view text) {
+/// What the file is, if it is known by a mark.
+std::optional<std::string_view> known_as(std::string_view text) {
   const std::string head = lower(text.substr(0, kHead));
   for (const Known& known : kKnown)
-    if (head.find(known.mark) != std::string::npos) return fmt::format("it seems to be {}", known.is);
-  return "nothing in it names a format that is known here";
+    if (head.find(known.mark) != std::string::npos) return known.is;
+  return std::nullopt;
 }
 
 std::string_view delimiter_name(char delimiter) {
@@ -72,15 +74,10 @@ std::string_view delimiter_name(char delimiter) {
   }
 }
 
-std::string cut(std::string_view text, std::size_t longest) {
-  std::string shown = in_quotes(text.substr(0, longest));
-  return shown;
-}
-
 std::string table_text(const TableShape& shape) {
   std::string text =
       fmt::format("a table of {} rows and {} columns between {} begins in line {}: {}", shape.rows, shape.columns,
-                  delimiter_name(shape.delimiter), shape.first_row_line, cut(shape.first_row, 60));
+                  delimiter_name(shape.delimiter), shape.first_row_line, in_quotes(shape.first_row));
   if (!shape.headings.empty()) {
     std::vector<std::string> named;
     for (std::size_t i = 0; i < std::min<std::size_t>(shape.headings.size(), 12); ++i)
@@ -101,16 +98,19 @@ std::string advice(const TableShape& shape) {
 }  // namespace
 
 std::string explanation_of(std::string_view text) {
-  std::string known;
-  for (std::size_t i = 0; i + 1 < kFileFormats; ++i)
-    known += fmt::format("{}{}", i == 0 ? "" : ", ", name_of(static_cast<FileFormat>(i)));
-  std::string why = fmt::format("not a measurement file that is known here: {}", seems(text));
+  const auto known = known_as(text);
+  std::string why = "not a measurement file that is known here: ";
+  why += known ? fmt::format("it seems to be {}", *known) : "nothing in it names a format that is known here";
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
   if (shape && shape->rows >= 2)
     why += fmt::format("; {}; {}", table_text(*shape), advice(*shape));
   else
     why += "; no table of numbers was found in it";
-  return why + "; looked for: " + known;
+  if (known) return why;
+  why += "; looked for: ";
+  for (std::size_t i = 0; i + 1 < kFileFormats; ++i)
+    why += fmt::format("{}{}", i == 0 ? "" : ", ", name_of(static_cast<FileFormat>(i)));
+  return why;
 }
 
 }  // namespace ecs::laser
