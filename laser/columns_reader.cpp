@@ -134,13 +134,18 @@ std::vector<Field> fields_of(const ColumnMapping& mapping) {
   return fields;
 }
 
+/// Rows, not readings, are stops: one row may hold several readings.
 void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
   std::vector<double> targets;
-  for (const Reading& reading : set.readings) targets.push_back(target_mm(reading));
+  std::vector<std::size_t> stop_of;
+  for (std::size_t i = 0; i < set.readings.size(); ++i) {
+    if (i == 0 || set.readings[i].line != set.readings[i - 1].line) targets.push_back(target_mm(set.readings[i]));
+    stop_of.push_back(targets.size() - 1);
+  }
   const auto motion = motion_of(targets);
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    if (mapping.motion_approach) set.readings[i].approach = motion[i].approach;
-    if (mapping.motion_run) set.readings[i].run = motion[i].run;
+  for (std::size_t i = 0; i < set.readings.size(); ++i) {
+    if (mapping.motion_approach) set.readings[i].approach = motion[stop_of[i]].approach;
+    if (mapping.motion_run) set.readings[i].run = motion[stop_of[i]].run;
   }
   set.notes.push_back("approach and run from the order of the targets, as asked");
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "laser/environment_record.hpp"
 #include "laser/import_columns.hpp"
 #include "laser/import_units.hpp"
 #include "laser/measurement_set.hpp"
@@ -52,16 +53,6 @@ struct ImportOptions {
   std::string channel;               ///< of a channel log; empty: the only one
   std::optional<ColumnMapping> mapping;  ///< the file is a table, read by this; the format is not looked for
   std::size_t most_samples = 200'000;    ///< .rtx: longer captures are thinned to every n-th sample; at least 1
-};
-
-/// One line of an environment log.
-struct EnvironmentRecord {
-  Vector3 stage_mm{};
-  Vector3 air_degC{};  ///< at the X, Y and Z interferometer
-  double pressure_hPa = 0.0;
-  double humidity_pct = 0.0;
-  double sample_degC = 0.0;
-  friend bool operator==(const EnvironmentRecord&, const EnvironmentRecord&) = default;
 };
 
 struct Imported {

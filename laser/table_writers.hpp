@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/import.hpp"
+#include "laser/environment_record.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
 

@@ -105,6 +105,14 @@ TEST_CASE("approach and run from the order of the targets") {
   CHECK(says(set.notes, "order of the targets"));
 }
 
+TEST_CASE("the order of the targets counts rows, however many readings a row has") {
+  const auto set = read("0 1 1\n100 2 2\n100 3 3\n0 4 4\n", by("x_mm=1,EX=2,EB=3,approach=motion,run=motion"));
+  REQUIRE(set.readings.size() == 8);
+  CHECK(set.readings[3].approach == Approach::forward);
+  CHECK(set.readings[4].approach == Approach::reverse);
+  CHECK(set.readings[7].run == 1);
+}
+
 TEST_CASE("one-way passes: a single jump back is no reverse pass") {
   const auto motion = motion_of({0.0, 100.0, 200.0, 0.0, 100.0, 200.0});
   for (const MotionStop& stop : motion) CHECK(stop.approach == Approach::forward);
