@@ -222,7 +222,8 @@ void go_through(Session& session, CaptureRun& run, bool needs_keyboard) {
         run.typed(*line, steady_s());
         show_news(session, run);
       }
-      if (keyboard->ended() && needs_keyboard) run.strand("stdin has ended, and nothing else can trigger");
+      if (keyboard->ended() && needs_keyboard && !run.left())
+        run.strand("stdin has ended, and nothing else can trigger");
     }
     show_news(session, run);
   }

@@ -9,7 +9,7 @@ void add(std::string& text, const std::string& part) { text += (text.empty() ? "
 
 std::string start_of_pass(const laser::Reading& stop) {
   const bool forward = stop.approach == Approach::forward;
-  return fmt::format("   start {} it, so that it is approached {}", forward ? "below" : "above",
+  return fmt::format("; start {} it, so that it is approached {}", forward ? "below" : "above",
                      forward ? "forward (rising)" : "in reverse (falling)");
 }
 
@@ -19,7 +19,7 @@ std::string due_text(const laser::CaptureRecord& record) {
   const laser::Reading* stop = record.due();
   if (stop == nullptr) return {};
   const auto place = record.place();
-  return fmt::format("next: {} {} to {} mm   {} of {}, run {} of {}, {} of {} in all{}", letter_of(stop->axis),
+  return fmt::format("next: {} {} to {} mm ({} of {}, run {} of {}, {} of {} in all){}", letter_of(stop->axis),
                      stop->approach == Approach::forward ? "forward" : "reverse", laser::target_mm(*stop), place.number,
                      place.of, stop->run, record.runs(), record.next() + 1, record.plan().stops.size(),
                      place.first_of_pass ? start_of_pass(*stop) : "");
@@ -63,7 +63,7 @@ std::string around_text(const laser::Reading& reading) {
 std::string taken_text(const laser::CaptureRecord& record) {
   const laser::Reading& last = record.taken().back();
   const std::string around = around_text(last);
-  return fmt::format("{:.2f} {} at {} {} mm   {:.1f} s{}", last.error, laser::unit_of(last.sense), letter_of(last.axis),
+  return fmt::format("{:.2f} {} at {} {} mm ({:.1f} s{})", last.error, laser::unit_of(last.sense), letter_of(last.axis),
                      laser::target_mm(last), last.time_s.value_or(0.0), around.empty() ? "" : ", " + around);
 }
 

@@ -81,6 +81,12 @@ double last_report_s(const std::vector<Watched>& watched) {
   return last;
 }
 
+bool user_left(const Session& session) {
+  Keyboard* keyboard = session.face.keyboard();
+  const auto line = keyboard == nullptr ? std::nullopt : keyboard->line();
+  return line && lower(trimmed(*line)) == "q";
+}
+
 Result<void> watch(Session& session, const LearnChoice& choice, std::vector<Watched>& watched) {
   const double begin_s = steady_s();
   int told = 0;
@@ -90,6 +96,7 @@ Result<void> watch(Session& session, const LearnChoice& choice, std::vector<Watc
         return problem(ProblemKind::link,
                        fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
                                    laser::to_text(one.identity)));
+    if (user_left(session)) return problem(ProblemKind::refused, "left: nothing was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
     if (seen > told) session.face.note(fmt::format("{} of {}", told = seen, choice.presses));
     if (seen >= choice.presses && steady_s() - last_report_s(watched) > kQuiet_s) return {};

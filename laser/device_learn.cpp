@@ -118,7 +118,7 @@ Result<Learned> layout_of(const std::vector<std::pair<BitPlace, Behaviour>>& fou
   for (const TimedReport& report : reports)
     if (!report.bytes.empty() && (!numbered || report.bytes[0] == first.number))
       out.report_bytes = std::max(out.report_bytes, report.bytes.size());
-  out.trigger.debounce_ms = std::max(kLeastDebounce_ms, static_cast<int>(std::ceil(2.0 * out.bounce_ms)));
+  out.trigger.debounce_ms = std::max(kLeastDebounce_ms, static_cast<int>(std::lround(2.0 * out.bounce_ms)));
   return out;
 }
 

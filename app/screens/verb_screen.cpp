@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/program.hpp"
+#include "app/screens/live_screen.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -103,22 +104,28 @@ Place VerbScreen::cursor(const Area& area) const {
           area.column + 1 + names + values_[static_cast<std::size_t>(field_.selected)].cursor_column(columns)};
 }
 
-void VerbScreen::run() {
-  if (const std::string name = lacking(); !name.empty()) {
-    hint_ = fmt::format("{} is needed", name);
-    return;
-  }
+std::vector<std::string> VerbScreen::words() const {
   std::vector<std::string> values;
   for (const TextLine& value : values_) values.push_back(value.text());
+  return command_line(verb_, values);
+}
+
+Step VerbScreen::run() {
+  if (const std::string name = lacking(); !name.empty()) {
+    hint_ = fmt::format("{} is needed", name);
+    return stay();
+  }
+  if (runs_live(verb_.name())) return opened(std::make_unique<LiveScreen>(verb_.name(), words()));
   answer_.reset();
   scroll_ = {};
-  job_.start([words = command_line(verb_, values)](JobSigns&) {
+  job_.start([words = words()](JobSigns&) {
     std::ostringstream out, messages;
     const int code = run_program(words, out, messages);
     Answer answer{lines_in(messages.str()), code};
     for (std::string& line : lines_in(out.str())) answer.lines.push_back(std::move(line));
     return answer;
   });
+  return stay();
 }
 
 void VerbScreen::complete() {
@@ -153,8 +160,7 @@ Step VerbScreen::on_key(const Key& key) {
   }
   if (job_.running()) return stay();
   if (key.name == Key::Name::enter || (key.name == Key::Name::function && key.number == 5)) {
-    run();
-    return stay();
+    return run();
   }
   if (reading_) {
     if (key.name == Key::Name::back_tab || is_letter(key, U'e')) reading_ = false;

@@ -36,7 +36,8 @@ class VerbScreen final : public Screen {
   [[nodiscard]] std::string lacking() const;
   void draw_fields(Canvas& canvas, const Area& area) const;
   void draw_answer(Canvas& canvas, const Area& area) const;
-  void run();
+  [[nodiscard]] std::vector<std::string> words() const;
+  [[nodiscard]] Step run();
   void complete();
   void next_choice(int by);
 
