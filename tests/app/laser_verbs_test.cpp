@@ -84,11 +84,15 @@ TEST_CASE("what a file does not say is asked for by the name of its option") {
 }
 
 TEST_CASE("parked positions are given by axis") {
-  const auto good = import_options({.axis = "X", .sense = "EX", .parked = "y=-1400, z=5", .encoding = ""});
+  ImportArguments arguments;
+  arguments.parked = "y=-1400, z=5";
+  const auto good = import_options(arguments);
   REQUIRE(good);
   CHECK(good->parked_mm == Vector3{0.0, -1400.0, 5.0});
-  for (const char* wrong : {"y", "y=", "u=3", "y=nan", "y=1;z=2", "=", ","})
-    CHECK_FALSE(import_options({.axis = "", .sense = "", .parked = wrong, .encoding = ""}));
+  for (const char* wrong : {"y", "y=", "u=3", "y=nan", "y=1;z=2", "=", ","}) {
+    arguments.parked = wrong;
+    CHECK_FALSE(import_options(arguments));
+  }
 }
 
 TEST_CASE("runs of a second file on the same line are numbered on") {
