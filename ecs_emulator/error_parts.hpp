@@ -17,6 +17,7 @@ namespace ecs::emulator {
 struct Contribution {
   Component component = Component::EXX;
   ErrorCurve curve;
+  int line = 0;  ///< of its table
 };
 
 /// `[[effect]]`

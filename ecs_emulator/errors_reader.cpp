@@ -1,5 +1,8 @@
 #include "ecs_emulator/errors_reader.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -21,7 +24,8 @@ std::vector<CurvePoint> points_in(TomlReader& reader, const toml::node& node) {
     if (cells != nullptr)
       for (const toml::node& cell : *cells)
         if (const auto number = cell.value<double>()) numbers.push_back(*number);
-    if (cells == nullptr || numbers.size() != cells->size() || numbers.size() < 2 || numbers.size() > 3) {
+    if (cells == nullptr || numbers.size() != cells->size() || numbers.size() < 2 || numbers.size() > 3 ||
+        !std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); })) {
       reader.complain(row, "points: expected [position_mm, forward, reverse] or [position_mm, value]");
       return {};
     }
@@ -52,8 +56,10 @@ std::vector<CurvePoint> csv_in(ErrorsReading& reading, const toml::table& table)
     std::vector<double> numbers;
     for (const std::string_view cell : cells)
       if (const auto number = number_in(cell)) numbers.push_back(*number);
-    const bool right = numbers.size() == cells.size() && (numbers.size() == 2 || numbers.size() == 3) &&
-                       (points.empty() || numbers[0] > points.back().p_mm);
+    const bool right =
+        numbers.size() == cells.size() && (numbers.size() == 2 || numbers.size() == 3) &&
+        std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); }) &&
+        (points.empty() || numbers[0] > points.back().p_mm);
     if (!right) {
       reading.reader.add({ProblemKind::bad_input,
                           "expected p_mm,forward,reverse with ascending positions",
@@ -79,7 +85,9 @@ std::optional<Contribution> contribution_in(ErrorsReading& reading, const toml::
   }
   auto curve = curve_in(reading, table, "contribution");
   if (!curve) return std::nullopt;
-  return Contribution{*component, std::move(*curve)};
+  const auto line = static_cast<int>(table.source().begin.line);
+  reading.parts.demands.push_back({"contribution", line, moving_axis(*component), Demand::Side::any, {}});
+  return Contribution{*component, std::move(*curve), line};
 }
 
 void read_squareness(ErrorsReading& reading) {

@@ -34,8 +34,10 @@ Result<Formula> Formula::compile(const std::string& expression, Variables& varia
   return Formula(std::move(parser));
 }
 
+double Formula::raw() const { return parser_->parser.Eval(); }
+
 double Formula::value() const {
-  const double value = parser_->parser.Eval();
+  const double value = raw();
   return std::isfinite(value) ? value : 0.0;
 }
 

@@ -26,6 +26,8 @@ class Formula {
   ~Formula();
   /// The value at the variables as they stand; 0 where it is not finite.
   [[nodiscard]] double value() const;
+  /// The same, finite or not.
+  [[nodiscard]] double raw() const;
 
  private:
   struct Parser;

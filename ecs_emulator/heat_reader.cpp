@@ -51,6 +51,13 @@ void read_air(ErrorsReading& reading) {
   at_most(reader, *table, "warmest_h", 24.0, day.warmest_h);
   at_most(reader, *table, "start_h", 24.0, day.start_h);
   at_most(reader, *table, "humidity_pct", 100.0, day.humidity_pct);
+  at_most(reader, *table, "mean_degC", 60.0, day.mean_degC);
+  if (day.mean_degC < -40.0) reader.complain(*table->get("mean_degC"), "mean_degC: expected -40 or more");
+  for (const char* key : {"swing_degC", "wander_degC"})
+    at_most(reader, *table, key, 40.0, std::string_view(key) == "swing_degC" ? day.swing_degC : day.wander_degC);
+  at_most(reader, *table, "pressure_hPa", 1200.0, day.pressure_hPa);
+  at_most(reader, *table, "pressure_wander_hPa", 200.0, day.pressure_wander_hPa);
+  at_most(reader, *table, "humidity_wander_pct", 100.0, day.humidity_wander_pct);
   reading.parts.heat.air = day;
 }
 

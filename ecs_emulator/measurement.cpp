@@ -55,7 +55,7 @@ class Measuring {
     if (plan_.runs < 1 || plan_.runs > 1000) return refused("runs: expected 1 to 1000");
     if (!(plan_.feed_mm_min >= kSlowestFeed_mm_min))
       return refused(fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
-    if (!(plan_.dwell_s >= 0.0)) return refused("dwell: expected 0 s or more");
+    if (!(plan_.dwell_s >= 0.0 && plan_.dwell_s <= 86'400.0)) return refused("dwell: expected 0 to 86400 s");
     if (!(plan_.overrun_mm >= 0.0 && plan_.overrun_mm <= kOvertravel_mm))
       return refused(fmt::format("overrun: expected 0 to {} mm", kOvertravel_mm));
     return within_travel(plan_.axis, {targets.front(), targets.back()});

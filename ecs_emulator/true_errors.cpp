@@ -1,6 +1,7 @@
 #include "ecs_emulator/true_errors.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -17,10 +18,15 @@ struct TrueErrors::Parts : ErrorParts {
   void set(const MachineState& state, const Heat& from);
   void set_moving(const MachineState& state, Axis axis, double from_mm);
   [[nodiscard]] double value_of(const FileEffect& one, const MachineState& state, const Heat& from);
+  /// What is wrong with a contribution at the ends, the middle and the datum of its axis, if anything.
+  [[nodiscard]] std::optional<std::string> out_of_reach(const params::Machine& machine,
+                                                        const Contribution& contribution);
   [[nodiscard]] double rise_degC(const std::string& sensor, const MachineState& state, const Heat& from);
 };
 
 namespace {
+
+constexpr double kLargestError = 1e6;  ///< um or um/m: no machine errs by a metre
 
 /// A smooth shape of standard deviation 1 over the travel: offset (half of the variance), slope (a quarter) and two
 /// waves (a quarter).
@@ -147,8 +153,32 @@ Result<void> TrueErrors::judged_for(const params::Machine& machine) const {
     if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
       complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));
   }
+  for (const Contribution& contribution : parts_->contributions)
+    if (auto wrong = parts_->out_of_reach(machine, contribution))
+      problems.push_back({ProblemKind::bad_input, *wrong, parts_->file, contribution.line, 0, {}});
   if (problems.empty()) return {};
   return tl::unexpected(folded(std::move(problems)));
+}
+
+std::optional<std::string> TrueErrors::Parts::out_of_reach(const params::Machine& machine,
+                                                           const Contribution& contribution) {
+  const Axis axis = moving_axis(contribution.component);
+  const auto& facts = machine.axes[index_of(axis)];
+  if (!facts) return std::nullopt;
+  const auto [low_mm, high_mm] = facts->travel_mm;
+  MachineState state;
+  for (const double at_mm : {low_mm, std::midpoint(low_mm, high_mm), high_mm, facts->datum_mm})
+    for (const Approach approach : {Approach::forward, Approach::reverse}) {
+      state.position_mm[index_of(axis)] = at_mm;
+      state.approach[index_of(axis)] = approach;
+      set_moving(state, axis, 0.0);
+      const auto& formula = contribution.curve.formula;
+      const double value = formula ? formula->raw() : contribution.curve.value(variables);
+      if (!(std::abs(value) <= kLargestError))
+        return fmt::format("contribution to {}: expected values within {} um or um/m, at {} mm it is {}",
+                           name_of(contribution.component), kLargestError, at_mm, value);
+    }
+  return std::nullopt;
 }
 
 void TrueErrors::put_on(const MachinePlace& machine) { parts_->place = machine; }

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include "workshop_machines.hpp"
+
 using namespace ecs;
 using namespace ecs::emulator;
 
@@ -108,4 +110,25 @@ TEST_CASE("the scatter of a pass is smooth, the same within the pass, new in the
     }
   CHECK(std::sqrt(sum / count) == doctest::Approx(2.0).epsilon(0.1));
   CHECK(errors.reading_scatter()[0] == 0.5);
+}
+
+TEST_CASE("what no machine can do is refused with its line before anything moves") {
+  const auto refusal = [](const std::string& text) {
+    auto parsed = TrueErrors::parse(text, "errors.toml", ".");
+    if (!parsed) return to_text(parsed.error());
+    const auto judged = parsed->judged_for(
+        test::machine_of(
+            "configuration = \"TXY\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[axis.Y]\ntravel_mm = [-9.0, 0.0]\n")
+            .machine);
+    return judged ? std::string() : to_text(judged.error());
+  };
+  const std::string head = "\n[[contribution]]\ncomponent = \"EXX\"\n";
+  CHECK(refusal(head + "formula = \"1/0*p\"\n").find("errors.toml:2") != std::string::npos);
+  CHECK(refusal(head + "formula = \"sqrt(p-1)\"\n").find("EXX") != std::string::npos);
+  CHECK(refusal(head + "formula = \"1e300*1e300\"\n") != "");
+  CHECK(refusal(head + "points = [[0, nan]]\n").find("points") != std::string::npos);
+  CHECK(refusal("[air]\nmean_degC = -300\n").find("-40") != std::string::npos);
+  CHECK(refusal("[air]\nmean_degC = 1e300\n").find("60") != std::string::npos);
+  CHECK(refusal("[[contribution]]\ncomponent = \"EYZ\"\nformula = \"p\"\n").find("has no Z") != std::string::npos);
+  CHECK(refusal(head + "formula = \"0.01*p + d\"\n") == "");
 }
