@@ -46,15 +46,16 @@ std::string CaptureRun::help() const {
   return how + "; u takes the last one back, s skips a target, q leaves (what was read is kept), ? helps";
 }
 
-void CaptureRun::tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance) {
+void CaptureRun::tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance,
+                             const char* meanwhile) {
   if (change == laser::PortChange::lost) {
     ++unplugged_;
     record_.pause();
     tell(CaptureNews::Kind::warning,
-         fmt::format("{} was unplugged. Nothing is lost: {} reading{} {} safe{}. Plug it in again; it is waited for",
-                     device, record_.taken().size(), record_.taken().size() == 1 ? "" : "s",
+         fmt::format("{} was unplugged. Nothing is lost: {} reading{} {} safe{}. Plug it in again; {}", device,
+                     record_.taken().size(), record_.taken().size() == 1 ? "" : "s",
                      record_.taken().size() == 1 ? "is" : "are",
-                     setup_.part.empty() || record_.taken().empty() ? "" : " in " + setup_.part));
+                     setup_.part.empty() || record_.taken().empty() ? "" : " in " + setup_.part, meanwhile));
   }
   if (change == laser::PortChange::back) {
     record_.pause();
@@ -69,17 +70,18 @@ void CaptureRun::tell_change(laser::PortChange change, const std::string& device
 void CaptureRun::look_after_devices(double now_s) {
   if (setup_.trigger) {
     const laser::PortChange change = setup_.trigger->look(now_s);
-    tell_change(change, name_of(setup_.trigger->port()), setup_.trigger->port().hindrance());
+    tell_change(change, name_of(setup_.trigger->port()), setup_.trigger->port().hindrance(),
+                "Enter triggers meanwhile");
   }
   if (setup_.source) {
     const laser::PortChange change = setup_.source->look(now_s);
-    tell_change(change, setup_.source->name(), setup_.source->hindrance());
+    tell_change(change, setup_.source->name(), setup_.source->hindrance(), "it is waited for");
     setup_.source->attend(now_s);
   }
   if (!setup_.environment) return;
   laser::Sensor& sensor = *setup_.environment;
   const laser::PortChange change = sensor.look(now_s);
-  tell_change(change, name_of(sensor.port()), sensor.port().hindrance());
+  tell_change(change, name_of(sensor.port()), sensor.port().hindrance(), "readings go on without its values meanwhile");
   sensor.attend(now_s);
   if (sensor.silent() >= kSilentPolls && !silence_told_)
     tell(CaptureNews::Kind::warning,

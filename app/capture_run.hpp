@@ -69,7 +69,8 @@ class CaptureRun {
   void tell(CaptureNews::Kind kind, std::string text);
   void tell_due();
   void look_after_devices(double now_s);
-  void tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance);
+  void tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance,
+                   const char* meanwhile);
   void fire(double now_s);
   void take(double shown, double now_s);
   void ask_source(double now_s);

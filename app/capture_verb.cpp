@@ -113,6 +113,10 @@ Result<Begun> begun_anew(const Arguments& arguments, bool each) {
 }
 
 Result<Begun> resumed(const Arguments& arguments) {
+  const TargetArguments& target = arguments.target;
+  if (!target.axis.empty() || !target.sense.empty() || target.from_mm || target.to_mm || target.step_mm ||
+      !target.targets.empty() || !target.plan.empty())
+    return problem(ProblemKind::usage, "--resume goes on with the targets of its file: give no others beside it");
   const auto part = laser::read_measurement_set(arguments.resume);
   if (!part) return tl::unexpected(part.error());
   auto record = laser::CaptureRecord::from_part(*part);

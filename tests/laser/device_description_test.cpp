@@ -1,9 +1,11 @@
 #include "laser/device_description.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 
 #include <doctest/doctest.h>
+#include <rapidcheck.h>
 
 #include "laser/device_builtin.hpp"
 #include "laser/device_port.hpp"
@@ -119,6 +121,16 @@ TEST_CASE("a report descriptor tells the lengths of the reports") {
   CHECK(reports_in({}).input.empty());
   const Bytes cut{0x75, 0x08, 0x95, 0x08, 0x81, 0x02, 0x26, 0xFF};
   CHECK(reports_in(cut).input.at(0) == 8);
+}
+
+TEST_CASE("no report descriptor and no report, however garbled, does harm") {
+  rc::check([] {
+    const auto bytes = *rc::gen::arbitrary<Bytes>();
+    for (const auto& entry : reports_in(bytes).input) RC_ASSERT(entry.second <= 8193u);
+    for (const DeviceDescription& device : builtin_devices())
+      for (const auto& entry : values_in(device, {bytes})) RC_ASSERT(std::abs(entry.second) < 1e3);
+    static_cast<void>(held_in(*read_device("samples/devices/foot_switch.toml"), bytes));
+  });
 }
 
 TEST_CASE("a device that is not there, and two that are alike, are told with what to do") {
