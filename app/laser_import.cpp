@@ -1,4 +1,5 @@
-// `ecs laser import`: what an instrument wrote, as a measurement set in our CSV.
+// `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
@@ -7,7 +8,12 @@
 #include "app/laser_files.hpp"
 #include "app/laser_json.hpp"
 #include "app/laser_menu.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
 #include "laser/measurement_writer.hpp"
+#include "laser/renishaw_dynamic_writer.hpp"
+#include "laser/renishaw_writer.hpp"
+#include "laser/table_writers.hpp"
 
 namespace ecs::app {
 namespace {
@@ -47,6 +53,28 @@ Json whole(const std::vector<Json>& files, const laser::MeasurementSet& set, con
   return object;
 }
 
+/// The set in the form that the output's extension names; the measurement CSV for any other.
+Result<std::string> content_for(const std::string& output, const laser::MeasurementSet& set) {
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension == ".rtl" || extension == ".rta" || extension == ".rts") {
+    if (!set.readings.empty() && laser::renishaw_extension(set) != extension)
+      return problem(ProblemKind::usage, fmt::format("{}: these readings make a {} file, not {}", output,
+                                                     laser::renishaw_extension(set), extension));
+    return laser::to_renishaw_run(set);
+  }
+  if (extension == ".rtx") return laser::to_renishaw_dynamic(set, std::filesystem::path(output).filename().string());
+  if (extension == ".ren") return laser::to_renishaw_table(set);
+  if (extension == ".pos") return laser::to_api_pos(set);
+  if (extension == ".dat") return laser::to_iso230_assignments(set);
+  return laser::to_csv(set);
+}
+
+Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
+  const auto content = content_for(output, set);
+  if (!content) return tl::unexpected(content.error());
+  return write_file(output, *content);
+}
+
 Result<Outcome> import(Session&, const Arguments& arguments) {
   if (const auto spared = spares_inputs(arguments.output, arguments.files); !spared)
     return tl::unexpected(spared.error());
@@ -73,8 +101,7 @@ Result<Outcome> import(Session&, const Arguments& arguments) {
     text += "nothing written: give -o OUT.csv to keep it\n";
   } else {
     if (all->readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
-    if (const auto written = laser::write_measurement_set(arguments.output, *all); !written)
-      return tl::unexpected(written.error());
+    if (const auto written = write_set(arguments.output, *all); !written) return tl::unexpected(written.error());
     text += fmt::format("{} readings written to {}\n", all->readings.size(), arguments.output);
   }
   return Outcome{text, one_line(whole(files, *all, arguments.output)), kDone};
@@ -89,7 +116,7 @@ void add_laser_import(Menu& menu) {
                         "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
                         "--skip 3 --save-profile gauge -o table.csv");
   verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
-      .text("-o,--output", arguments->output, "the CSV to write")
+      .text("-o,--output", arguments->output, "the file to write: CSV, or .rtl .rta .rts .rtx .ren .pos .dat")
       .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
   take_import_options(verb, arguments->import);
   verb.runs([arguments](Session& session) { return import(session, *arguments); });

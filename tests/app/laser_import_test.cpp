@@ -61,6 +61,19 @@ TEST_CASE("an unknown table is explained, imported by its columns, and again by 
   CHECK(contains(content_of(again), "X,254,0,0,EX,-2.9,-1,1,25"));
 }
 
+TEST_CASE("the output's extension chooses another instrument's file, which is read back") {
+  const Folder folder;
+  for (const char* name : {"x.rtl", "x.ren", "x.dat", "x.pos"}) {
+    const std::string out = folder / name;
+    const Ran written = ran({"laser", "import", "samples/laser/vmc_x.rtl", "-o", out});
+    REQUIRE_MESSAGE(written.code == 0, written.messages);
+    const auto back = ran({"laser", "import", out, "--axis", "X", "--json"}).json();
+    CHECK(back["lines"][0]["targets"] == 3);
+  }
+  CHECK(ran({"laser", "import", "samples/laser/vmc_x.rtl", "-o", folder / "x.rta"}).code == 2);
+  CHECK(ran({"laser", "import", "samples/laser/vmc_x.rtl", "-o", folder / "x.rtx"}).code == 1);
+}
+
 TEST_CASE("wrong columns and wrong profiles are refused with what was expected") {
   const Folder folder;
   const ConfigHome home(folder / "config");
