@@ -1,4 +1,5 @@
 // `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -32,12 +33,20 @@ Json json_of_file(const std::string& file, const laser::Imported& imported) {
   return object;
 }
 
+/// A plate or a probed surface has hundreds of lines; the first of them show what was read.
+std::string shortened_table(std::vector<LineSummary> lines) {
+  constexpr std::size_t kShown = 20;
+  const std::size_t more = lines.size() - std::min(lines.size(), kShown);
+  lines.resize(lines.size() - more);
+  return lines_table(lines) + (more > 0 ? fmt::format("and {} more measurement lines\n", more) : "");
+}
+
 std::string text_of_file(const std::string& file, const laser::Imported& imported) {
   std::string text = fmt::format("{}: {}\n", file, laser::name_of(imported.format));
   if (imported.set.readings.empty())
     text += fmt::format("  no readings; {} records of the environment\n", imported.environment.size());
   else
-    text += lines_table(lines_in(imported.set));
+    text += shortened_table(lines_in(imported.set));
   for (const std::string& note : imported.set.notes) text += fmt::format("  assumed: {}\n", note);
   return text;
 }
