@@ -51,6 +51,7 @@ void CaptureRun::tell_change(laser::PortChange change, const std::string& device
   if (change == laser::PortChange::lost) {
     ++unplugged_;
     record_.pause();
+    settle();
     tell(CaptureNews::Kind::warning,
          fmt::format("{} was unplugged. Nothing is lost: {} reading{} {} safe{}. Plug it in again; {}", device,
                      record_.taken().size(), record_.taken().size() == 1 ? "" : "s",
@@ -94,6 +95,7 @@ void CaptureRun::look_after_devices(double now_s) {
 void CaptureRun::step(std::chrono::milliseconds wait, double now_s) {
   using Clock = std::chrono::steady_clock;
   look_after_devices(now_s);
+  if (writing_.valid() && writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) settle();
   if (done() || left_ || !stuck_.empty()) return;
   const auto begin = Clock::now();
   const bool listening = setup_.trigger && setup_.trigger->port().present();
@@ -138,25 +140,34 @@ void CaptureRun::take(double shown, double now_s) {
   if (verdict.taken) tell_due();
 }
 
-/// A part that cannot be written is said at once, and tried again with the next reading.
+/// The outcome of the writing under way, once. A part that cannot be written is said at once, and tried again with the
+/// next reading.
+void CaptureRun::settle() {
+  if (!writing_.valid()) return;
+  const Result<void> written = writing_.get();
+  part_is_safe_ = written.has_value();
+  if (!part_is_safe_)
+    tell(CaptureNews::Kind::warning,
+         fmt::format("{} could not be written ({}): the readings are only in memory. Make room; it is tried again with "
+                     "the next reading",
+                     setup_.part, written.error().message));
+}
+
+bool CaptureRun::part_is_safe() {
+  settle();
+  return part_is_safe_;
+}
+
 void CaptureRun::keep() {
   if (setup_.part.empty()) return;
+  settle();
   if (record_.taken().empty()) {
     std::error_code ignored;
     std::filesystem::remove(setup_.part, ignored);
     return;
   }
-  const auto written = laser::write_measurement_set(setup_.part, record_.part());
-  if (written) {
-    part_is_safe_ = true;
-    return;
-  }
-  part_is_safe_ = false;
-  tell(CaptureNews::Kind::warning,
-       fmt::format(
-           "{} could not be written ({}): the readings are only in memory. Make room; it is tried again with the "
-           "next reading",
-           setup_.part, written.error().message));
+  writing_ = std::async(std::launch::async,
+                        [path = setup_.part, set = record_.part()] { return laser::write_measurement_set(path, set); });
 }
 
 void CaptureRun::typed(const std::string& line, double now_s) {

@@ -2,6 +2,7 @@
 // it (a terminal, a screen) takes its news. Does not live here: what is taken (laser/capture_record.hpp), the verb.
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -58,7 +59,8 @@ class CaptureRun {
   [[nodiscard]] const std::string& stuck() const { return stuck_; }
   [[nodiscard]] const laser::CaptureRecord& record() const { return record_; }
   [[nodiscard]] int unplugged() const { return unplugged_; }
-  [[nodiscard]] bool part_is_safe() const { return part_is_safe_; }
+  /// Waits for the last reading to be on disc. False: it could not be written.
+  [[nodiscard]] bool part_is_safe();
   [[nodiscard]] const std::string& part() const { return setup_.part; }
   /// What is measured around the reading at this moment.
   [[nodiscard]] laser::Values around(double now_s) const;
@@ -75,6 +77,7 @@ class CaptureRun {
   void take(double shown, double now_s);
   void ask_source(double now_s);
   void keep();
+  void settle();
 
   laser::CaptureRecord record_;
   CaptureSetup setup_;
@@ -83,6 +86,7 @@ class CaptureRun {
   bool asked_ = false;
   bool left_ = false;
   bool part_is_safe_ = true;
+  std::future<Result<void>> writing_;  ///< the part file: a slow disc must not keep presses waiting
   bool silence_told_ = false;
   int unplugged_ = 0;
   std::string hindrance_told_;

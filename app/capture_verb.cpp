@@ -249,7 +249,7 @@ Json json_of_run(const CaptureRun& run, const std::string& output, bool complete
               {"unplugged", run.unplugged()}};
 }
 
-std::string kept_text(const CaptureRun& run) {
+std::string kept_text(CaptureRun& run) {
   if (run.record().taken().empty()) return "nothing was read";
   if (!run.part_is_safe()) return fmt::format("{} could not be written last: the newest readings are lost", run.part());
   return fmt::format(
@@ -257,7 +257,7 @@ std::string kept_text(const CaptureRun& run) {
       run.record().taken().size(), run.record().plan().stops.size(), run.part(), run.part());
 }
 
-Result<Outcome> ended(const CaptureRun& run, const std::string& output) {
+Result<Outcome> ended(CaptureRun& run, const std::string& output) {
   if (!run.done()) {
     if (interrupted()) return problem(ProblemKind::refused, kept_text(run));
     if (!run.stuck().empty())
@@ -272,6 +272,7 @@ Result<Outcome> ended(const CaptureRun& run, const std::string& output) {
     why.message += "; " + kept_text(run);
     return tl::unexpected(std::move(why));
   }
+  static_cast<void>(run.part_is_safe());  // it is being written no more
   std::error_code ignored;
   std::filesystem::remove(run.part(), ignored);
   std::string text = fmt::format("{} readings of {} targets written to {}\n", result.readings.size(),

@@ -7,8 +7,8 @@
 //   press NAME              bounce NAME       double NAME (twice, 0.1 s apart)
 //   show NAME UM            a gauge's value
 //   degrees NAME AIR TABLE  what a stick answers from now on
-//   measure NAME N MS       N times: until the program says "next: ", MS milliseconds, a press
-//   wait MS                 start (the program, when its devices are there)         kill SIGNAL
+//   measure NAME N MS       N times: until the program says "next: " (after 5 s: a press again), MS milliseconds, a
+//   press wait MS                 start (the program, when its devices are there)         kill SIGNAL
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -30,6 +30,7 @@ namespace {
 using ecs::fake::Bytes;
 
 constexpr double kPatience_s = 30.0;
+constexpr double kAgain_s = 5.0;
 
 void rest(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
@@ -76,14 +77,18 @@ class Bench {
   }
 
   void until(const std::string& text) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience_s);
+    if (!heard(text, kPatience_s)) throw std::runtime_error("never said: " + text);
+  }
+
+  bool heard(const std::string& text, double patience_s) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
     while (true) {
       const std::size_t at = said_.find(text, heard_);
       if (at != std::string::npos) {
         heard_ = at + text.size();
-        return;
+        return true;
       }
-      if (std::chrono::steady_clock::now() > end) throw std::runtime_error("never said: " + text);
+      if (std::chrono::steady_clock::now() > end) return false;
       if (!listen(50)) throw std::runtime_error("ended before it said: " + text);
     }
   }
@@ -161,7 +166,11 @@ class Bench {
     int times = 0, pause_ms = 0;
     in >> times >> pause_ms;
     for (int k = 0; k < times; ++k) {
-      until("next: ");
+      // On a machine so busy that press and release arrive together a press may be lost: a person presses again.
+      while (!heard("next: ", kAgain_s)) {
+        std::cerr << "fake_usb: pressed again\n";
+        ecs::fake::press(device, 35);
+      }
       rest(pause_ms);
       ecs::fake::press(device, 35);
     }
