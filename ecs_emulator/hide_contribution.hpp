@@ -1,5 +1,5 @@
-// What an effect adds to a reading: the formulas of docs/physics.md section 4, by the place where they act in a
-// machine. Does not live here: the machine itself (kinematics.hpp), which effects are drawn (hide_choice.hpp).
+// What an effect adds to a reading: the formulas of docs/physics.md, "The effect library", by the place where they act
+// in a machine. Does not live here: the machine itself (kinematics.hpp), which effects are drawn (hide_choice.hpp).
 #pragma once
 
 #include <vector>

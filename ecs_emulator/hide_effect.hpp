@@ -1,5 +1,5 @@
-// The proving ground's words for physical causes: what an effect of docs/physics.md section 4 is, where it sits, how
-// large it is. Does not live here: what it adds to a reading (hide_contribution.hpp).
+// The proving ground's words for physical causes: what an effect of docs/physics.md, "The effect library" is, where it
+// sits, how large it is. Does not live here: what it adds to a reading (hide_contribution.hpp).
 #pragma once
 
 #include <array>

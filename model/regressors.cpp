@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "model/refractivity.hpp"
+#include "model/turns.hpp"
 #include "model/user_formula.hpp"
 
 namespace ecs::model {
@@ -146,7 +147,7 @@ void fill_row(const Observations& data, std::size_t k, const EffectInstance& eff
       return;
     case cyclic: {
       const double angle = 2.0 * std::numbers::pi * p_mm / nonlinear;
-      row << std::sin(angle), std::cos(angle), std::sin(2.0 * angle), std::cos(2.0 * angle);
+      row << sine_of(angle), cosine_of(angle), sine_of(2.0 * angle), cosine_of(2.0 * angle);
       return;
     }
     case backlash:

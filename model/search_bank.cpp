@@ -9,6 +9,7 @@
 #include "model/candidates.hpp"
 #include "model/gains.hpp"
 #include "model/search.hpp"
+#include "model/turns.hpp"
 
 namespace ecs::model {
 namespace {
@@ -33,8 +34,8 @@ void fill_place(EffectId id, double place_mm, double nonlinear, Index count, dou
     return;
   }
   const double angle = 2.0 * std::numbers::pi * place_mm / nonlinear;
-  out[0] = std::sin(angle);
-  out[1] = std::cos(angle);
+  out[0] = sine_of(angle);
+  out[1] = cosine_of(angle);
   if (count < 4) return;
   out[2] = 2.0 * out[0] * out[1];
   out[3] = 1.0 - 2.0 * out[0] * out[0];
