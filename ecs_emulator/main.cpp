@@ -13,13 +13,14 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include "ecs_emulator/hide_files.hpp"
+#include "ecs_emulator/hide_verb.hpp"
 #include "ecs_emulator/plan_file.hpp"
 #include "ecs_emulator/program_verb.hpp"
 #include "ecs_emulator/rig_verb.hpp"
 #include "ecs_emulator/serve.hpp"
 #include "ecs_emulator/workshop.hpp"
 #include "ecs_emulator/workshop_socket.hpp"
+#include "ecs_emulator/workshop_verbs.hpp"
 
 namespace {
 
@@ -58,159 +59,12 @@ void show_progress(const std::string& line) {
              part >= 1.0 ? "\n" : "");
 }
 
-/// "y=-700,z=0" → {"Y": -700, "Z": 0}
-Json coordinates(const std::vector<std::string>& texts) {
-  Json place = Json::object();
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    std::string name = text.substr(0, equals);
-    for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-    const Json value = equals == std::string::npos ? Json() : Json::parse(text.substr(equals + 1), nullptr, false);
-    place[name] = value.is_discarded() ? Json(text.substr(equals + 1)) : value;
-  }
-  return place;
-}
-
 std::optional<LinkSense> link_sense_named(std::string_view name) {
   if (name == "auto") return LinkSense::automatic;
   if (name == "compensate") return LinkSense::compensate;
   if (name == "integrate") return LinkSense::integrate;
   return std::nullopt;
 }
-
-std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
-
-/// The verbs of the workshop, each with its options, writing themselves into one request.
-class WorkshopVerbs {
- public:
-  explicit WorkshopVerbs(Json& request) : request_(request) {}
-
-  void add_all(CLI::App& app) {
-    add(app, "state", "where everything stands");
-    jog(add(app, "jog", "move axes: jog --x -100 --y 50 [--feed 2000]"));
-    list(add(app, "reference", "run the controller's reference sequence, all axes or --axes X"), "--axes", "axes");
-    measure(add(app, "measure", "measure: measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv"));
-    add_run_options(*add(app, "run", "run a part program: run exx.nc --axis X --sense EX -o exx.csv"), request_);
-    add_mdi_options(*add(app, "mdi", "one block of a part program: mdi \"G01 X-100 F2000\""), request_);
-    capture(add(app, "capture", "the display at a constant rate: capture --axis X --sense EX --seconds 10 -o run.rtx"));
-    survey(add(app, "survey", "true volumetric error: corners and grid"));
-    word(add(app, "power", "the unit's mains switch: power off | on | cycle"), "state", "state")->required();
-    number(add(app, "wait", "let simulated time pass: wait 3600"), "seconds", "seconds")->required();
-    whole(add(app, "tick", "run so many periods of the unit's loop: tick 1000"), "count", "count")->required();
-    number(add(app, "load", "put a workpiece on the table: load 500"), "kg", "kg")->required();
-    fault(add(app, "fault", "provoke a fault by its name: fault ram_stuck --address 0x100000 --bit 3"));
-  }
-
-  void measure(CLI::App* verb) {
-    word(verb, "--axis", "axis")->required();
-    word(verb, "--sense", "sense")->required();
-    number(verb, "--from", "from");
-    number(verb, "--to", "to");
-    number(verb, "--step", "step");
-    verb->add_option_function<std::vector<double>>("--targets", [this](const auto& v) { request_["targets"] = v; })
-        ->delimiter(',');
-    whole(verb, "--runs", "runs");
-    flag(verb, "--unidirectional", "unidirectional");
-    verb->add_option_function<std::vector<std::string>>(
-            "--parked", [this](const auto& v) { request_["parked"] = coordinates(v); }, "for example y=-700,z=0")
-        ->delimiter(',');
-    number(verb, "--feed", "feed");
-    number(verb, "--dwell", "dwell");
-    number(verb, "--overrun", "overrun");
-    flag(verb, "--on-the-fly", "on_the_fly");
-    word(verb, "--instrument", "instrument");
-    setting(verb);
-    whole(verb, "--beam-broken-at", "beam_broken_at")->description("somebody steps into the beam before this reading");
-    word(verb, "--date", "date");
-    word(verb, "--engineer", "engineer");
-    word(verb, "--plan-name", "plan_name");
-    outputs(verb, "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
-  }
-
-  void capture(CLI::App* verb) {
-    word(verb, "--axis", "axis")->required();
-    word(verb, "--sense", "sense")->required();
-    number(verb, "--rate", "rate")->description("Hz (1000)");
-    number(verb, "--seconds", "seconds")->description("(10)");
-    number(verb, "--to", "to")->description("mm; the axis starts to move there");
-    number(verb, "--feed", "feed");
-    word(verb, "--instrument", "instrument");
-    setting(verb);
-    word(verb, "--date", "date");
-    word(verb, "--engineer", "engineer");
-    outputs(verb, "files: .csv, .rtx");
-  }
-
-  void survey(CLI::App* verb) {
-    number(verb, "--step", "step");
-    whole(verb, "--approach", "approach");
-    flag(verb, "--with-scatter", "with_scatter");
-    verb->add_option_function<std::string>("-o,--output",
-                                           [this](const std::string& v) { request_["output"] = absolute(v); });
-  }
-
-  CLI::App* add(CLI::App& app, const std::string& name, const std::string& help) {
-    CLI::App* verb = app.add_subcommand(name, help);
-    verb->callback([this, name] { request_["action"] = name; });
-    return verb;
-  }
-
- private:
-  CLI::Option* number(CLI::App* verb, const std::string& option, const std::string& key) {
-    return verb->add_option_function<double>(option, [this, key](double v) { request_[key] = v; });
-  }
-  CLI::Option* whole(CLI::App* verb, const std::string& option, const std::string& key) {
-    return verb->add_option_function<long long>(option, [this, key](long long v) { request_[key] = v; });
-  }
-  CLI::Option* word(CLI::App* verb, const std::string& option, const std::string& key) {
-    return verb->add_option_function<std::string>(option, [this, key](const std::string& v) { request_[key] = v; });
-  }
-  void list(CLI::App* verb, const std::string& option, const std::string& key) {
-    verb->add_option_function<std::vector<std::string>>(option, [this, key](const auto& v) { request_[key] = v; })
-        ->delimiter(',');
-  }
-  void flag(CLI::App* verb, const std::string& option, const std::string& key) {
-    verb->add_flag_function(option, [this, key](auto) { request_[key] = true; });
-  }
-  void jog(CLI::App* verb) {
-    number(verb, "--x,-x", "X");
-    number(verb, "--y,-y", "Y");
-    number(verb, "--z,-z", "Z");
-    number(verb, "--feed", "feed");
-  }
-  void outputs(CLI::App* verb, const std::string& help) {
-    verb->add_option_function<std::vector<std::string>>(
-        "-o,--output",
-        [this](const auto& v) {
-          request_["output"] = Json::array();
-          for (const auto& path : v) request_["output"].push_back(absolute(path));
-        },
-        help);
-  }
-  void setting(CLI::App* verb) {
-    word(verb, "--air", "air")->description("off, manual or automatic");
-    word(verb, "--material", "material")->description("off, manual or automatic");
-    number(verb, "--material-temperature", "material_temperature")->description("entered, degC");
-    number(verb, "--dead-path", "dead_path")->description("m");
-    number(verb, "--misalignment", "misalignment")->description("between beam and axis, mrad");
-    number(verb, "--trigger-latency", "trigger_latency")->description("of readings on the fly, s");
-  }
-  void fault(CLI::App* verb) {
-    word(verb, "name", "name")->required();
-    whole(verb, "--address", "address");
-    whole(verb, "--bit", "bit");
-    whole(verb, "--level", "level");
-    whole(verb, "--bits", "bits");
-    word(verb, "--axis", "axis");
-    flag(verb, "--back", "back");
-    number(verb, "--us", "us");
-    whole(verb, "--count", "count");
-    number(verb, "--probability", "probability");
-    number(verb, "--slow-ms", "slow_ms");
-  }
-
-  Json& request_;
-};
 
 void catch_signals() {
   struct sigaction action {};
@@ -262,59 +116,6 @@ int act_alone(const std::string& machine, const std::string& errors, std::option
   return shown(perform({&*simulation, nullptr, nullptr}, request.dump(), show_progress));
 }
 
-/// What `hide` is asked for.
-struct HideOptions {
-  HideRequest request;
-  int count = 1;
-  std::string folder;
-};
-
-CLI::App* add_hide(CLI::App& app, HideOptions& options) {
-  CLI::App* verb = app.add_subcommand("hide", "measurements with a secret: a machine whose model lacks something");
-  HideRequest& request = options.request;
-  verb->add_option("--seed", request.seed, "the same seed gives the same files (1)");
-  verb->add_option("-o,--output", options.folder, "folder that does not exist yet or is empty")->required();
-  verb->add_option_function<std::string>(
-          "--kind", [&](const std::string& name) { request.kind = case_kind_named(name); },
-          "what is hidden; drawn where absent")
-      ->option_text("blank|single|pair|out-of-library|confounded")
-      ->check([](const std::string& name) {
-        return case_kind_named(name) ? std::string()
-                                     : std::string("expected blank, single, pair, out-of-library or confounded");
-      });
-  verb->add_option_function<std::string>(
-          "--effect", [&](const std::string& name) { request.effect = effect_kind_named(name); },
-          "the effect to hide, as docs/physics.md names it; of a pair, one of the two")
-      ->option_text("NAME")
-      ->check([](const std::string& name) {
-        return effect_kind_named(name) ? std::string()
-                                       : std::string("expected one of the 25 effects of docs/physics.md");
-      });
-  verb->add_option("--snr", request.snr, "rms of what the base model cannot absorb / sigma of one reading");
-  verb->add_option("--readings", request.readings, "about so many readings, 100 to 20000");
-  verb->add_option("--count", options.count, "so many cases, seeds counting up, into DIR/0001 …")
-      ->check(CLI::Range(1, 9999));
-  verb->add_option_function<std::string>(
-          "--case", [&](const std::string&) { request.xytz = true; },
-          "xytz: the XYTZ machine under the thesis's printed equation (27)")
-      ->option_text("xytz")
-      ->check(CLI::IsMember({"xytz"}));
-  verb->footer(
-      "Examples:\n  ecs-emulator hide --seed 7 -o case\n"
-      "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
-      "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
-      "  ecs-emulator hide --case xytz -o xytz\n"
-      "Then diagnose DIR/data.csv, and: ecs model reveal DIR");
-  return verb;
-}
-
-int hide_and_tell(const HideOptions& options) {
-  const auto told_lines = hide(options.request, options.count, options.folder);
-  if (!told_lines) return told(told_lines.error());
-  for (const std::string& line : *told_lines) fmt::print("{}\n", line);
-  return 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -333,7 +134,7 @@ int main(int argc, char** argv) {
   const auto add_machine = [&](CLI::App* verb) {
     verb->add_option("--machine", machine, "machine file (TOML)")->required();
     verb->add_option("--errors", errors, "errors file (TOML); default: the one that the machine file names");
-    verb->add_option("--seed", seed, "seed of everything random");
+    verb->add_option("--seed", seed, "seed of everything random")->check(CLI::NonNegativeNumber);
   };
 
   CLI::App* server = app.add_subcommand("serve", "the unit on a line, the machine behind it");
@@ -398,15 +199,13 @@ int main(int argc, char** argv) {
   add_run_options(*run, request);
   add_program_verb(app, exit_code);
   add_rig_verb(app, exit_code);
-  HideOptions secret;
-  const CLI::App* hiding = add_hide(app, secret);
+  add_hide_verb(app, exit_code);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (hiding->parsed()) return hide_and_tell(secret);
   if (plan->parsed()) return follow_plan(socket, plan_path, choice);
   if (workshop->parsed()) return ask(socket, request);
   if (measure->parsed() || capture->parsed() || run->parsed() || survey->parsed())
