@@ -37,7 +37,15 @@ Result<std::vector<laser::DeviceDescription>> described(const std::string& text)
   std::error_code error;
   if (found.empty() || std::filesystem::exists(named.name, error)) {
     auto read = laser::read_device(named.name);
-    if (!read) return tl::unexpected(read.error());
+    if (!read) {
+      Problem why = read.error();
+      if (!std::filesystem::exists(named.name, error))
+        why.message +=
+            "; expected a device's description: `ecs laser devices --learn` makes one of a trigger, samples/devices "
+            "has one "
+            "of each kind, \"temper\" comes with the program";
+      return tl::unexpected(std::move(why));
+    }
     found = {std::move(*read)};
   }
   for (laser::DeviceDescription& device : found) narrow(device, named.which);
