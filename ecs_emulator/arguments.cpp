@@ -11,7 +11,7 @@ namespace ecs::emulator {
 const nlohmann::json* Arguments::find(const char* key) {
   known_.emplace_back(key);
   const auto at = request_.find(key);
-  return at == request_.end() || at->is_null() ? nullptr : &*at;
+  return at == request_.end() ? nullptr : &*at;
 }
 
 void Arguments::complain(std::string message) {

@@ -134,7 +134,9 @@ int main(int argc, char** argv) {
   const auto add_machine = [&](CLI::App* verb) {
     verb->add_option("--machine", machine, "machine file (TOML)")->required();
     verb->add_option("--errors", errors, "errors file (TOML); default: the one that the machine file names");
-    verb->add_option("--seed", seed, "seed of everything random")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", seed, "seed of everything random")->check([](const std::string& text) {
+      return text.starts_with('-') ? std::string("expected 0 or more") : std::string();
+    });
   };
 
   CLI::App* server = app.add_subcommand("serve", "the unit on a line, the machine behind it");

@@ -96,9 +96,9 @@ TEST_CASE("every wrong value of a machine file is reported in one pass with line
   CHECK(has(text, at + "3:10: colour: not a key of a machine file; ignored"));
   CHECK(has(text, at + "6:13: axis.X.travel_mm: expected two ends in mm, the lower first"));
   CHECK(has(text, at + "7:14: axis.X.transducer: expected \"encoder\" or \"resolver\", found \"encodr\""));
-  CHECK(has(text, at + "8:17: axis.X.resolution_um: expected a number above 0, found 0"));
+  CHECK(has(text, at + "8:17: axis.X.resolution_um: expected a number above 0, at most 10000, found 0"));
   CHECK(has(text, "did you mean \"axis.X.screw_pitch_mm\"?"));
-  CHECK(has(text, at + "10:12: axis.X.datum_mm: expected a finite number, found nan"));
+  CHECK(has(text, at + "10:12: axis.X.datum_mm: expected a position within 1000000 mm of 0, found nan"));
   CHECK(has(text, at + "12:1: axis.Y: expected travel_mm"));
   CHECK(has(text, at + "14:23: axis.Y.measurement_line_mm: expected a table"));
   CHECK(has(text, at + "16:1: axis.W: not a key of a machine file (did you mean \"axis.X\"?)"));

@@ -57,7 +57,11 @@ UnitStatus any_status() {
   s.uptime_s = any<std::uint32_t>();
   s.watchdog_trips = any<std::uint16_t>();
   for (auto& a : s.axes)
-    a = {any<bool>(), *one_of_first<DatumStage>(7), *one_of_first<DatumFailure>(7), finite(), any_approach(),
+    a = {any<bool>(),
+         *one_of_first<DatumStage>(kDatumStageCount),
+         *one_of_first<DatumFailure>(kDatumFailureCount),
+         finite(),
+         any_approach(),
          any<bool>()};
   s.pointers_at_tick = any<std::uint64_t>();
   for (auto& p : s.pointers) p = {any<std::uint32_t>(), any<std::uint32_t>()};
