@@ -51,6 +51,9 @@ double rms_of(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+/// A period, length or time constant whose sigma is so many times its value is not determined.
+constexpr double kLost = 100.0;
+
 std::vector<ParameterEstimate> user_estimates(const Slot& slot, const VectorXd& sizes, const MatrixXd& covariance,
                                               const std::vector<std::optional<double>>& nonlinear_sigma) {
   std::vector<ParameterEstimate> out(slot.effect.user.size());
@@ -137,8 +140,10 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     fit.parameters = parameters_from(slot.effect, all.sizes, all.covariance, nonlinear, sigma);
     name_held(fit.parameters, slot.effect);
   }
-  const bool undetermined =
+  bool undetermined =
       std::any_of(core.undetermined.begin() + at, core.undetermined.begin() + at + count, [](bool u) { return u; });
+  for (std::size_t j = 0; j < slot.nonlinear.size(); ++j)  // its sizes follow from a place or length that nothing shows
+    undetermined = undetermined || (nonlinear_sigma[j] && *nonlinear_sigma[j] > kLost * std::abs(slot.nonlinear[j]));
   for (ParameterEstimate& estimate : fit.parameters) {
     if (estimate.held) continue;
     estimate.undetermined = undetermined;

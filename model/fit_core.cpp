@@ -202,6 +202,9 @@ Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener&
   return now;
 }
 
+/// Share of the information along the best seen direction below which a direction is not seen at all.
+constexpr double kUnseen = 1e-12;
+
 MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, const Solved& now) {
   const auto free = free_nonlinear(assembly);
   const MatrixXd columns = assembly.columns();
@@ -213,8 +216,11 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
   for (Index j = 0; j < norm.size(); ++j)
     if (norm(j) <= 0.0) norm(j) = 1.0;
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
-  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> cod(scaled.transpose() * scaled);
-  MatrixXd inverse = cod.pseudoInverse();
+  // A direction that the data do not see keeps a variance that shows it; left out, it would pass for an exact one.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> directions(scaled.transpose() * scaled);
+  const VectorXd seen = directions.eigenvalues().cwiseMax(kUnseen * std::max(1.0, directions.eigenvalues().maxCoeff()));
+  const MatrixXd inverse =
+      directions.eigenvectors() * seen.cwiseInverse().asDiagonal() * directions.eigenvectors().transpose();
   return norm.cwiseInverse().asDiagonal() * inverse * norm.cwiseInverse().asDiagonal();
 }
 

@@ -204,3 +204,28 @@ TEST_CASE("a plan is told whether it can determine a model before anybody measur
   REQUIRE(two_feeds);
   CHECK(two_feeds->determines);
 }
+
+TEST_CASE("the length of a spike that all readings see at one distance is not determined, at two distances it is") {
+  Model model = straight();
+  model.effects.push_back(effect(reversal_spike, Axis::X, Sense::EX));
+  for (const bool two_distances : {false, true}) {
+    CAPTURE(two_distances);
+    auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+    std::size_t k = 0;
+    for (laser::Reading& r : set.readings) {
+      const double u_mm = k % 3 == 0 ? 5.0 : two_distances && k % 3 == 1 ? 12.0 : 300.0;
+      ++k;
+      r.travel_since_reversal_mm = u_mm;
+      r.error += 6.0 * static_cast<int>(r.approach) * std::exp(-u_mm / 8.0);
+    }
+    const auto found = fit(model, observations_of(set, model, mill()));
+    REQUIRE(found);
+    const auto& length = parameter(*found, 2, "u0_mm");
+    const auto& size = parameter(*found, 2, "c_um");
+    CHECK(length.undetermined == !two_distances);
+    CHECK(size.undetermined == !two_distances);
+    CHECK(length.sigma.has_value() == two_distances);
+    if (two_distances) CHECK(std::abs(length.value - 8.0) < 4.0 * *length.sigma);
+    CHECK(found->rms_um == Approx(0.1).epsilon(0.2));
+  }
+}
