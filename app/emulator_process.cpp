@@ -130,6 +130,15 @@ Result<void> EmulatorProcess::read_greeting() {
   return {};
 }
 
+bool EmulatorProcess::running() {
+  if (child_ > 0 && ::waitpid(child_, nullptr, WNOHANG) != 0) {
+    child_ = -1;
+    if (lock_ >= 0) ::close(lock_);
+    lock_ = -1;
+  }
+  return child_ > 0;
+}
+
 EmulatorProcess::~EmulatorProcess() {
   if (child_ > 0) {
     ::kill(child_, SIGTERM);

@@ -26,6 +26,8 @@ class EmulatorProcess {
   EmulatorProcess& operator=(const EmulatorProcess&) = delete;
   ~EmulatorProcess();  ///< SIGTERM, then SIGKILL after two seconds
 
+  /// Looks whether it still runs; the memory file of one that ended is free for the next.
+  [[nodiscard]] bool running();
   [[nodiscard]] const std::string& pty() const { return pty_; }
   [[nodiscard]] const std::string& workshop() const { return workshop_; }  ///< socket of the workshop; may be empty
 

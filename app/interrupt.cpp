@@ -26,6 +26,8 @@ void catch_signals() {
 }
 
 const std::atomic<bool>& interrupted() { return flag; }
+void ask_to_stop() { flag.store(true); }
+void stop_asking() { flag.store(number.load() != 0); }
 int interrupting_signal() { return number.load(); }
 
 }  // namespace ecs::app

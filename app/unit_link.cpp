@@ -1,15 +1,16 @@
 #include "app/unit_link.hpp"
 
+#include <map>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "app/interrupt.hpp"
-
 namespace ecs::app {
 namespace {
 
-Result<std::unique_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
+/// The emulator with this machine that runs already, else a new one.
+Result<std::shared_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::link,
@@ -17,13 +18,21 @@ Result<std::unique_ptr<EmulatorProcess>> started(const EmulatorLink& link) {
                    "--link rtu:/dev/ttyUSB0:115200 or --link tcp:HOST:PORT");
   auto memory = memory_file_of(link.machine);
   if (!memory) return tl::unexpected(memory.error());
-  return EmulatorProcess::start({*program, link.machine, *memory});
+  static std::mutex mutex;
+  static std::map<std::filesystem::path, std::weak_ptr<EmulatorProcess>> running;
+  const std::lock_guard lock(mutex);
+  if (auto process = running[*memory].lock(); process && process->running()) return process;
+  auto process = EmulatorProcess::start({*program, link.machine, *memory});
+  if (!process) return tl::unexpected(process.error());
+  const std::shared_ptr<EmulatorProcess> shared = std::move(*process);
+  running[*memory] = shared;
+  return shared;
 }
 
 }  // namespace
 
-Result<UnitLink> open_link(const LinkChoice& choice) {
-  std::unique_ptr<EmulatorProcess> emulator;
+Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled) {
+  std::shared_ptr<EmulatorProcess> emulator;
   protocol::LinkAddress address;
   if (const auto* link = std::get_if<EmulatorLink>(&choice.link)) {
     auto process = started(*link);
@@ -33,7 +42,7 @@ Result<UnitLink> open_link(const LinkChoice& choice) {
   } else {
     address = std::get<protocol::LinkAddress>(choice.link);
   }
-  auto client = protocol::UnitClient::connect(address, {&interrupted(), std::nullopt});
+  auto client = protocol::UnitClient::connect(address, {&cancelled, std::nullopt});
   if (!client) return tl::unexpected(client.error());
   return UnitLink(std::move(emulator), std::move(*client), to_text(choice));
 }

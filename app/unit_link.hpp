@@ -2,11 +2,13 @@
 // Does not live here: which link (link_choice.hpp), what is said over it (protocol/client.hpp).
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "app/emulator_process.hpp"
+#include "app/interrupt.hpp"
 #include "app/link_choice.hpp"
 #include "app/session.hpp"
 #include "protocol/client.hpp"
@@ -23,22 +25,25 @@ class UnitLink {
  public:
   [[nodiscard]] protocol::UnitClient& client() { return client_; }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
+  /// The emulator behind the line, to keep it running when the line is closed; null: a real unit.
+  [[nodiscard]] std::shared_ptr<EmulatorProcess> emulator() const { return emulator_; }
   /// Socket of the workshop around a bundled emulator; empty: none.
   [[nodiscard]] std::string workshop() const { return emulator_ ? emulator_->workshop() : std::string(); }
   [[nodiscard]] bool is_emulator() const { return emulator_ != nullptr; }
 
  private:
-  friend Result<UnitLink> open_link(const LinkChoice& choice);
-  UnitLink(std::unique_ptr<EmulatorProcess> emulator, protocol::UnitClient client, std::string name)
+  friend Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled);
+  UnitLink(std::shared_ptr<EmulatorProcess> emulator, protocol::UnitClient client, std::string name)
       : emulator_(std::move(emulator)), client_(std::move(client)), name_(std::move(name)) {}
 
-  std::unique_ptr<EmulatorProcess> emulator_;  // before the client: it must outlive the open port
+  std::shared_ptr<EmulatorProcess> emulator_;  // before the client: it must outlive the open port
   protocol::UnitClient client_;
   std::string name_;
 };
 
-/// Opens a link; a signal cancels what is under way on it.
-[[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice);
+/// Opens a link; the flag cancels what is under way on it. An emulator that this program runs already with the same
+/// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
+[[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
 
 /// Sets the session's message prefix if the link that it names, or the default, is an emulator.
 void announce_writing(Session& session);

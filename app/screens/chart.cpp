@@ -328,4 +328,17 @@ ChartView stepped(const PlotPanel& panel, const ChartView& view, int direction) 
   return next;
 }
 
+bool on_chart_key(const Key& key, const PlotPanel& panel, ChartView& view) {
+  if (key.name == Key::Name::left || key.name == Key::Name::right) {
+    view = stepped(panel, view, key.name == Key::Name::right ? 1 : -1);
+  } else if (is_letter(key, U'+') || is_letter(key, U'-')) {
+    view = zoomed(panel, view, is_letter(key, U'+') ? 0.5 : 2.0);
+  } else if (is_letter(key, U'0')) {
+    view = {};
+  } else {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace ecs::app

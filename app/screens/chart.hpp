@@ -8,6 +8,7 @@
 
 #include "app/plot_figure.hpp"
 #include "app/screens/cells.hpp"
+#include "app/screens/keys.hpp"
 
 namespace ecs::app {
 
@@ -34,5 +35,8 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
 [[nodiscard]] ChartView zoomed(const PlotPanel& panel, const ChartView& view, double factor);
 /// The cursor moved to the next or previous x at which a point is.
 [[nodiscard]] ChartView stepped(const PlotPanel& panel, const ChartView& view, int direction);
+
+/// The keys that every chart has: left and right move the cursor, + - 0 zoom. @return whether it was one of them
+[[nodiscard]] bool on_chart_key(const Key& key, const PlotPanel& panel, ChartView& view);
 
 }  // namespace ecs::app

@@ -9,44 +9,62 @@
 namespace ecs::app {
 namespace {
 
-MenuChoice choice_of(const VerbEntry& verb, const std::string& link) {
-  return {verb.name(), verb.help, [verb, link] { return std::make_unique<VerbScreen>(verb, link); }};
+using Desk = std::shared_ptr<UnitDesk>;
+using Choices = std::vector<MenuChoice>;
+
+MenuChoice choice_of(const VerbEntry& verb, const Desk& desk) {
+  return {verb.name(), verb.help, [verb, desk] { return std::make_unique<VerbScreen>(verb, desk); }};
 }
 
-MenuChoice model_screen() {
-  return {"model screen", "curves, what is missing, add it, watch the error fall",
-          [] { return std::make_unique<ModelForm>(); }};
+/// The screens of a menu, before its verbs. @param word  the first word of the menu's title
+Choices screens_of(const std::string& word, const Desk& /*desk*/) {
+  Choices choices;
+  if (word == "MODEL")
+    choices.push_back({"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
+                       [] { return std::make_unique<ModelForm>(); }});
+  return choices;
 }
 
-std::unique_ptr<Screen> menu_of(const MenuEntry& menu, const std::string& link) {
-  std::vector<MenuChoice> choices;
-  if (menu.title.starts_with("MODEL")) choices.push_back(model_screen());
-  for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, link));
-  return std::make_unique<MenuScreen>(menu.title.substr(0, menu.title.find(':')),
-                                      menu.title + ". Every entry is a verb of `ecs` with its options as fields.",
-                                      std::move(choices));
+std::string name_of(const MenuEntry& menu) { return menu.title.substr(0, menu.title.find(':')); }
+std::string help_of(const MenuEntry& menu) {
+  const std::size_t colon = menu.title.find(": ");
+  return colon == std::string::npos ? "" : menu.title.substr(colon + 2);
+}
+
+std::unique_ptr<Screen> menu_of(const MenuEntry& menu, const Desk& desk) {
+  Choices choices = screens_of(name_of(menu), desk);
+  for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, desk));
+  return std::make_unique<MenuScreen>(
+      name_of(menu),
+      menu.title + ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields.",
+      std::move(choices));
+}
+
+MenuChoice monitor_of(const Desk& desk) {
+  return {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
+          [desk] { return std::make_unique<MonitorScreen>(desk); }};
+}
+
+/// Found from here by their names, not shown.
+void add_sought(Choices& choices, const std::vector<MenuEntry>& menus, const Desk& desk) {
+  const std::size_t shown = choices.size();
+  for (const MenuEntry& menu : menus)
+    for (MenuChoice& screen : screens_of(name_of(menu), desk)) choices.push_back(std::move(screen));
+  for (const MenuEntry& menu : menus)
+    for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, desk));
+  for (std::size_t k = shown; k < choices.size(); ++k) choices[k].only_sought = true;
 }
 
 }  // namespace
 
-std::unique_ptr<Screen> main_menu(const std::string& link) {
+std::unique_ptr<Screen> main_menu(const Desk& desk) {
   const auto menus = verb_catalogue();
-  std::vector<MenuChoice> choices;
-  const MenuChoice monitor{"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
-                           [link] { return std::make_unique<MonitorScreen>(link); }};
+  Choices choices;
   for (const MenuEntry& menu : menus) {
-    if (choices.size() == 1) choices.push_back(monitor);  // where figure 5.4 has it
-    const std::size_t colon = menu.title.find(": ");
-    choices.push_back({menu.title.substr(0, colon), colon == std::string::npos ? "" : menu.title.substr(colon + 2),
-                       [menu, link] { return menu_of(menu, link); }});
+    if (choices.size() == 1) choices.push_back(monitor_of(desk));  // where figure 5.4 has it
+    choices.push_back({name_of(menu), help_of(menu), [menu, desk] { return menu_of(menu, desk); }});
   }
-  choices.push_back(model_screen());
-  choices.back().only_sought = true;
-  for (const MenuEntry& menu : menus)  // every action can be found by its name from here
-    for (const VerbEntry& verb : menu.verbs) {
-      choices.push_back(choice_of(verb, link));
-      choices.back().only_sought = true;
-    }
+  add_sought(choices, menus, desk);
   return std::make_unique<MenuScreen>(
       "ECS",
       "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part "

@@ -8,6 +8,8 @@
 
 namespace ecs::app {
 
+class UnitDesk;
+
 struct MenuChoice {
   std::string name;
   std::string help;
@@ -37,7 +39,7 @@ class MenuScreen final : public Screen {
   TextLine sought_;
 };
 
-/// The first screen: every menu, every verb, the MODEL screen.
-[[nodiscard]] std::unique_ptr<Screen> main_menu(const std::string& link);
+/// The first screen: every menu, every screen, every verb.
+[[nodiscard]] std::unique_ptr<Screen> main_menu(const std::shared_ptr<UnitDesk>& desk);
 
 }  // namespace ecs::app

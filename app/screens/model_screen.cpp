@@ -197,19 +197,7 @@ bool ModelScreen::on_curve_key(const Key& key) {
     return true;
   }
   const PlotPanel panel = measured_panel(desk_->data(), desk_->fit(), line);
-  if (key.name == Key::Name::left || key.name == Key::Name::right) {
-    view_ = stepped(panel, view_, key.name == Key::Name::right ? 1 : -1);
-    return true;
-  }
-  if (is_letter(key, U'+') || is_letter(key, U'-')) {
-    view_ = zoomed(panel, view_, is_letter(key, U'+') ? 0.5 : 2.0);
-    return true;
-  }
-  if (is_letter(key, U'0')) {
-    view_ = {};
-    return true;
-  }
-  return false;
+  return on_chart_key(key, panel, view_);
 }
 
 Step ModelScreen::on_key(const Key& key) {

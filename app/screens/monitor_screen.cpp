@@ -109,16 +109,16 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
   if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
   if (area.rows > kAbove + 6)
     draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, panel);
-  canvas.text(area, area.rows - 1, 1, message_, Tone::good);
+  message_.draw(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
 }
 
 bool MonitorScreen::advance() {
   if (frozen_) return false;
-  const std::uint64_t changes = watch_.changes();
+  const std::uint64_t changes = desk_->changes();
   const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
   if (changes == changes_ && !old) return false;
   changes_ = changes;
-  seen_ = watch_.now();
+  seen_ = desk_->now();
   return true;
 }
 
@@ -127,7 +127,10 @@ void MonitorScreen::write_record() {
   std::string rows(kMonitorColumns);
   for (const MonitorSample& sample : seen_.samples) rows += monitor_rows(sample);
   const auto written = write_file(name, rows);
-  message_ = written ? fmt::format("{} samples written to {}", seen_.samples.size(), name) : to_text(written.error());
+  if (written)
+    message_.say(fmt::format("{} samples written to {}", seen_.samples.size(), name));
+  else
+    message_.say(written.error());
 }
 
 Step MonitorScreen::on_key(const Key& key) {

@@ -1,14 +1,15 @@
-// ON LINE MONITOR: what the unit sees of its axes, as it happens. Does not live here: asking (unit_watch.hpp).
+// ON LINE MONITOR: what the unit sees of its axes, as it happens. Does not live here: asking (unit_desk.hpp).
 #pragma once
 
 #include "app/screens/screen.hpp"
-#include "app/screens/unit_watch.hpp"
+#include "app/screens/talk.hpp"
+#include "app/screens/unit_desk.hpp"
 
 namespace ecs::app {
 
 class MonitorScreen final : public Screen {
  public:
-  explicit MonitorScreen(const std::string& link) : watch_(link) {}
+  explicit MonitorScreen(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {}
 
   [[nodiscard]] std::string title() const override { return "ON LINE MONITOR"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -19,13 +20,14 @@ class MonitorScreen final : public Screen {
 
  private:
   enum class Strip { position, speed, compensation };
-  UnitWatch watch_;
+  std::shared_ptr<UnitDesk> desk_;
+  UnitDesk::Watching watching_;
   WatchedUnit seen_;
   std::uint64_t changes_ = 0;
   bool frozen_ = false;
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
-  std::string message_;
+  MessageLine message_;
 
   void write_record();
 };

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/interrupt.hpp"
+#include "app/screens/talk.hpp"
 #include "app/screens/widgets.hpp"
 
 namespace ecs::app {
@@ -26,6 +27,21 @@ void draw_key_line(Canvas& canvas, const Area& line, const std::vector<KeyHelp>&
   canvas.text_right(line, 0, more, Tone::strong);
 }
 
+/// The way here at the left, its end first where it is too long; the unit at the right.
+void draw_header(Canvas& canvas, const std::string& path, const Standing& standing, bool unsaved) {
+  const Area header = canvas.whole().top(1);
+  canvas.fill(header, U' ', Tone::selected);
+  std::string right = standing.link.empty() ? "" : standing.link + " " + standing.state;
+  if (unsaved) right = right.empty() ? "NOT SAVED" : "NOT SAVED  " + right;
+  const int room = header.columns - width_of(right) - 4;
+  std::string left = path;
+  for (std::size_t cut = left.find(" > "); width_of(left) > room && cut != std::string::npos; cut = left.find(" > "))
+    left.erase(0, cut + 3);
+  canvas.text({header.row, header.column, 1, std::max(0, room + 2)}, 0, 1, left, Tone::selected);
+  canvas.text_right({header.row, header.column, 1, header.columns - 1}, 0, right,
+                    standing.bad ? Tone::bad : Tone::selected);
+}
+
 void draw_help(Canvas& canvas, const Screen& screen) {
   std::vector<std::string> lines = wrapped(screen.help(), std::max(20, canvas.columns() - 8));
   lines.emplace_back();
@@ -38,11 +54,16 @@ void draw_help(Canvas& canvas, const Screen& screen) {
   for (int r = 0; r < rows - 2; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(r)]);
 }
 
+void draw_leaving(Canvas& canvas, const std::string& unsaved) {
+  draw_question(canvas, canvas.whole(), {"Leave the program?", unsaved, "leave", "stay"});
+}
+
 /// The screens one behind the other.
 class Stack {
  public:
   explicit Stack(std::unique_ptr<Screen> first) { screens_.push_back(std::move(first)); }
   [[nodiscard]] bool empty() const { return screens_.empty(); }
+  [[nodiscard]] bool is_last() const { return screens_.size() == 1; }
   [[nodiscard]] Screen& front() { return *screens_.back(); }
   [[nodiscard]] std::string path() const {
     std::string path;
@@ -70,21 +91,17 @@ Area screen_area(const Canvas& canvas) { return {1, 0, std::max(0, canvas.rows()
 
 Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
                   bool with_help) {
-  const Area header = canvas.whole().top(1);
-  canvas.fill(header, U' ', Tone::selected);
-  canvas.text(header, 0, 1, path, Tone::selected);
-  const std::string right =
-      standing.link.empty() ? "" : standing.link + (standing.state.empty() ? "" : ", " + standing.state);
-  canvas.text_right({header.row, header.column, 1, header.columns - 1}, 0, right, Tone::selected);
+  draw_header(canvas, path, standing, !screen.unsaved().empty());
   screen.draw(canvas, screen_area(canvas));
   draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys());
   if (with_help) draw_help(canvas, screen);
   return canvas;
 }
 
-int run_screens(Terminal& terminal, std::unique_ptr<Screen> first) {
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StandingNow& standing_now) {
   catch_signals();
   Stack stack(std::move(first));
+  Standing standing;
   bool help = false;
   bool changed = true;
   bool sure = false;  ///< asked once about unsaved work
@@ -96,26 +113,38 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first) {
       changed = true;
       continue;
     }
+    if (Standing now = standing_now(); now != standing) {
+      standing = std::move(now);
+      changed = true;
+    }
     if (changed) {
-      const Canvas canvas = picture_of(screen, stack.path(), {}, terminal.canvas(), help);
-      terminal.show(canvas, help ? Place{-1, -1} : screen.cursor(screen_area(canvas)));
+      Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), help);
+      if (sure) draw_leaving(canvas, stack.unsaved());
+      terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)));
     }
     changed = true;
     const Key key = terminal.read(kWait_ms);
     if (key.name == Key::Name::none) {
       changed = false;
+    } else if (sure) {
+      const Reply reply = reply_to(key);
+      if (reply == Reply::yes) return 0;
+      sure = reply == Reply::none;
     } else if (help) {
       help = key.name == Key::Name::resized;
     } else if (key.name == Key::Name::control && key.letter == U'l') {
       terminal.redraw();
     } else if (key.name == Key::Name::control && key.letter == U'c') {
-      if (stack.unsaved().empty() || sure) return 0;
+      if (stack.unsaved().empty()) return 0;
       sure = true;
     } else if (is_letter(key, U'?') && !screen.typing()) {
       help = true;
     } else {
-      sure = false;
-      stack.take(screen.on_key(key));
+      Step step = screen.on_key(key);
+      if (step.kind == Step::Kind::back && stack.is_last())
+        sure = true;
+      else
+        stack.take(std::move(step));
     }
   }
   const int signal = interrupting_signal();

@@ -2,6 +2,7 @@
 // Does not live here: the screens, the terminal (terminal.hpp).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,7 +15,10 @@ namespace ecs::app {
 struct Standing {
   std::string link;   ///< "EMULATOR", "rtu:/dev/ttyUSB0:115200"; empty: none open
   std::string state;  ///< mode and fault of the unit, if known
+  bool bad = false;   ///< a fault, or no answer
+  friend bool operator==(const Standing&, const Standing&) = default;
 };
+using StandingNow = std::function<Standing()>;
 
 /// The picture of a screen at a size: header, screen, key line. Pure; used by the loop, by tests and by `docs`
 /// pictures.
@@ -24,6 +28,6 @@ struct Standing {
 [[nodiscard]] Area screen_area(const Canvas& canvas);
 
 /// Until the last screen is left or a signal comes. @return exit code
-[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first);
+[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StandingNow& standing_now);
 
 }  // namespace ecs::app

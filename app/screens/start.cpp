@@ -8,6 +8,8 @@
 #include "app/outcome.hpp"
 #include "app/screens/menu_screen.hpp"
 #include "app/screens/screens_program.hpp"
+#include "app/screens/unit_desk.hpp"
+#include "app/screens/unit_standing.hpp"
 
 namespace ecs::app {
 namespace {
@@ -39,7 +41,10 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   TerminalOptions options;
   options.ascii = asked->ascii;
   const auto terminal = Terminal::open(options);
-  if (terminal) return run_screens(**terminal, main_menu(asked->link));
+  if (terminal) {
+    const auto desk = std::make_shared<UnitDesk>(asked->link);
+    return run_screens(**terminal, main_menu(desk), [desk] { return standing_of(desk->standing(), desk->newest()); });
+  }
   fmt::print(stderr, "{}\n", to_text(terminal.error()));
   return exit_code_of(ProblemKind::usage);
 }

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/interrupt.hpp"
 #include "app/program.hpp"
+#include "app/screens/event_log.hpp"
 #include "app/screens/live_screen.hpp"
 #include "base/text.hpp"
 
@@ -21,8 +23,19 @@ std::vector<std::string> lines_in(const std::string& text) {
 
 }  // namespace
 
-VerbScreen::VerbScreen(VerbEntry verb, const std::string& link) : verb_(std::move(verb)) {
-  for (const VerbOption& option : verb_.options) values_.emplace_back(option.name == "--link" ? link : option.value);
+VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk)
+    : verb_(std::move(verb)), desk_(std::move(desk)) {
+  for (const VerbOption& option : verb_.options)
+    values_.emplace_back(option.name == "--link" ? desk_->link() : option.value);
+}
+
+VerbScreen::~VerbScreen() {
+  if (job_.running()) ask_to_stop();
+}
+
+bool VerbScreen::uses_line() const {
+  return std::any_of(verb_.options.begin(), verb_.options.end(),
+                     [](const VerbOption& option) { return option.name == "--link"; });
 }
 
 int VerbScreen::name_columns() const {
@@ -62,7 +75,8 @@ void VerbScreen::draw_fields(Canvas& canvas, const Area& area) const {
 
 void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
   if (job_.running()) {
-    canvas.text(area, 0, 0, "running ...", Tone::warning);
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - since_);
+    canvas.text(area, 0, 0, fmt::format("running, {} s; Esc stops it", seconds.count()), Tone::warning);
     return;
   }
   if (!answer_) return;
@@ -118,7 +132,10 @@ Step VerbScreen::run() {
   if (runs_live(verb_.name())) return opened(std::make_unique<LiveScreen>(verb_.name(), words()));
   answer_.reset();
   scroll_ = {};
-  job_.start([words = words()](JobSigns&) {
+  since_ = std::chrono::steady_clock::now();
+  job_.start([words = words(), desk = uses_line() ? desk_ : nullptr](JobSigns&) {
+    std::optional<UnitDesk::Lent> lent;
+    if (desk) lent.emplace(*desk);
     std::ostringstream out, messages;
     const int code = run_program(words, out, messages);
     Answer answer{lines_in(messages.str()), code};
@@ -151,7 +168,8 @@ Step VerbScreen::on_key(const Key& key) {
   hint_.clear();
   if (key.name == Key::Name::escape) {
     if (job_.running()) {
-      hint_ = "still running: it ends by itself";
+      ask_to_stop();
+      hint_ = "asked to stop";
       return stay();
     }
     if (!reading_) return back();
@@ -195,7 +213,10 @@ Step VerbScreen::on_key(const Key& key) {
 bool VerbScreen::advance() {
   auto answer = job_.take();
   if (!answer) return job_.running();
+  stop_asking();
   answer_ = std::move(*answer);
+  for (const std::string& line : answer_->lines)
+    if (answer_->exit_code > 1) log_event(Tone::bad, verb_.name() + ": " + line);
   return true;
 }
 

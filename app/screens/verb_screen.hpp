@@ -7,6 +7,7 @@
 
 #include "app/screens/job.hpp"
 #include "app/screens/screen.hpp"
+#include "app/screens/unit_desk.hpp"
 #include "app/screens/verb_catalogue.hpp"
 #include "app/screens/widgets.hpp"
 
@@ -14,8 +15,9 @@ namespace ecs::app {
 
 class VerbScreen final : public Screen {
  public:
-  /// @param link  filled in where the verb takes one
-  VerbScreen(VerbEntry verb, const std::string& link);
+  /// The desk's link is filled in where the verb takes one; the desk lends the line while it runs.
+  VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk);
+  ~VerbScreen() override;
 
   [[nodiscard]] std::string title() const override { return verb_.name(); }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -34,6 +36,7 @@ class VerbScreen final : public Screen {
   [[nodiscard]] int field_rows(const Area& area) const;
   [[nodiscard]] int name_columns() const;
   [[nodiscard]] std::string lacking() const;
+  [[nodiscard]] bool uses_line() const;
   void draw_fields(Canvas& canvas, const Area& area) const;
   void draw_answer(Canvas& canvas, const Area& area) const;
   [[nodiscard]] std::vector<std::string> words() const;
@@ -42,6 +45,8 @@ class VerbScreen final : public Screen {
   void next_choice(int by);
 
   VerbEntry verb_;
+  std::shared_ptr<UnitDesk> desk_;
+  std::chrono::steady_clock::time_point since_{};
   std::vector<TextLine> values_;
   ListPlace field_;
   bool reading_ = false;  ///< the keys scroll the answer

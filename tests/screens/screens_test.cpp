@@ -26,6 +26,9 @@ std::string seen(const Screen& screen, Glyphs glyphs = Glyphs::unicode) {
 }
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+/// A desk whose line cannot be opened.
+std::shared_ptr<UnitDesk> nowhere() { return std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"); }
+
 void type(Screen& screen, const std::string& text) {
   for (const char c : text) (void)screen.on_key({Key::Name::letter, static_cast<char32_t>(c)});
 }
@@ -83,7 +86,7 @@ struct Case {
 }  // namespace
 
 TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an action by its name") {
-  const auto menu = main_menu("");
+  const auto menu = main_menu(nowhere());
   const std::string text = seen(*menu);
   for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
     CHECK(has(text, title));
@@ -105,7 +108,7 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 }
 
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), "");
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), nowhere());
   (void)press(form, Key::Name::enter);
   CHECK(has(seen(form), "is needed"));
   type(form, "samples/laser/x_axis.csv");
@@ -117,7 +120,7 @@ TEST_CASE("a form refuses to run without what is needed, then shows the answer o
 }
 
 TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), "");
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), nowhere());
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);

@@ -1,0 +1,44 @@
+#include "app/screens/drafts.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "base/file.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::filesystem::path file_of(const std::string& name) {
+  const auto folder = state_folder();
+  return folder ? *folder / "drafts" / (name + ".draft") : std::filesystem::path();
+}
+
+}  // namespace
+
+Result<void> keep_draft(const std::string& name, const std::string& text) {
+  const auto folder = state_folder();
+  if (!folder) return tl::unexpected(folder.error());
+  std::error_code error;
+  std::filesystem::create_directories(*folder / "drafts", error);
+  return write_file(file_of(name), text);
+}
+
+std::optional<Draft> draft_of(const std::string& name) {
+  const std::filesystem::path path = file_of(name);
+  struct stat facts {};
+  if (path.empty() || ::stat(path.c_str(), &facts) != 0) return std::nullopt;
+  auto text = read_file(path);
+  if (!text) return std::nullopt;
+  return Draft{fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(facts.st_mtime)), std::move(*text)};
+}
+
+void drop_draft(const std::string& name) {
+  std::error_code error;
+  std::filesystem::remove(file_of(name), error);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,26 @@
+// What the screens told, with the time, newest last; kept in memory for the LOG screen and appended to a file, so that
+// an error can be read and copied after it left the screen. Does not live here: showing it (log_screen.hpp).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/screens/cells.hpp"
+
+namespace ecs::app {
+
+struct LogEntry {
+  std::string time;  ///< "14:05:09", local
+  Tone tone = Tone::plain;
+  std::string text;
+};
+
+/// From any thread. The same text again at once counts once.
+void log_event(Tone tone, const std::string& text);
+/// The last thousand.
+[[nodiscard]] std::vector<LogEntry> logged();
+/// state_folder()/screens.log; begun afresh when it has grown beyond a megabyte. Empty: there is nowhere to write.
+[[nodiscard]] std::filesystem::path log_file();
+
+}  // namespace ecs::app

@@ -1,0 +1,48 @@
+// How a screen talks with whoever sits before it: one line that says what happened, a question with yes or no, how far
+// long work is. Does not live here: lists and text lines (widgets.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/screens/cells.hpp"
+#include "app/screens/keys.hpp"
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+/// What was said last; everything said goes to the log as well (event_log.hpp).
+class MessageLine {
+ public:
+  void say(const std::string& text, Tone tone = Tone::good);
+  void say(const Problem& problem) { say(to_text(problem), Tone::bad); }
+  void clear() { text_.clear(); }
+  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] bool is_problem() const { return tone_ == Tone::bad; }
+  /// Whole words over as many rows as `area` has; the last one ends in an ellipsis where it is not all.
+  void draw(Canvas& canvas, const Area& area) const;
+
+ private:
+  std::string text_;
+  Tone tone_ = Tone::good;
+};
+
+/// Asked before something moves, is overwritten or is lost.
+struct Question {
+  std::string title;   ///< "Send the parameters to the unit?"
+  std::string detail;  ///< what will happen: what moves, what is lost
+  std::string yes = "yes";
+  std::string no = "no";
+};
+enum class Reply { none, yes, no };
+/// y: yes; n, Esc: no; Enter is neither: nobody confirms by accident.
+[[nodiscard]] Reply reply_to(const Key& key);
+/// A box in the middle of `area`.
+void draw_question(Canvas& canvas, const Area& area, const Question& question);
+
+/// "sending the map  [=======>      ]  62 %  8 s left"; a negative `seconds_left` is not shown.
+void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,
+                   double seconds_left = -1.0);
+
+}  // namespace ecs::app
