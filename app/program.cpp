@@ -12,12 +12,11 @@
 #include "app/json.hpp"
 #include "app/menus.hpp"
 #include "app/overview.hpp"
+#include "app/version.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
-
-constexpr const char* kVersion = "ecs 0.1.0";
 
 Json with_link(Json object, const Session& session) {
   if (!session.link_name.empty() && !object.contains("link")) object["link"] = session.link_name;
