@@ -2,11 +2,13 @@
 // Does not live here: raw ports (port_survey.hpp), the verb (doctor_verb.cpp).
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/interrupt.hpp"
 #include "app/link_choice.hpp"
 #include "protocol/client.hpp"
 
@@ -31,9 +33,14 @@ struct Diagnosis {
 };
 
 using DoctorNote = std::function<void(const std::string&)>;
+using DoctorTold = std::function<void(const DoctorFinding&)>;
 
 /// The link, step by step; stops at the first cause it finds. Reads only.
-[[nodiscard]] Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note);
+/// @param note       what is being tried now
+/// @param told       each finding as soon as it is made
+/// @param cancelled  ends it between two questions
+[[nodiscard]] Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const DoctorTold& told = {},
+                                     const std::atomic<bool>& cancelled = interrupted());
 
 /// Emulator, sample machine, gnuplot, terminal.
 [[nodiscard]] std::vector<DoctorFinding> surroundings();

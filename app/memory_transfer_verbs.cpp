@@ -8,6 +8,7 @@
 #include "app/memory_decode.hpp"
 #include "app/memory_fields.hpp"
 #include "app/memory_menu.hpp"
+#include "app/memory_space.hpp"
 #include "app/numbers.hpp"
 #include "app/transfer.hpp"
 #include "app/unit_link.hpp"
@@ -16,31 +17,6 @@
 
 namespace ecs::app {
 namespace {
-
-constexpr std::uint32_t kAddressSpace = 0x1000000;  ///< 24 bits
-
-Result<void> within_space(Address address, std::size_t bytes) {
-  if (bytes == 0) return problem(ProblemKind::usage, "expected at least 1 byte, got 0");
-  if (address < kAddressSpace && bytes <= kAddressSpace - address) return {};
-  return problem(ProblemKind::usage,
-                 fmt::format("{} bytes from {}: the unit's memory lies below 0x1000000", bytes, hex_address(address)));
-}
-
-/// A refused problem unless one region of the address map holds all of these bytes.
-/// @param modules  axis memory modules that the unit has
-Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules = kMostModules) {
-  std::string map;
-  for (const Region& region : kRegions) {
-    const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;
-    const std::uint32_t size =
-        is_bank ? bank_bytes(static_cast<std::uint8_t>(std::min(modules, kMostModules))) : region.size;
-    if (address >= region.first && address - region.first + bytes <= size) return {};
-    map += fmt::format("{}{} {} to {}", map.empty() ? "" : ", ", region.name, hex_address(region.first),
-                       hex_address(region.first + size - 1));
-  }
-  return problem(ProblemKind::refused, fmt::format("{} bytes from {}: the unit has no memory there; it has {}", bytes,
-                                                   hex_address(address), map));
-}
 
 // --- read
 struct ReadArguments {
@@ -102,37 +78,6 @@ struct WriteArguments {
   bool yes = false;
 };
 
-std::optional<std::uint8_t> nibble(char c) {
-  if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0');
-  const char low = static_cast<char>(c | 0x20);
-  if (low >= 'a' && low <= 'f') return static_cast<std::uint8_t>(low - 'a' + 10);
-  return std::nullopt;
-}
-
-/// "4E75" or "0x4E75"
-Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
-  const std::string_view whole = word;
-  if (word.starts_with("0x") || word.starts_with("0X")) word.remove_prefix(2);
-  if (word.size() % 2 != 0)
-    return problem(ProblemKind::usage, fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
-  for (std::size_t i = 0; i < word.size(); i += 2) {
-    const auto high = nibble(word[i]), low = nibble(word[i + 1]);
-    if (!high || !low)
-      return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
-    bytes.push_back(static_cast<std::uint8_t>(*high << 4 | *low));
-  }
-  return {};
-}
-
-/// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
-Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {
-  std::vector<std::uint8_t> bytes;
-  for (const std::string& argument : arguments)
-    for (const std::string_view word : split(argument, ' '))
-      if (const auto taken = take_hex(trimmed(word), bytes); !taken) return tl::unexpected(taken.error());
-  return bytes;
-}
-
 Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments) {
   if (arguments.words.empty() == arguments.file.empty())
     return problem(ProblemKind::usage, "memory write: give either bytes or --file");
@@ -140,16 +85,6 @@ Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments
   const auto content = read_file(arguments.file);
   if (!content) return tl::unexpected(content.error());
   return std::vector<std::uint8_t>(content->begin(), content->end());
-}
-
-constexpr std::string_view kSpoilsMap =
-    "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; "
-    "`ecs map send` or `ecs memory load` makes it whole again";
-
-bool touches_active_map(const protocol::UnitStatus& status, Address address, std::size_t bytes) {
-  if (status.active_bank == protocol::Bank::none) return false;
-  const Address first = address_of(status.active_bank);
-  return address < first + status.image_length_bytes && first < address + bytes;
 }
 
 Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
