@@ -1,6 +1,9 @@
 // The tree of menus: what stands where. Does not live here: how a menu looks (menu_screen.cpp).
 #include <fmt/format.h>
 
+#include "app/screens/link_screen.hpp"
+#include "app/screens/log_screen.hpp"
+#include "app/screens/memory_screen.hpp"
 #include "app/screens/menu_screen.hpp"
 #include "app/screens/model_form.hpp"
 #include "app/screens/monitor_screen.hpp"
@@ -17,8 +20,11 @@ MenuChoice choice_of(const VerbEntry& verb, const Desk& desk) {
 }
 
 /// The screens of a menu, before its verbs. @param word  the first word of the menu's title
-Choices screens_of(const std::string& word, const Desk& /*desk*/) {
+Choices screens_of(const std::string& word, const Desk& desk) {
   Choices choices;
+  if (word == "MEMORY ACCESS")
+    choices.push_back({"MEMORY SCREEN", "bytes with their names; find, compare, write with undo, dump",
+                       [desk] { return std::make_unique<MemoryScreen>(desk); }});
   if (word == "MODEL")
     choices.push_back({"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
                        [] { return std::make_unique<ModelForm>(); }});
@@ -45,6 +51,14 @@ MenuChoice monitor_of(const Desk& desk) {
           [desk] { return std::make_unique<MonitorScreen>(desk); }};
 }
 
+/// LINK and LOG, after MODEL.
+void add_link_and_log(Choices& choices, const Desk& desk) {
+  choices.push_back({"LINK", "port, speed and unit number; a doctor that tries them; how good the line is",
+                     [desk] { return std::make_unique<LinkScreen>(desk); }});
+  choices.push_back({"LOG", "what the screens told, errors whole, for reading again and copying",
+                     [] { return std::make_unique<LogScreen>(); }});
+}
+
 /// Found from here by their names, not shown.
 void add_sought(Choices& choices, const std::vector<MenuEntry>& menus, const Desk& desk) {
   const std::size_t shown = choices.size();
@@ -63,6 +77,7 @@ std::unique_ptr<Screen> main_menu(const Desk& desk) {
   for (const MenuEntry& menu : menus) {
     if (choices.size() == 1) choices.push_back(monitor_of(desk));  // where figure 5.4 has it
     choices.push_back({name_of(menu), help_of(menu), [menu, desk] { return menu_of(menu, desk); }});
+    if (name_of(menu) == "MODEL") add_link_and_log(choices, desk);
   }
   add_sought(choices, menus, desk);
   return std::make_unique<MenuScreen>(
