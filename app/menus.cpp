@@ -10,6 +10,8 @@ void add_all_menus(Menu& root) {
   add_utility_menu(root);
   add_memory_menu(root);
   add_model_menu(root);
+  add_report_verb(root);
+  add_export_menu(root);
   add_batch_verb(root);
   add_doctor_verb(root);
 }

@@ -15,7 +15,9 @@ void add_map_menu(Menu& root);
 void add_utility_menu(Menu& root);
 void add_memory_menu(Menu& root);
 void add_model_menu(Menu& root);
+void add_export_menu(Menu& root);
 void add_batch_verb(Menu& root);
 void add_doctor_verb(Menu& root);
+void add_report_verb(Menu& root);
 
 }  // namespace ecs::app

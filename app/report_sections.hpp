@@ -1,0 +1,51 @@
+// The sections of a report, each with its heading.
+// Does not live here: the page around them (report_page.cpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/report_content.hpp"
+#include "app/report_judgement.hpp"
+#include "app/report_markup.hpp"
+
+namespace ecs::app {
+
+/// A heading with an anchor, then what stands under it.
+struct ReportSection {
+  std::string id;
+  std::string title;
+  Markup body;
+  bool new_page = false;  ///< on paper
+};
+
+[[nodiscard]] ReportSection summary_section(const ReportContent& content, const Judgement& judgement);
+[[nodiscard]] ReportSection machine_section(const ReportContent& content);
+[[nodiscard]] ReportSection conditions_section(const ReportContent& content);
+/// @param used  ids that stand on the page already
+[[nodiscard]] ReportSection components_section(const ReportContent& content, std::vector<std::string>& used);
+[[nodiscard]] ReportSection prediction_section(const ReportContent& content);
+[[nodiscard]] ReportSection effects_section(const ReportContent& content);
+[[nodiscard]] ReportSection parameters_section(const ReportContent& content);
+[[nodiscard]] ReportSection map_section(const ReportContent& content);
+[[nodiscard]] ReportSection unit_section(const ReportContent& content);
+/// Definitions, and every file with its SHA-256.
+[[nodiscard]] ReportSection sources_section(const ReportContent& content);
+
+// --- used by several of them
+
+/// <p>plain text</p>
+[[nodiscard]] Markup paragraph_of(std::string_view plain, std::string_view attributes = {});
+/// What is not there, said plainly.
+[[nodiscard]] Markup absence(std::string_view plain);
+/// <ul> of texts; nothing for none.
+[[nodiscard]] Markup list_of(const std::vector<std::string>& items);
+/// <dl> of name and value, in columns.
+[[nodiscard]] Markup facts_of(const std::vector<std::pair<std::string, std::string>>& facts);
+/// A number in a table, a dash where there is none.
+[[nodiscard]] Markup cell(const std::optional<double>& value, int decimals);
+
+/// Before and after on one scale.
+[[nodiscard]] Markup figure_of_row(const TableRow& row);
+
+}  // namespace ecs::app
