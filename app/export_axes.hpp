@@ -1,0 +1,24 @@
+// How a SINUMERIK names its axes and counts its values, as options of a command line.
+#pragma once
+
+#include <string>
+
+#include "app/verb.hpp"
+#include "laser/controller_siemens.hpp"
+
+namespace ecs::app {
+
+/// As typed.
+struct SiemensArguments {
+  std::string axes;  ///< "X=AX1,Y=AX2,Z=AX3"
+  int encoder = 0;
+  std::string cec_sign = "subtracts";
+};
+
+/// Adds --axes, --encoder and --cec-sign.
+void take_siemens_arguments(Verb& verb, SiemensArguments& arguments);
+
+/// A `usage` problem names what is wrong with --axes.
+[[nodiscard]] Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments);
+
+}  // namespace ecs::app

@@ -1,0 +1,215 @@
+// `ecs export read`: a control's compensation tables back into a map CSV.
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/export_axes.hpp"
+#include "app/export_menu.hpp"
+#include "app/laser_files.hpp"
+#include "app/map_view.hpp"
+#include "app/numbers.hpp"
+#include "app/paragraph.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "laser/controller_etalon.hpp"
+#include "laser/controller_linuxcnc.hpp"
+#include "laser/map_csv.hpp"
+#include "laser/text_decoding.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string output;
+  std::string format = "auto";
+  std::string axis;
+  std::string type;
+  std::string units = "mm";
+  bool as_loaded = false;
+  SiemensArguments siemens;
+  std::string params;
+  std::string params_out;
+};
+
+/// By what stands in it; LinuxCNC files are nothing but numbers.
+std::string format_of(const std::string& wanted, std::string_view text) {
+  if (wanted != "auto") return wanted;
+  const std::string plain = lower(text);
+  if (plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos) return "siemens";
+  if (plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos) return "etalon";
+  return "linuxcnc";
+}
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+/// "x.comp", "mill_y.comp", "screwcompZ.dat": a letter of its own at the end of the name.
+std::optional<Axis> axis_in_name(const std::string& file) {
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (stem.empty()) return std::nullopt;
+  const char last = stem.back();
+  const bool capital = last >= 'A' && last <= 'Z';
+  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
+                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
+  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
+}
+
+Result<laser::ControllerTables> read_linuxcnc(const Arguments& arguments, const std::string& file,
+                                              const std::string& bytes) {
+  laser::LinuxCncReadOptions options;
+  if (!arguments.axis.empty()) {
+    if (arguments.files.size() > 1)
+      return problem(ProblemKind::usage, "--axis names the axis of one file; several are told apart by their names");
+    const auto axis = axis_named(arguments.axis);
+    if (!axis) return tl::unexpected(axis.error());
+    options.axis = *axis;
+  } else {
+    const auto axis = axis_in_name(file);
+    if (!axis)
+      return problem(ProblemKind::usage,
+                     fmt::format("{}: which axis is it? Its name does not end in x, y or z: give --axis", file));
+    options.axis = *axis;
+  }
+  if (!arguments.type.empty()) options.type = arguments.type == "0" ? 0 : 1;
+  options.units = arguments.units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm;
+  options.as_loaded = arguments.as_loaded;
+  return laser::parse_linuxcnc(bytes, file, options);
+}
+
+struct ReadFiles {
+  laser::ControllerTables tables;
+  std::string format;
+};
+
+Result<ReadFiles> read_files(const Arguments& arguments) {
+  const auto siemens = siemens_options(arguments.siemens);
+  if (!siemens) return tl::unexpected(siemens.error());
+  ReadFiles all;
+  for (const std::string& file : arguments.files) {
+    const auto bytes = read_file(file);
+    if (!bytes) return tl::unexpected(bytes.error());
+    const auto text = laser::decoded(*bytes, file);
+    if (!text) return tl::unexpected(text.error());
+    const std::string format = format_of(arguments.format, text->text);
+    if (!all.format.empty() && format != all.format)
+      return problem(ProblemKind::usage,
+                     fmt::format("{} is of format {}, the files before it of {}: read one control at a time", file,
+                                 format, all.format));
+    all.format = format;
+    auto tables = format == "siemens"  ? laser::parse_siemens(text->text, file, *siemens)
+                  : format == "etalon" ? laser::parse_etalon(text->text, file)
+                                       : read_linuxcnc(arguments, file, *bytes);
+    if (!tables) return tl::unexpected(tables.error());
+    for (auto& source : tables->sources) source.name = std::filesystem::path(file).filename().string();
+    if (const auto done = laser::append(all.tables, std::move(*tables), format != "siemens"); !done)
+      return tl::unexpected(done.error());
+  }
+  return all;
+}
+
+/// The map with its header, on the lines of the parameters where the format counts from the machine zero.
+struct Taken {
+  laser::ReadMap read;
+  std::optional<params::ParametersFile> parameters;
+  std::vector<std::string> notes;
+};
+
+Result<Taken> taken(const Arguments& arguments, ReadFiles files) {
+  Taken made{laser::map_of(files.tables), std::nullopt, std::move(files.tables.notes)};
+  auto& header = made.read.map.header;
+  if (!arguments.params.empty()) {
+    auto file = params::read_parameters(arguments.params);
+    if (!file) return tl::unexpected(file.error());
+    made.parameters = std::move(*file);
+    if (files.format == "etalon")
+      made.read.map = laser::at_measurement_lines(made.read.map, made.parameters->parameters);
+    header.configuration = configuration_of(made.parameters->parameters);
+    header.machine = made.parameters->identity.machine;
+    header.serial_number = made.parameters->identity.serial_number;
+  } else if (files.format == "etalon") {
+    made.notes.push_back(
+        "the curves are those at the machine zero: set measurement_line_mm to 0 in the parameters, or "
+        "give --params to have them brought to its measurement lines");
+  }
+  header.processing.push_back(fmt::format("read from tables of a control ({})", files.format));
+  return made;
+}
+
+Result<void> write_parameters(const Arguments& arguments, const Taken& made) {
+  if (arguments.params_out.empty()) return {};
+  UnitParameters parameters = made.parameters->parameters;
+  for (const Component square : made.read.squareness_found) {
+    const double value = made.read.squareness[index_of(square)];
+    (square == Component::C0Y   ? parameters.C0Y_um_per_m
+     : square == Component::B0Z ? parameters.B0Z_um_per_m
+                                : parameters.A0Z_um_per_m) = value;
+  }
+  return params::write_parameters(arguments.params_out, parameters, made.parameters->identity);
+}
+
+std::string text_of(const Arguments& arguments, const ReadFiles& files, const Taken& made) {
+  std::string text = fmt::format("{}\n\n", files.format) + tables_text(made.read.map.tables);
+  for (const Component square : made.read.squareness_found)
+    text += fmt::format("compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(square),
+                        made.read.squareness[index_of(square)]);
+  if (!made.read.squareness_found.empty())
+    text += arguments.params_out.empty()
+                ? "squareness lives in the parameters: put these there, or give --params and --params-out\n"
+                : fmt::format("squareness written to {}\n", arguments.params_out);
+  for (const std::string& note : made.notes) text += paragraph("note: " + note, 0, 6);
+  return text + (arguments.output.empty() ? std::string("nothing written: give -o map.csv to keep it\n")
+                                          : fmt::format("map written to {}\n", arguments.output));
+}
+
+Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Taken& made) {
+  Json tables = Json::array(), squareness = Json::object(), warnings = Json::array();
+  for (const laser::MapTable& table : made.read.map.tables) tables.push_back(json_of(table, false));
+  for (const Component square : made.read.squareness_found)
+    squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
+  for (const Problem& warning : files.tables.warnings) warnings.push_back(json_of(warning));
+  return {{"format", files.format},          {"map", text_or_null(arguments.output)},
+          {"tables", std::move(tables)},     {"squareness", std::move(squareness)},
+          {"warnings", std::move(warnings)}, {"notes", made.notes}};
+}
+
+Result<Outcome> read(Session& session, const Arguments& arguments) {
+  if (!arguments.params_out.empty() && arguments.params.empty())
+    return problem(ProblemKind::usage, "--params-out needs --params: the rest of the parameters is taken from there");
+  for (const std::string& output : {arguments.output, arguments.params_out})
+    if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
+  auto files = read_files(arguments);
+  if (!files) return tl::unexpected(files.error());
+  const std::vector<Problem> warnings = files->tables.warnings;
+  const auto made = taken(arguments, *files);
+  if (!made) return tl::unexpected(made.error());
+  for (const Problem& warning : warnings) session.face.warn(to_text(warning));
+  if (!arguments.output.empty())
+    if (const auto done = write_file(arguments.output, laser::to_map_csv(made->read.map)); !done)
+      return tl::unexpected(done.error());
+  if (const auto done = write_parameters(arguments, *made); !done) return tl::unexpected(done.error());
+  return Outcome{text_of(arguments, *files, *made), one_line(json_of_read(arguments, *files, *made)), kDone};
+}
+
+}  // namespace
+
+void add_export_read(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("read", "the compensation tables of a control as a map CSV",
+                        "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
+                        "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv");
+  verb.texts("FILE", arguments->files, "files of one control", Need::required)
+      .text("-o,--output", arguments->output, "map CSV to write")
+      .choice("--format", arguments->format, {"auto", "linuxcnc", "siemens", "etalon"}, "default: by its content")
+      .text("--axis", arguments->axis, "LinuxCNC: the axis; default from the file's name")
+      .choice("--type", arguments->type, {"0", "1"}, "LinuxCNC: COMP_FILE_TYPE; default by the numbers")
+      .choice("--units", arguments->units, {"mm", "inch"}, "LinuxCNC: LINEAR_UNITS; default mm")
+      .flag("--as-loaded", arguments->as_loaded, "LinuxCNC: only the rows that it would take itself")
+      .text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
+      .text("--params-out", arguments->params_out, "the same with the squareness that was read");
+  take_siemens_arguments(verb, arguments->siemens);
+  verb.runs([arguments](Session& session) { return read(session, *arguments); });
+}
+
+}  // namespace ecs::app

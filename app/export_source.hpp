@@ -1,0 +1,46 @@
+// What every export begins with: a map, the parameters it goes with, the travels, and where the error is known from.
+// Does not live here: the tables (laser/controller_*.hpp), how they are shown (export_view.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session.hpp"
+#include "app/verb.hpp"
+#include "laser/controller_residual.hpp"
+#include "laser/controller_tables.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct ExportArguments {
+  std::string map;
+  bool unit = false;
+  std::string params;
+  std::string machine;
+  std::string model;
+  std::string output;
+};
+
+/// Adds FILE, --unit, --params, --machine, --model and -o.
+void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
+
+struct ExportWork {
+  laser::ExportSource source;
+  std::string map_name;             ///< the file, or "the unit"
+  std::string errors_from;          ///< "the map", or the model file
+  std::vector<std::string> notes;   ///< what was not given, and what that means
+  std::vector<std::string> inputs;  ///< files that must not be written over
+};
+
+/// Reads everything. Refused: a map whose header names another configuration than the parameters. Without --params
+/// those of the unit, else of --machine, else what the header of the map says.
+[[nodiscard]] Result<ExportWork> export_work(Session& session, const ExportArguments& arguments);
+
+/// The error of the machine at places: from the model if one is given, else from the map.
+/// @param work  must outlive what is returned
+[[nodiscard]] Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments,
+                                                 const ExportWork& work);
+
+}  // namespace ecs::app

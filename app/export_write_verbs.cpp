@@ -1,0 +1,152 @@
+// `ecs export linuxcnc`, `siemens`, `etalon`: the map as files that another control reads.
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/export_axes.hpp"
+#include "app/export_menu.hpp"
+#include "app/export_view.hpp"
+#include "app/laser_files.hpp"
+#include "base/file.hpp"
+#include "laser/controller_etalon.hpp"
+#include "laser/controller_linuxcnc.hpp"
+#include "laser/controller_siemens.hpp"
+
+namespace ecs::app {
+namespace {
+
+using Maker = std::function<Result<laser::ControllerExport>(const laser::ExportSource&)>;
+
+Result<void> make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder, error)) return {};
+  return problem(ProblemKind::output, fmt::format("cannot make the folder {}: {}", folder,
+                                                  error ? error.message() : "something else of that name is there"));
+}
+
+/// Into a folder, or the only file under the name given.
+Result<std::vector<std::string>> write_all(const laser::ControllerExport& made, const std::string& output, bool folder,
+                                           const std::vector<std::string>& inputs) {
+  std::vector<std::string> paths;
+  if (output.empty()) return paths;
+  for (const laser::ExportFile& file : made.files)
+    paths.push_back(folder ? (std::filesystem::path(output) / file.name).string() : output);
+  for (const std::string& path : paths)
+    if (const auto spared = spares_inputs(path, inputs); !spared) return tl::unexpected(spared.error());
+  if (folder)
+    if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
+  for (std::size_t i = 0; i < paths.size(); ++i)
+    if (const auto done = write_file(paths[i], made.files[i].content); !done) return tl::unexpected(done.error());
+  return paths;
+}
+
+struct Target {
+  std::string control;
+  bool folder = true;  ///< several files
+  bool levers_from_line = false;
+};
+
+Result<Outcome> exported(Session& session, const ExportArguments& arguments, const Target& target, const Maker& make) {
+  const auto work = export_work(session, arguments);
+  if (!work) return tl::unexpected(work.error());
+  const auto errors = errors_for(session, arguments, *work);
+  if (!errors) return tl::unexpected(errors.error());
+  auto made = make(work->source);
+  if (!made) {
+    Problem why = made.error();
+    if (why.file.empty()) why.file = work->map_name;
+    return tl::unexpected(std::move(why));
+  }
+  const MeasurementLines lines =
+      target.levers_from_line ? work->source.parameters.measurement_lines_mm : MeasurementLines{};
+  const auto residuals = laser::residuals(work->source, made->applied, lines, *errors);
+  if (!residuals) return tl::unexpected(residuals.error());
+  auto written = write_all(*made, arguments.output, target.folder, work->inputs);
+  if (!written) return tl::unexpected(written.error());
+  const ToldExport told{
+      target.control, *work, *made, *residuals, std::move(*written), target.folder ? "-o FOLDER" : "-o FILE"};
+  return Outcome{export_text(told), one_line(json_of(told)), kDone};
+}
+
+void add_linuxcnc(Menu& menu) {
+  struct Arguments : ExportArguments {
+    std::string type = "1";
+    std::string units = "mm";
+    int points = static_cast<int>(laser::kLinuxCncMostPoints);
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("linuxcnc", "a screw compensation file for each joint: positioning, both approaches",
+                        "ecs export linuxcnc map.csv --params mill.toml -o linuxcnc/");
+  take_export_arguments(verb, *arguments, "folder for x.comp, y.comp, z.comp");
+  verb.choice("--type", arguments->type, {"0", "1"}, "COMP_FILE_TYPE: 0 positions, 1 trims (the default)")
+      .choice("--units", arguments->units, {"mm", "inch"}, "LINEAR_UNITS of the control; default mm")
+      .integer("--points", arguments->points, "most points of a file; LinuxCNC takes 256", 2,
+               static_cast<int>(laser::kLinuxCncMostPoints))
+      .runs([arguments](Session& session) {
+        const laser::LinuxCncOptions options{
+            arguments->type == "0" ? 0 : 1,
+            arguments->units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm,
+            static_cast<std::size_t>(arguments->points)};
+        return exported(session, *arguments, {"LinuxCNC", true, false},
+                        [&](const laser::ExportSource& source) { return laser::linuxcnc_export(source, options); });
+      });
+}
+
+void add_siemens(Menu& menu) {
+  struct Arguments : ExportArguments {
+    SiemensArguments siemens;
+    int points = 1000;
+    int tables = 62;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("siemens",
+                        "SINUMERIK 840D: encoder error tables, and cross tables for straightness, "
+                        "squareness and reversal",
+                        "ecs export siemens map.csv --params mill.toml --points 200 --tables 8 -o sinumerik/");
+  take_export_arguments(verb, *arguments, "folder for AX_EEC.INI and NC_CEC.INI");
+  take_siemens_arguments(verb, arguments->siemens);
+  verb.integer("--points", arguments->points, "most points of a table; default 1000, 828D has 200", 2, 5000)
+      .integer("--tables", arguments->tables, "most cross tables; default 62, 828D has 8", 0, 200)
+      .runs([arguments](Session& session) -> Result<Outcome> {
+        auto options = siemens_options(arguments->siemens);
+        if (!options) return tl::unexpected(options.error());
+        options->most_points = static_cast<std::size_t>(arguments->points);
+        options->most_tables = static_cast<std::size_t>(arguments->tables);
+        return exported(session, *arguments, {"SINUMERIK 840D", true, false},
+                        [&](const laser::ExportSource& source) { return laser::siemens_export(source, *options); });
+      });
+}
+
+void add_etalon(Menu& menu) {
+  struct Arguments : ExportArguments {
+    std::string levers = "zero";
+    int points = 0;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("etalon", "the whole volumetric model in the Etalon exchange format (TwinCAT, ISG)",
+                        "ecs export etalon map.csv --params mill.toml -o mill_errors.txt");
+  take_export_arguments(verb, *arguments, "file to write");
+  verb.choice("--levers", arguments->levers, {"zero", "lines"},
+              "where the control counts lever arms from: the machine zero (default), or the measurement lines")
+      .integer("--points", arguments->points, "most grid points of a function; default: all of the map", 2, 1'000'000)
+      .runs([arguments](Session& session) {
+        const laser::EtalonOptions options{"errors.txt", arguments->levers == "zero",
+                                           static_cast<std::size_t>(arguments->points)};
+        return exported(session, *arguments, {"Etalon exchange format", false, arguments->levers == "lines"},
+                        [&](const laser::ExportSource& source) { return laser::etalon_export(source, options); });
+      });
+}
+
+}  // namespace
+
+void add_export_writers(Menu& menu) {
+  add_linuxcnc(menu);
+  add_siemens(menu);
+  add_etalon(menu);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,92 @@
+// What the tables of a control say, whichever control: curves of compensation that add up, and squareness. What the
+// writers are asked for and what they answer. Does not live here: the files of each control (controller_linuxcnc.hpp,
+// controller_siemens.hpp, controller_etalon.hpp).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "laser/error_map.hpp"
+
+namespace ecs::laser {
+
+/// Tables read from a control's files. Several of one component and approach add up. A table of a translation acts by
+/// the position of its moving axis alone, whatever control it is from.
+struct ControllerTables {
+  std::vector<MapTable> tables;                  ///< compensation, um or um/m
+  std::array<double, kComponents> squareness{};  ///< errors, um/m; only C0Y, B0Z, A0Z are used
+  std::vector<SourceFile> sources;
+  std::vector<std::string> notes;  ///< what had to be assumed, what was left out
+  std::vector<Problem> warnings;   ///< places where the control itself would not read what is written
+};
+
+/// Adds what a further file of the same machine says. Refused: a component that both hold, where `alone` is set
+/// (controls that add tables up allow it).
+[[nodiscard]] Result<void> append(ControllerTables& all, ControllerTables more, bool alone);
+
+/// The tables as a map: tables of one component added up on all their positions, one table for both approaches where
+/// they are the same. A straight line of two points across C0Y, B0Z or A0Z becomes squareness, with a note.
+struct ReadMap {
+  ErrorMap map;
+  std::array<double, kComponents> squareness{};  ///< errors, um/m
+  std::vector<Component> squareness_found;
+};
+[[nodiscard]] ReadMap map_of(const ControllerTables& tables);
+
+/// A place of the machine, and the approach of each axis there.
+struct MachinePlace {
+  Vector3 position_mm{};
+  PerAxis<Approach> approach{Approach::forward, Approach::forward, Approach::forward};
+};
+
+/// Compensation along X, Y, Z [um] that a control adds there. Rotations lever over `lines` and the
+/// tool offset by the terms given. @param terms  of the chain, measured curves
+[[nodiscard]] Vector3 compensation_by(const ControllerTables& tables, const TermTable& terms, const MachinePlace& place,
+                                      const MeasurementLines& lines, const Vector3& tool_offset_mm);
+
+/// One file to be written.
+struct ExportFile {
+  std::string name;  ///< without a folder
+  std::string content;
+};
+
+/// One table of an export, and how well it follows the map.
+struct ExportedTable {
+  std::string component;  ///< "EXX", "C0Y"
+  std::string what;       ///< "x.comp", "CEC table 3, X to Y, forward"
+  std::size_t map_points = 0;
+  std::size_t points = 0;
+  double largest = 0.0;    ///< |value| [um, um/m]
+  double deviation = 0.0;  ///< largest difference from what the unit would put out, before any shift
+  double shift = 0.0;      ///< taken away everywhere, so that it is zero at the reference position
+};
+
+struct ControllerExport {
+  std::vector<ExportFile> files;
+  std::vector<ExportedTable> tables;
+  std::vector<std::string> settings;     ///< what is to be set in the control besides
+  std::vector<std::string> not_carried;  ///< a sentence for each component that stays behind
+  std::vector<std::string> notes;
+  ControllerTables applied;  ///< the files read again: what the control will add
+};
+
+/// What an export starts from.
+struct ExportSource {
+  ErrorMap map;
+  UnitParameters parameters;  ///< chain, lines, reference positions, squareness, interpolation
+  PerAxis<std::optional<std::array<double, 2>>> travel_mm{};  ///< of the axes that exist; lower end, upper end
+};
+
+/// Refused, with every reason: no table at all, a table of one point, a component with one approach only.
+[[nodiscard]] Result<void> check_exportable(const ErrorMap& map);
+
+/// "EAX X axis roll error, up to 60.1 um/m: …" for each component of the map, and each squareness, not among `carried`.
+[[nodiscard]] std::vector<std::string> left_behind(const ExportSource& source, const std::vector<Component>& carried,
+                                                   const std::string& why_rotations, const std::string& why_others);
+
+/// The squareness errors of parameters, by component.
+[[nodiscard]] std::array<double, kComponents> squareness_of(const UnitParameters& parameters);
+
+}  // namespace ecs::laser
