@@ -77,6 +77,21 @@ Json pointers_json(const StatusSnapshot& snapshot) {
   return out;
 }
 
+}  // namespace
+
+std::string_view name_of(Approach approach) {
+  if (approach == Approach::forward) return "forward";
+  return approach == Approach::reverse ? "reverse" : "unknown";
+}
+
+std::string fault_sentence(const UnitStatus& status) {
+  const FaultText text = ecs::text_of(status.fault);
+  std::string sentence = fmt::format("fault {} ({}): {}", static_cast<int>(status.fault), text.name, text.meaning);
+  if (has_address(status.fault)) sentence += fmt::format("; address {}", hex_address(status.fault_address));
+  if (status.fault_axis) sentence += fmt::format("; axis {}", letter_of(*status.fault_axis));
+  return fmt::format("{}. What to do: {}", sentence, text.action);
+}
+
 std::string axes_text(const StatusSnapshot& snapshot) {
   std::string text = "axis  referenced  datum stage     position/mm  approach  relay\n";
   for (const Axis axis : kAllAxes) {
@@ -120,21 +135,6 @@ std::string memory_text(const UnitStatus& status) {
     text += "\nblock check  not run\n";
   return text + fmt::format("active map   bank {}, {} bytes, commit {}\n", name_of_bank(status.active_bank),
                             status.image_length_bytes, status.commit_sequence);
-}
-
-}  // namespace
-
-std::string_view name_of(Approach approach) {
-  if (approach == Approach::forward) return "forward";
-  return approach == Approach::reverse ? "reverse" : "unknown";
-}
-
-std::string fault_sentence(const UnitStatus& status) {
-  const FaultText text = ecs::text_of(status.fault);
-  std::string sentence = fmt::format("fault {} ({}): {}", static_cast<int>(status.fault), text.name, text.meaning);
-  if (has_address(status.fault)) sentence += fmt::format("; address {}", hex_address(status.fault_address));
-  if (status.fault_axis) sentence += fmt::format("; axis {}", letter_of(*status.fault_axis));
-  return fmt::format("{}. What to do: {}", sentence, text.action);
 }
 
 Json json_of(const StatusSnapshot& snapshot) {

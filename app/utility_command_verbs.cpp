@@ -8,8 +8,7 @@
 #include "app/numbers.hpp"
 #include "app/unit_link.hpp"
 #include "app/utility_menu.hpp"
-#include "core/bytes.hpp"
-#include "core/user_memory.hpp"
+#include "app/utility_work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -76,24 +75,6 @@ struct RunArguments {
   bool yes = false;
 };
 
-/// D0 … D7, A0 … A7, PC and SR as the unit keeps them after a program has ended.
-struct KeptRegisters {
-  std::string text;
-  Json object;
-};
-Result<KeptRegisters> kept_registers(protocol::UnitClient& client) {
-  const auto bytes = client.read_memory(kUserRegisters, kUserRegisterBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  KeptRegisters kept;
-  for (std::size_t i = 0; i < kUserRegisterBytes / 4; ++i) {
-    const std::string name = i < 16 ? fmt::format("{}{}", i < 8 ? 'D' : 'A', i % 8) : (i == 16 ? "PC" : "SR");
-    const auto value = load_big<std::uint32_t>(*bytes, 4 * i);
-    kept.text += fmt::format("{} {:08X}{}", name, value, i % 4 == 3 || i == 17 ? "\n" : "   ");
-    kept.object[name] = value;
-  }
-  return kept;
-}
-
 Result<Outcome> run_program_in_unit(Session& session, const RunArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
@@ -110,13 +91,14 @@ Result<Outcome> run_program_in_unit(Session& session, const RunArguments& argume
   if (!value) return tl::unexpected(value.error());
   const auto registers = kept_registers(unit->client());
   if (!registers) return tl::unexpected(registers.error());
-  return Outcome{fmt::format("the program at {} returned {} (0x{:08X})\n{}", hex_address(*address), *value, *value,
-                             registers->text),
-                 one_line(Json{{"address", hex_address(*address)},
-                               {"argument", *argument},
-                               {"returned", *value},
-                               {"registers", registers->object}}),
-                 kDone};
+  Json values;
+  for (const KeptRegister& one : *registers) values[one.name] = one.value;
+  return Outcome{
+      fmt::format("the program at {} returned {} (0x{:08X})\n{}", hex_address(*address), *value, *value,
+                  text_of(*registers)),
+      one_line(Json{
+          {"address", hex_address(*address)}, {"argument", *argument}, {"returned", *value}, {"registers", values}}),
+      kDone};
 }
 
 Result<Outcome> ram_test(Session& session) {

@@ -10,6 +10,7 @@
 #include "app/numbers.hpp"
 #include "app/unit_link.hpp"
 #include "app/utility_menu.hpp"
+#include "app/utility_work.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app {
@@ -105,12 +106,6 @@ struct TestArguments {
   double wait_s = 60.0;
 };
 
-struct AxisTest {
-  Axis axis = Axis::X;
-  bool passed = false;
-  std::string message;  ///< why not
-};
-
 Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, const protocol::Identity& identity) {
   std::vector<Axis> axes;
   for (const std::string& name : names) {
@@ -121,23 +116,6 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
   for (const Axis axis : kAllAxes)
     if (names.empty() && identity.axis_present[index_of(axis)]) axes.push_back(axis);
   return axes;
-}
-
-/// A failed command is the answer; a lost line is a problem.
-Result<AxisTest> tested(Session& session, UnitLink& unit, Axis axis, double wait_s) {
-  protocol::UnitClient& client = unit.client();
-  ask_to_reference(session, unit, fmt::format("axis {}", letter_of(axis)));
-  const auto result = client.test_datum(axis, in_ms(wait_s));
-  if (result) return AxisTest{axis, true, {}};
-  const auto failure = client.link().last_failure();
-  if (failure != protocol::LinkFailure::none || client.link().cancelled()) return tl::unexpected(result.error());
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  const protocol::AxisStatus& state = status->axes[index_of(axis)];
-  std::string message = result.error().message;
-  if (state.datum_failure != DatumFailure::none)
-    message += fmt::format(" ({}: {})", ecs::name_of(state.datum_failure), advice_for(state.datum_failure));
-  return AxisTest{axis, false, std::move(message)};
 }
 
 Result<Outcome> test(Session& session, const TestArguments& arguments) {
@@ -151,7 +129,8 @@ Result<Outcome> test(Session& session, const TestArguments& arguments) {
   std::string text;
   bool all_passed = true;
   for (const Axis axis : *axes) {
-    const auto one = tested(session, *unit, axis, arguments.wait_s);
+    ask_to_reference(session, *unit, fmt::format("axis {}", letter_of(axis)));
+    const auto one = test_datum_of(unit->client(), axis, in_ms(arguments.wait_s));
     if (!one) return tl::unexpected(one.error());
     all_passed = all_passed && one->passed;
     text += fmt::format("axis {}: {}\n", letter_of(axis), one->passed ? "datum found" : one->message);

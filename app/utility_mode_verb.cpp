@@ -8,6 +8,7 @@
 #include "app/status_view.hpp"
 #include "app/unit_link.hpp"
 #include "app/utility_menu.hpp"
+#include "app/utility_work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -68,20 +69,12 @@ Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
   }
 }
 
-/// The unit's own fault says more than the failed command.
-tl::unexpected<Problem> why_not(UnitLink& unit, Problem failure) {
-  if (unit.client().link().last_failure() == protocol::LinkFailure::none && !unit.client().link().cancelled())
-    if (const auto status = unit.client().status(); status && status->fault != Fault::none)
-      failure.message = "the unit cannot compensate: " + fault_sentence(*status);
-  return tl::unexpected(std::move(failure));
-}
-
 Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
   const auto now = unit.client().status();
   if (!now) return tl::unexpected(now.error());
   const bool under_way = now->mode == UnitMode::datuming || now->mode == UnitMode::compensating;
   if (!under_way)
-    if (const auto entered = unit.client().enter_compensation(); !entered) return why_not(unit, entered.error());
+    if (const auto entered = begin_compensation(unit.client()); !entered) return tl::unexpected(entered.error());
   if (now->mode != UnitMode::compensating) ask_to_reference(session, unit, "every axis");
   return follow(session, unit, wait_s);
 }
