@@ -6,6 +6,7 @@
 #include "app/laser_files.hpp"
 #include "app/laser_json.hpp"
 #include "app/laser_menu.hpp"
+#include "app/laser_quantities.hpp"
 #include "laser/iso230.hpp"
 
 namespace ecs::app {
@@ -16,39 +17,13 @@ struct Arguments {
   ImportArguments import;
 };
 
-/// One quantity of the axis: key in JSON, symbol and name on the screen.
-struct Quantity {
-  const char* key;
-  const char* symbol;
-  const char* name;
-  std::optional<double> laser::Iso230::*value;
-};
-
-constexpr Quantity kQuantities[] = {
-    {"A", "A", "bidirectional accuracy", &laser::Iso230::A},
-    {"A_forward", "A fwd", "unidirectional accuracy, forward", &laser::Iso230::A_forward},
-    {"A_reverse", "A rev", "unidirectional accuracy, reverse", &laser::Iso230::A_reverse},
-    {"E", "E", "bidirectional systematic deviation", &laser::Iso230::E},
-    {"E_forward", "E fwd", "unidirectional systematic deviation, forward", &laser::Iso230::E_forward},
-    {"E_reverse", "E rev", "unidirectional systematic deviation, reverse", &laser::Iso230::E_reverse},
-    {"M", "M", "range of the mean bidirectional deviation", &laser::Iso230::M},
-    {"R", "R", "bidirectional repeatability", &laser::Iso230::R},
-    {"R_forward", "R fwd", "unidirectional repeatability, forward", &laser::Iso230::R_forward},
-    {"R_reverse", "R rev", "unidirectional repeatability, reverse", &laser::Iso230::R_reverse},
-    {"B", "B", "reversal error", &laser::Iso230::B},
-    {"B_mean", "B mean", "mean reversal error", &laser::Iso230::B_mean},
-    {"three_sigma_band", "3s band", "max(mean + 3s) - min(mean - 3s) (BS 4656 Pt 16)",
-     &laser::Iso230::three_sigma_band},
-    {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability},
-};
-
 std::string text_of(const laser::Iso230& iso, const std::string& file) {
   const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
   std::string text = fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
                                  name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
                                  parked_text(line), iso.targets.size(), compensated_text(line));
   const auto unit = laser::unit_of(iso.sense);
-  for (const Quantity& q : kQuantities) {
+  for (const LaserQuantity& q : kLaserQuantities) {
     const auto& value = iso.*q.value;
     text +=
         fmt::format("  {:<8} {:>12} {:<5} {}\n", q.symbol, value ? fmt::format("{:.3f}", *value) : "-", unit, q.name);
@@ -77,7 +52,7 @@ Json json_of(const laser::Iso230Target& t) {
 Json json_of(const laser::Iso230& iso, const std::string& file) {
   Json object{{"file", file}};
   object.update(json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated));
-  for (const Quantity& q : kQuantities) object[q.key] = number_or_null(iso.*q.value);
+  for (const LaserQuantity& q : kLaserQuantities) object[q.key] = number_or_null(iso.*q.value);
   object["range"] = number_or_null(iso.range);
   object["merge_tolerance_mm"] = number_or_null(iso.merge_tolerance_mm);
   object["targets"] = Json::array();

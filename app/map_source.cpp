@@ -8,9 +8,8 @@
 
 namespace ecs::app {
 
-Result<FoundMap> map_in(Session& session, UnitLink& unit) {
-  const auto image = read_active_image(unit.client(), progress_bar(session, "map"));
-  session.face.end_progress();
+Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress) {
+  const auto image = read_active_image(client, progress);
   if (!image) return tl::unexpected(image.error());
   if (!*image) return problem(ProblemKind::refused, "the unit holds no map: send one with `ecs map send`");
   auto content = laser::content_of(**image);
@@ -21,6 +20,12 @@ Result<FoundMap> map_in(Session& session, UnitLink& unit) {
     return tl::unexpected(std::move(why));
   }
   return FoundMap{std::move(content->map), content->parameters, "the unit"};
+}
+
+Result<FoundMap> map_in(Session& session, UnitLink& unit) {
+  auto found = map_in(unit.client(), progress_bar(session, "map"));
+  session.face.end_progress();
+  return found;
 }
 
 Result<FoundMap> found_map(Session& session, const std::string& file, bool from_unit) {

@@ -20,6 +20,8 @@ struct FoundMap {
 };
 
 /// The map in the unit, decoded, with its parameters. Refused, saying why, if it holds none or an unsound one.
+[[nodiscard]] Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress = {});
+/// The same; the session shows how far it is.
 [[nodiscard]] Result<FoundMap> map_in(Session& session, UnitLink& unit);
 
 /// `file`, or the unit's map with `from_unit`. A `usage` problem unless exactly one of the two is asked for.

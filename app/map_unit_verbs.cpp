@@ -3,15 +3,12 @@
 
 #include <fmt/format.h>
 
-#include "app/map_compare.hpp"
 #include "app/map_menu.hpp"
-#include "app/map_source.hpp"
+#include "app/map_sent.hpp"
 #include "app/map_view.hpp"
 #include "base/file.hpp"
 #include "laser/map_csv.hpp"
-#include "laser/map_image.hpp"
 #include "params/diff.hpp"
-#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 namespace {
@@ -43,21 +40,6 @@ struct VerifyArguments {
   std::string params;
 };
 
-/// Map and parameters of the file as a unit would hold them: rounded and resampled as the image does it.
-Result<laser::ImageContent> expected_content(const VerifyArguments& arguments, const UnitParameters& of_unit) {
-  const auto map = laser::read_map_csv(arguments.file);
-  if (!map) return tl::unexpected(map.error());
-  UnitParameters parameters = of_unit;
-  if (!arguments.params.empty()) {
-    const auto file = params::read_parameters(arguments.params);
-    if (!file) return tl::unexpected(file.error());
-    parameters = file->parameters;
-  }
-  const auto image = laser::image_of(*map, parameters);
-  if (!image) return tl::unexpected(image.error());
-  return laser::content_of(image->bytes);
-}
-
 Json difference_json(const MapDifference& d) {
   return {{"component", d.component ? Json(name_of(*d.component)) : Json(nullptr)},
           {"approach", d.component ? Json(word_for(d.approach)) : Json(nullptr)},
@@ -78,11 +60,11 @@ Result<Outcome> verify(Session& session, const VerifyArguments& arguments) {
   if (const auto readable = laser::read_map_csv(arguments.file); !readable) return tl::unexpected(readable.error());
   const auto found = found_map(session, {}, true);
   if (!found) return tl::unexpected(found.error());
-  const auto expected = expected_content(arguments, *found->parameters);
-  if (!expected) return tl::unexpected(expected.error());
-  const auto differences = differences_between(expected->map, found->map);
-  const auto of_parameters = params::diff(expected->parameters, *found->parameters);
-  const bool same = differences.empty() && of_parameters.empty();
+  const auto verdict = verdict_on(*found, arguments.file, arguments.params);
+  if (!verdict) return tl::unexpected(verdict.error());
+  const auto& differences = verdict->differences;
+  const auto& of_parameters = verdict->parameters;
+  const bool same = verdict->same();
   Json object{{"map", arguments.file}, {"same", same}, {"differences", Json::array()}, {"parameters", Json::array()}};
   for (const MapDifference& d : differences) object["differences"].push_back(difference_json(d));
   for (const params::Difference& d : of_parameters)

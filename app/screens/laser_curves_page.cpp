@@ -1,0 +1,179 @@
+// Step 4: slope and smoothing of every curve, before and after. Does not live here: the arithmetic (laser_curves.cpp).
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/screens/laser_page.hpp"
+#include "base/text.hpp"
+#include "laser/map_recipe.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::string words_for(laser::SlopeMethod method) {
+  if (method == laser::SlopeMethod::none) return "slope stays";
+  return method == laser::SlopeMethod::end_points ? "slope by end points" : "slope by least squares";
+}
+
+/// "least", "end", "-": what stands in the list.
+std::string short_words(laser::SlopeMethod method) {
+  if (method == laser::SlopeMethod::none) return "-";
+  return method == laser::SlopeMethod::end_points ? "ends" : "lsq";
+}
+
+class CurvesPage final : public LaserPage {
+ public:
+  explicit CurvesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = desk().work();
+    if (work.curves.empty())
+      return draw_nothing_yet(canvas, area,
+                              work.lines.empty()
+                                  ? "No measured lines yet: step 1 takes the files."
+                                  : "None of the measured lines serves a component of the chosen scope: step 6 says "
+                                    "what it needs.");
+    const LaserHalves halves = laser_halves(area);
+    const int told = work.map.parameters ? 0 : std::min(3, halves.list.rows / 4);
+    canvas.text(halves.list, 0, 2, fmt::format("{:<5} {:<4} {:>6} {:>7}", "", "slp", "smooth", "band"), Tone::faint);
+    std::vector<ListRow> rows;
+    for (const LaserCurve& curve : work.curves) rows.push_back(row_of(curve));
+    draw_list(canvas,
+              {halves.list.row + 1, halves.list.column, std::max(0, halves.list.rows - 1 - told), halves.list.columns},
+              rows, place_);
+    if (told > 0)
+      canvas.paragraph({halves.list.row + halves.list.rows - told, halves.list.column, told, halves.list.columns}, 0,
+                       "Angles from two lines come with the parameters: p", Tone::faint);
+    if (halves.rest.columns > 0) draw_curve(canvas, halves.rest, work.curves[at()]);
+  }
+
+  bool on_key(const Key& key) override {
+    const auto& curves = desk().work().curves;
+    if (is_letter(key, U'p')) {
+      host().ask_parameters();
+      return true;
+    }
+    if (curves.empty()) return false;
+    if (place_.on_key(key, static_cast<int>(curves.size()))) {
+      view_ = {};
+      return true;
+    }
+    const LaserCurve& curve = curves[at()];
+    const std::string code(name_of(curve.component));
+    if (is_letter(key, U' ')) {
+      const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
+      desk().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
+        c.components[code].slope = next == curve.recommended ? std::nullopt : std::optional(next);
+      });
+    } else if (key.name == Key::Name::enter) {
+      host().fill(form_for(curve));
+    } else if (is_letter(key, U'e')) {
+      host().pictures.start(
+          {fmt::format("{}  {}", code, laser::description_of(curve.component)), {curve.before, curve.after}, 1, false},
+          code);
+    } else {
+      return on_chart_key(key, curve.before, view_);
+    }
+    return true;
+  }
+
+  std::vector<KeyHelp> keys() const override {
+    return {{"Space", "slope"},   {"Enter", "smoothing, slope, grid"},
+            {"up/down", "curve"}, {"u", "undo"},
+            {"+ - 0", "zoom"},    {"left/right", "cursor"},
+            {"e", "picture"}};
+  }
+  std::string help() const override {
+    return "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
+           "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
+           "parabola over the window; the answer says from the scatter of the repeats whether noise or form went. The "
+           "band is the range of all readings (of the curve where it is smoothed or comes from two lines).";
+  }
+
+ private:
+  [[nodiscard]] std::size_t at() const { return place_within(place_, desk().work().curves.size()); }
+
+  /// The choice of now, while the curve may still be that of before.
+  [[nodiscard]] LaserComponentChoice choice_of(const LaserCurve& curve) const {
+    const auto found = desk().choices().components.find(std::string(name_of(curve.component)));
+    return found == desk().choices().components.end() ? LaserComponentChoice{} : found->second;
+  }
+
+  [[nodiscard]] ListRow row_of(const LaserCurve& curve) const {
+    const LaserComponentChoice choice = choice_of(curve);
+    const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
+    const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
+    return {fmt::format("{:<5} {:<4} {:>6} {:>7.1f}{}", name_of(curve.component),
+                        short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after,
+                        !curve.problem.empty() || form_went ? " !" : ""),
+            curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
+  }
+
+  static std::string told_of(const LaserCurve& curve) {
+    if (!curve.problem.empty()) return curve.problem;
+    const auto unit = unit_of(curve.component);
+    std::string text =
+        fmt::format("band {:.2f} > {:.2f} {}; {}", curve.band_before, curve.band_after, unit, words_for(curve.slope));
+    if (curve.slope != laser::SlopeMethod::none) text += fmt::format(" {:.2f} {}/m", curve.removed_per_m, unit);
+    if (curve.slope != curve.recommended) text += fmt::format(" (recommended: {})", laser::name_of(curve.recommended));
+    if (!curve.smoothed) return text;
+    text += fmt::format("; smoothing took {:.2f} {} rms: ", curve.smoothed->removed_rms, unit);
+    if (curve.smoothed->taken == laser::Taken::noise) return text + "noise, by the repeats";
+    if (curve.smoothed->taken == laser::Taken::signal) return text + "form of the curve went too, use less";
+    return text + "no repeats to judge it by";
+  }
+
+  void draw_curve(Canvas& canvas, const Area& area, const LaserCurve& curve) const {
+    const std::string told = told_of(curve);
+    canvas.text(area, 0, 0, fmt::format("{}  {}", name_of_curve(curve), laser::description_of(curve.component)),
+                Tone::strong);
+    const bool odd = !curve.problem.empty() || (curve.smoothed && curve.smoothed->taken == laser::Taken::signal);
+    const int text_rows = std::min(3, static_cast<int>(wrapped(told, area.columns).size()));
+    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, told,
+                     !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
+    const Area charts = area.below(1 + text_rows);
+    if (curve.before.series.empty()) return;
+    const int upper = (charts.rows + 1) / 2;
+    draw_chart(canvas, charts.top(upper), curve.before, view_);
+    if (!curve.after.series.empty()) draw_chart(canvas, charts.below(upper), curve.after, view_);
+  }
+
+  LaserForm form_for(const LaserCurve& curve) const {
+    const std::string code(name_of(curve.component));
+    const LaserComponentChoice now = choice_of(curve);
+    const auto number = [](double value) { return value > 0.0 ? shortest(value) : std::string(); };
+    std::vector<LaserField> fields{
+        {"smoothing [mm]", "width of the local parabola; empty: none", number(now.smoothing_mm)},
+        {"slope",
+         fmt::format("empty: as recommended, {}", laser::name_of(curve.recommended)),
+         now.slope ? std::string(laser::name_of(*now.slope)) : "",
+         {"", "none", "end_points", "least_squares"}},
+        {"grid [mm]", "spacing of the points in the map; empty: that of the targets",
+         number(now.increment_mm.value_or(0.0))}};
+    return LaserForm(fmt::format("{}  {}", code, laser::description_of(curve.component)), std::move(fields),
+                     [this, code](const std::vector<std::string>& v) { return take_form(code, v); });
+  }
+
+  std::string take_form(const std::string& code, const std::vector<std::string>& v) const {
+    const auto smoothing = v[0].empty() ? std::optional(0.0) : number_in(v[0]);
+    const auto grid = v[2].empty() ? std::optional(0.0) : number_in(v[2]);
+    if (!smoothing || *smoothing < 0.0) return "smoothing: a width in mm, as in 100, or nothing";
+    if (!grid || *grid < 0.0) return "grid: a spacing in mm, as in 50, or nothing";
+    desk().change("slope, smoothing and grid of " + code, [&](LaserChoices& c) {
+      LaserComponentChoice& choice = c.components[code];
+      choice.smoothing_mm = *smoothing;
+      choice.slope = laser::slope_method_named(v[1]);
+      choice.increment_mm = *grid > 0.0 ? grid : std::nullopt;
+    });
+    return {};
+  }
+
+  ListPlace place_;
+  ChartView view_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_curves_page(LaserHost& host) { return std::make_unique<CurvesPage>(host); }
+
+}  // namespace ecs::app

@@ -1,0 +1,135 @@
+// What the PROCESS LASER DATA screen works on: the choices with their undo and draft, what follows from them, and the
+// work under way. Pure state and actions, no terminal. Does not live here: drawing (laser_screen.hpp).
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/screens/drafts.hpp"
+#include "app/screens/laser_unit_work.hpp"
+#include "app/screens/laser_work.hpp"
+#include "app/screens/talk.hpp"
+
+namespace ecs::app {
+
+enum class LaserStep { files, lines, leave_out, curves, iso, map, header, send, verify };
+inline constexpr int kLaserSteps = 9;
+
+/// How a step stands.
+enum class LaserMark {
+  open,  ///< nothing there yet
+  done,
+  doubtful,  ///< something there deserves a look
+};
+
+class LaserDesk {
+ public:
+  explicit LaserDesk(std::shared_ptr<UnitDesk> unit);
+  ~LaserDesk();
+  LaserDesk(const LaserDesk&) = delete;
+  LaserDesk& operator=(const LaserDesk&) = delete;
+
+  [[nodiscard]] const LaserChoices& choices() const { return choices_; }
+  /// Never null; belongs to older choices while working() is true.
+  [[nodiscard]] const LaserWork& work() const { return *work_; }
+  [[nodiscard]] LaserMark mark(LaserStep step) const;
+  [[nodiscard]] const UnitDesk& unit() const { return *unit_; }
+
+  // --- choices
+  /// Keeps the draft, works out what follows. @param what  for undo: "run 3 left out"
+  void change(const std::string& what, const std::function<void(LaserChoices&)>& how);
+  void undo();
+  /// Of an earlier sitting; nothing: there is none, or it was answered.
+  [[nodiscard]] const std::optional<Draft>& offered() const { return offered_; }
+  void take_up_offered();
+  void drop_offered();
+  /// Everything that the files on disc say now.
+  void read_again();
+
+  // --- disc and unit; each tells message()
+  void save();
+  /// Saves, checks here and at the unit; then ready() holds what send() would send.
+  void prepare();
+  [[nodiscard]] const std::optional<ReadyMap>& ready() const { return ready_; }
+  void send();
+  void not_now() { ready_.reset(); }
+  void verify();
+  void compensate();
+  void receive_parameters(const std::string& file);
+  /// Asks what runs on line or disc to stop.
+  void cancel() { job_.cancel(); }
+
+  /// Takes what has been finished meanwhile. @return whether anything changed
+  [[nodiscard]] bool advance();
+  [[nodiscard]] bool working() const { return working_out_.running() || pending_; }
+  [[nodiscard]] bool busy() const { return job_.running(); }
+  [[nodiscard]] const std::string& busy_with() const { return busy_with_; }
+  [[nodiscard]] double part() const { return job_.part(); }
+  [[nodiscard]] double seconds_left() const { return seen_ ? seen_->seconds_left.load() : -1.0; }
+  [[nodiscard]] MessageLine& message() { return message_; }
+  [[nodiscard]] const MessageLine& message() const { return message_; }
+
+  /// A file of that name stands there that this screen did not write.
+  [[nodiscard]] bool would_overwrite() const;
+  [[nodiscard]] bool saved() const { return !saved_csv_.empty() && saved_csv_ == work_->map.csv; }
+  [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
+  [[nodiscard]] bool sent_is_current() const { return sent_ && sent_csv_ == work_->map.csv; }
+  [[nodiscard]] const std::optional<MapVerdict>& verdict() const { return verdict_; }
+  /// What stands in the unit after sending failed, in words; empty: nothing failed, or not known yet.
+  [[nodiscard]] const std::string& after_failure() const { return after_failure_; }
+  [[nodiscard]] std::string unsaved() const;
+
+ private:
+  enum class Doing { saving, preparing, sending, verifying, looking, receiving, switching };
+  struct Done {
+    Doing doing = Doing::saving;
+    std::optional<Problem> problem;
+    MapFiles files;
+    std::string csv;  ///< of the map that was saved
+    std::optional<ReadyMap> ready;
+    std::optional<SentMap> sent;
+    std::optional<MapVerdict> verdict;
+    std::optional<std::uint32_t> active;
+    std::string params_file;
+  };
+  using Piece = std::function<void(JobSigns&, SendSigns&, Done&)>;
+
+  void work_out(bool with_map);
+  void keep();
+  [[nodiscard]] bool idle();
+  void start(Doing doing, const std::string& label, Piece piece);
+  [[nodiscard]] bool can_save();
+  void take(const Done& done);
+  void take_failure(const Done& done);
+  void look_after_failure();
+  void say_saved(const MapFiles& files);
+
+  std::shared_ptr<UnitDesk> unit_;
+  struct WorkFolder;
+  std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
+  LaserChoices choices_;
+  std::vector<std::pair<std::string, LaserChoices>> past_;
+  std::optional<Draft> offered_;
+  bool changed_ = false;  ///< since the map was saved last
+  LaserWorkPtr work_;
+  bool pending_ = false;  ///< the choices went on while work was done
+  bool map_pending_ = false;
+  Job<LaserWorkPtr> working_out_;
+  Job<Done> job_;
+  std::string busy_with_;
+  std::shared_ptr<SendSigns> seen_;
+  std::string saved_csv_, saved_file_, sent_csv_;
+  double part_shown_ = -1.0;
+  std::optional<ReadyMap> ready_, failed_;
+  std::optional<SentMap> sent_;
+  std::optional<MapVerdict> verdict_;
+  std::string after_failure_;
+  std::chrono::steady_clock::time_point next_look_{};
+  MessageLine message_;
+};
+
+}  // namespace ecs::app

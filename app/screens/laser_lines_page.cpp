@@ -1,0 +1,155 @@
+// Steps 2 and 5: what was measured under which conditions; accuracy and repeatability by ISO 230-2.
+// Does not live here: finding the lines (laser_lines.cpp), the evaluation (laser/iso230.hpp).
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "app/laser_quantities.hpp"
+#include "app/screens/laser_page.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kNoLines = "No measured lines yet: step 1 takes the files.";
+
+void add_wrapped(std::vector<std::string>& lines, const std::string& text, int columns, const std::string& indent) {
+  for (const std::string& line : wrapped(text, std::max(10, columns - width_of(indent))))
+    lines.push_back(indent + line);
+}
+
+/// "Y -1400, Z 0 | -4100 ... 0 every 50 | 83 targets, 3 runs, both"
+ListRow summary_row(const LaserLine& line, const LaserLineResult& result) {
+  const LineSummary& s = line.summary;
+  const std::string step = s.step_mm ? shortest(*s.step_mm) : "uneven";
+  const char* approaches = s.forward && s.reverse ? "both" : (s.forward ? "forward" : (s.reverse ? "reverse" : "?"));
+  const bool compensated = line.group.compensated.value_or(false);
+  const std::string extent = fmt::format("{:.6g}..{:.6g}", s.first_mm, s.last_mm);
+  std::string text = fmt::format("{:<13} {:<16} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line), line.place,
+                                 extent, step, s.targets, s.runs, approaches);
+  if (compensated) text += "comp.";
+  const bool odd = compensated || !result.problem.empty() || !(s.forward && s.reverse);
+  return {text, odd ? Tone::warning : Tone::plain};
+}
+
+std::vector<std::string> details_of(const LaserLine& line, int columns) {
+  std::vector<std::string> text;
+  add_wrapped(
+      text,
+      fmt::format("{} along {} [{}], {} readings; {}", name_of(line.group.sense), letter_of(line.group.axis),
+                  laser::unit_of(line.group.sense), line.summary.readings, laser::description_of(line.component)),
+      columns, "");
+  for (const std::string& file : line.files)
+    add_wrapped(text, "file " + std::filesystem::path(file).filename().string(), columns, "");
+  for (const std::string& note : line.notes) add_wrapped(text, "note: " + note, columns, "");
+  std::string conditions;
+  for (const ConditionSummary& one : conditions_in(*line.set)) {
+    if (one.name == "time_s" || one.name == "travel_since_reversal_mm") continue;
+    conditions += fmt::format("{}{} {:.6g}", conditions.empty() ? "" : ", ", one.name, one.least);
+    if (one.most != one.least) conditions += fmt::format(" .. {:.6g}", one.most);
+  }
+  add_wrapped(text, "conditions: " + (conditions.empty() ? "none in the file" : conditions), columns, "");
+  for (const laser::MetadataEntry& entry : line.set->metadata)
+    if (!entry.key.empty() && !entry.value.empty()) add_wrapped(text, entry.key + ": " + entry.value, columns, "");
+  for (const std::string& note : line.set->notes) add_wrapped(text, "note: " + note, columns, "");
+  return text;
+}
+
+class LinesPage final : public LaserPage {
+ public:
+  explicit LinesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = desk().work();
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
+    canvas.text(area, 0, 2,
+                fmt::format("{:<13} {:<16} {:<12} {:>6} {:>4} {:>4} {:<7}", "what", "parked [mm]", "from..to", "step",
+                            "n", "runs", "appr."),
+                Tone::faint);
+    std::vector<ListRow> rows;
+    for (std::size_t k = 0; k < work.lines.size(); ++k) rows.push_back(summary_row(work.lines[k], *work.results[k]));
+    const int list_rows = std::max(1, std::min(static_cast<int>(rows.size()), (area.rows - 1) / 2));
+    draw_list(canvas, {area.row + 1, area.column, list_rows, area.columns}, rows, place_);
+    const int top = 2 + list_rows;
+    const Area below{area.row + top, area.column + 1, std::max(0, area.rows - top), area.columns - 2};
+    const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
+    draw_scrolled(canvas, below, details_of(line, below.columns - 1), scroll_);
+  }
+  bool on_key(const Key& key) override {
+    if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 4);
+    if (!place_.on_key(key, static_cast<int>(desk().work().lines.size()))) return false;
+    scroll_ = {};
+    return true;
+  }
+  std::vector<KeyHelp> keys() const override { return {{"up/down", "line"}, {"PgUp/PgDn", "read its details"}}; }
+  std::string help() const override {
+    return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
+           "approaches; below, the conditions that the file tells. comp.: measured with compensation active, of no "
+           "use for a map.";
+  }
+
+ private:
+  ListPlace place_;
+  ScrollPlace scroll_;
+};
+
+class IsoPage final : public LaserPage {
+ public:
+  explicit IsoPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = desk().work();
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
+    const LaserHalves halves = laser_halves(area);
+    draw_list(canvas, halves.list, rows_of_lines(work), place_);
+    if (halves.rest.columns == 0) return;
+    const std::size_t at = place_within(place_, work.lines.size());
+    const LaserLine& line = work.lines[at];
+    canvas.text(halves.rest, 0, 0, fmt::format("{}, {}", name_of_line(line), line.place), Tone::strong);
+    draw_scrolled(canvas, halves.rest.below(1), text_of(line, *work.results[at], halves.rest.columns - 1), scroll_);
+  }
+  bool on_key(const Key& key) override {
+    if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 6);
+    if (!place_.on_key(key, static_cast<int>(desk().work().lines.size()))) return false;
+    scroll_ = {};
+    return true;
+  }
+  std::vector<KeyHelp> keys() const override {
+    return {{"up/down", "line"}, {"PgUp/PgDn", "the rest of the values and notes"}};
+  }
+  std::string help() const override {
+    return "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "
+           "from the readings that are not left out, as measured (slope and smoothing are for the map). Notes name the "
+           "conditions of the standard that are not met.";
+  }
+
+ private:
+  static std::vector<std::string> text_of(const LaserLine& line, const LaserLineResult& result, int columns) {
+    std::vector<std::string> text;
+    if (!result.iso) {
+      add_wrapped(text, result.problem, columns, "");
+      return text;
+    }
+    const auto unit = laser::unit_of(line.group.sense);
+    for (const LaserQuantity& q : kLaserQuantities) {
+      const auto& value = *result.iso.*q.value;
+      const std::string number = value ? fmt::format("{:.2f}", *value) : "-";
+      std::string row = fmt::format("{:<7} {:>8} {:<4} {}", q.symbol, number, unit, q.name);
+      if (width_of(row) > columns) row = row.substr(0, static_cast<std::size_t>(columns - 1)) + "~";
+      text.push_back(std::move(row));
+    }
+    text.push_back(fmt::format("{:<7} {:>8.2f} {:<4} largest less smallest reading", "range", result.iso->range, unit));
+    for (const std::string& note : result.iso->notes) add_wrapped(text, "note: " + note, columns, "");
+    return text;
+  }
+  ListPlace place_;
+  ScrollPlace scroll_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_lines_page(LaserHost& host) { return std::make_unique<LinesPage>(host); }
+std::unique_ptr<LaserPage> laser_iso_page(LaserHost& host) { return std::make_unique<IsoPage>(host); }
+
+}  // namespace ecs::app

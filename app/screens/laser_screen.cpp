@@ -1,0 +1,199 @@
+#include "app/screens/laser_screen.hpp"
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
+                                             "Map",   "Header", "Send",      "Verify"};
+
+char sign_of(LaserMark mark) {
+  if (mark == LaserMark::done) return '+';
+  return mark == LaserMark::doubtful ? '!' : '.';
+}
+
+Tone tone_of(LaserMark mark) {
+  if (mark == LaserMark::done) return Tone::good;
+  return mark == LaserMark::doubtful ? Tone::warning : Tone::faint;
+}
+
+}  // namespace
+
+LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
+    : host_(std::make_unique<LaserHost>(std::move(unit))),
+      pages_{laser_files_page(*host_),  laser_lines_page(*host_), laser_leave_out_page(*host_),
+             laser_curves_page(*host_), laser_iso_page(*host_),   laser_map_page(*host_),
+             laser_header_page(*host_), laser_send_page(*host_),  laser_verify_page(*host_)} {}
+
+Area LaserScreen::body_of(const Area& area) {
+  return {area.row + 1, area.column, std::max(0, area.rows - 3), area.columns};
+}
+
+void LaserScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  const bool narrow = area.columns < 78;
+  int column = 0;
+  for (int k = 0; k < kLaserSteps; ++k) {
+    const LaserMark mark = host_->desk.mark(static_cast<LaserStep>(k));
+    const bool here = static_cast<LaserStep>(k) == step_;
+    column += canvas.text(area, 0, column, here ? "[" : " ", Tone::strong);
+    column += canvas.text(area, 0, column, fmt::format("{}", k + 1), here ? Tone::strong : Tone::plain);
+    column += canvas.text(area, 0, column, std::string(1, sign_of(mark)), tone_of(mark));
+    if (!narrow || here) column += canvas.text(area, 0, column, kNames[k], here ? Tone::strong : Tone::plain);
+    if (here) column += canvas.text(area, 0, column, "]", Tone::strong);
+  }
+}
+
+void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
+  const LaserDesk& desk = host_->desk;
+  if (desk.busy())
+    draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0, desk.busy_with() + " (Esc stops it)",
+                  desk.part(), desk.seconds_left());
+  else if (!desk.message().text().empty())
+    desk.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
+  else if (desk.working())
+    canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
+}
+
+void LaserScreen::draw(Canvas& canvas, const Area& area) const {
+  draw_tabs(canvas, area.top(1));
+  const Area body = body_of(area);
+  page().draw(canvas, body);
+  if (area.rows >= 3) draw_message(canvas, {area.row + area.rows - 2, area.column, 2, area.columns});
+  if (const auto& draft = host_->desk.offered())
+    draw_question(canvas, area,
+                  {fmt::format("Work of {} found", draft->kept),
+                   "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
+                   "drop it (or d)"});
+  if (host_->form_) host_->form_->draw(canvas, area);
+  if (host_->question_) draw_question(canvas, area, *host_->question_);
+  if (leaving_)
+    draw_question(
+        canvas, area,
+        {"Leave? The map is not saved.", "The choices are kept and offered again next time.", "leave", "stay"});
+}
+
+Place LaserScreen::cursor(const Area& area) const {
+  if (host_->question_ || leaving_ || host_->desk.offered()) return {-1, -1};
+  return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
+}
+
+/// What lies over the step gets every key. @return whether something did
+bool LaserScreen::on_lying_over(const Key& key) {
+  LaserDesk& desk = host_->desk;
+  if (desk.offered()) {
+    const Reply reply = reply_to(key);
+    if (reply == Reply::yes || key.name == Key::Name::enter) {
+      desk.take_up_offered();
+    } else if (reply == Reply::no || is_letter(key, U'd')) {
+      if (key.name == Key::Name::escape) return false;
+      desk.drop_offered();
+    }
+    return true;
+  }
+  if (host_->question_) {
+    const Reply reply = reply_to(key);
+    if (reply == Reply::none) return true;
+    host_->question_.reset();
+    const auto if_yes = std::move(host_->if_yes_);
+    host_->if_yes_ = {};
+    if (reply == Reply::yes)
+      if_yes();
+    else
+      desk.not_now();
+    return true;
+  }
+  if (host_->form_) {
+    if (!host_->form_->on_key(key)) host_->form_.reset();
+    return true;
+  }
+  return false;
+}
+
+void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSteps) % kLaserSteps); }
+
+void LaserScreen::save() {
+  if (!host_->desk.would_overwrite()) return host_->desk.save();
+  host_->ask(
+      {fmt::format("Replace {}?", host_->desk.choices().map_file),
+       "A file of that name is there already; its parameters and recipe are replaced as well.", "replace", "keep it"},
+      [this] { host_->desk.save(); });
+}
+
+/// The keys of every step. @return whether it was one of them
+bool LaserScreen::on_own_key(const Key& key) {
+  const int now = static_cast<int>(step_);
+  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
+    go(static_cast<int>(key.letter - U'1'));
+  } else if (key.name == Key::Name::tab || is_letter(key, U'n')) {
+    go(now + 1);
+  } else if (key.name == Key::Name::back_tab) {
+    go(now - 1);
+  } else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) {
+    host_->desk.undo();
+  } else if (is_letter(key, U's')) {
+    save();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Step LaserScreen::on_key(const Key& key) {
+  LaserDesk& desk = host_->desk;
+  if (leaving_) {
+    const Reply reply = reply_to(key);
+    if (reply != Reply::none) leaving_ = false;
+    return reply == Reply::yes ? back() : stay();
+  }
+  if (on_lying_over(key)) return stay();
+  if (desk.busy() && key.name == Key::Name::escape) {
+    desk.cancel();
+    return stay();
+  }
+  if (!desk.busy()) desk.message().clear();
+  if (page().holds_keys()) {
+    (void)page().on_key(key);
+    return stay();
+  }
+  if (key.name == Key::Name::escape) {
+    leaving_ = !desk.unsaved().empty() && !desk.offered();
+    return leaving_ ? stay() : back();
+  }
+  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
+    (void)on_own_key(key);
+  } else if (!page().on_key(key)) {
+    (void)on_own_key(key);
+  }
+  return stay();
+}
+
+bool LaserScreen::advance() {
+  bool changed = host_->desk.advance();
+  changed = host_->pictures.advance(host_->desk.message()) || changed;
+  changed = page().advance() || changed;
+  return changed;
+}
+
+std::vector<KeyHelp> LaserScreen::keys() const {
+  if (host_->desk.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (host_->question_ || leaving_) return {{"y", "yes"}, {"n", "no"}};
+  if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
+  std::vector<KeyHelp> keys = page().keys();
+  if (page().holds_keys()) return keys;
+  if (keys.size() > 3)
+    keys.insert(keys.begin() + 3, {"1-9", "step"});
+  else
+    keys.push_back({"1-9", "step"});
+  keys.push_back({"n", "next step"});
+  keys.push_back({"s", "save the map"});
+  return keys;
+}
+
+std::string LaserScreen::help() const {
+  return page().help() +
+         " Steps are marked + done, ! look at it, . open; digits go to any of them at any time, and what changes in "
+         "one is carried through the later ones.";
+}
+
+}  // namespace ecs::app
