@@ -1,6 +1,7 @@
 // The tree of menus: what stands where. Does not live here: how a menu looks (menu_screen.cpp).
 #include <fmt/format.h>
 
+#include "app/screens/laser_screen.hpp"
 #include "app/screens/link_screen.hpp"
 #include "app/screens/log_screen.hpp"
 #include "app/screens/memory_screen.hpp"
@@ -25,6 +26,9 @@ Choices screens_of(const std::string& word, const Desk& desk) {
   if (word == "MEMORY ACCESS")
     choices.push_back({"MEMORY SCREEN", "bytes with their names; find, compare, write with undo, dump",
                        [desk] { return std::make_unique<MemoryScreen>(desk); }});
+  if (word == "PROCESS LASER DATA")
+    choices.push_back({"FROM FILES TO THE MAP", "files, what is left out, slope, ISO 230, map, header, send, verify",
+                       [desk] { return std::make_unique<LaserScreen>(desk); }});
   if (word == "MODEL")
     choices.push_back({"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
                        [] { return std::make_unique<ModelForm>(); }});
