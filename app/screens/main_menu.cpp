@@ -8,6 +8,7 @@
 #include "app/screens/menu_screen.hpp"
 #include "app/screens/model_form.hpp"
 #include "app/screens/monitor_screen.hpp"
+#include "app/screens/parameters_screen.hpp"
 #include "app/screens/verb_screen.hpp"
 
 namespace ecs::app {
@@ -23,6 +24,9 @@ MenuChoice choice_of(const VerbEntry& verb, const Desk& desk) {
 /// The screens of a menu, before its verbs. @param word  the first word of the menu's title
 Choices screens_of(const std::string& word, const Desk& desk) {
   Choices choices;
+  if (word == "E.C.S. PARAMETERS")
+    choices.push_back({"PARAMETERS SCREEN", "edit in place, check, compare with file and unit, send, receive, save",
+                       [desk] { return std::make_unique<ParametersScreen>(desk); }});
   if (word == "MEMORY ACCESS")
     choices.push_back({"MEMORY SCREEN", "bytes with their names; find, compare, write with undo, dump",
                        [desk] { return std::make_unique<MemoryScreen>(desk); }});
