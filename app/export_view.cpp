@@ -1,5 +1,6 @@
 #include "app/export_view.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -13,21 +14,15 @@ namespace {
 
 constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "length"};
 
-std::string unit_of_table(const laser::ExportedTable& table) {
-  const auto component = component_of(table.component);
-  return std::string(component ? unit_of(*component) : "um");
-}
-
 std::string tables_text(const ToldExport& told) {
   std::string text = fmt::format("{:<4} {:<38} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
                                  "off unit", "unit");
   for (const laser::ExportedTable& table : told.made.tables) {
     text += fmt::format("{:<4} {:<38} {:>6} {:>6} {:>8.2f} {:>8.2f}  {}\n", table.component, table.what, table.points,
                         table.map_points == 0 ? std::string("-") : std::to_string(table.map_points), table.largest,
-                        table.deviation, unit_of_table(table));
+                        table.deviation, table.unit);
     if (std::abs(table.shift) >= 0.005)
-      text += fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n", table.shift,
-                          unit_of_table(table));
+      text += fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n", table.shift, table.unit);
   }
   return text + "of: points in the map; off unit: largest difference from what the unit would put out\n";
 }
@@ -64,6 +59,24 @@ std::string list_text(std::string_view heading, const std::vector<std::string>& 
   return text;
 }
 
+/// A paragraph for each reason, in the order in which the reasons come up.
+std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
+  std::vector<std::pair<std::string, std::string>> reasons;
+  for (const laser::LeftBehind& one : all) {
+    auto at = std::find_if(reasons.begin(), reasons.end(), [&](const auto& r) { return r.first == one.why; });
+    if (at == reasons.end()) at = reasons.insert(reasons.end(), {one.why, ""});
+    at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
+  }
+  if (reasons.empty()) return "everything in the map is carried\n";
+  std::string text = "NOT CARRIED (largest values)\n";
+  for (const auto& [why, what] : reasons) text += paragraph(fmt::format("{}: {}", why, what), 2, 4);
+  return text;
+}
+
+Json json_of(const laser::LeftBehind& one) {
+  return {{"what", one.what}, {"largest", number_or_null(one.largest)}, {"unit", one.unit}, {"why", one.why}};
+}
+
 Json json_of(const laser::ResidualSize& size) {
   Json object = Json::object();
   for (std::size_t d = 0; d <= kAxes; ++d)
@@ -76,7 +89,7 @@ Json json_of(const laser::ResidualSize& size) {
 
 std::string export_text(const ToldExport& told) {
   std::string text = fmt::format("{} from {}\n\n", told.control, told.work.map_name) + tables_text(told) + "\n";
-  text += list_text("NOT CARRIED:", told.made.not_carried);
+  text += left_behind_text(told.made.not_carried);
   text += "\n" + residual_text(told) + "\n";
   text += list_text("to set in the control:", told.made.settings);
   for (const auto* notes : {&told.made.notes, &told.work.notes})
@@ -87,7 +100,8 @@ std::string export_text(const ToldExport& told) {
 }
 
 Json json_of(const ToldExport& told) {
-  Json tables = Json::array(), rows = Json::array(), files = Json::array();
+  Json tables = Json::array(), rows = Json::array(), files = Json::array(), left = Json::array();
+  for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(json_of(one));
   for (const laser::ExportedTable& table : told.made.tables)
     tables.push_back({{"component", table.component},
                       {"table", table.what},
@@ -96,7 +110,7 @@ Json json_of(const ToldExport& told) {
                       {"largest", number_or_null(table.largest)},
                       {"deviation_from_unit", number_or_null(table.deviation)},
                       {"shift", number_or_null(table.shift)},
-                      {"unit", unit_of_table(table)}});
+                      {"unit", table.unit}});
   for (const laser::ResidualRow& row : told.residuals)
     rows.push_back({{"where", row.where},
                     {"places", row.places},
@@ -109,7 +123,7 @@ Json json_of(const ToldExport& told) {
   notes.insert(notes.end(), told.work.notes.begin(), told.work.notes.end());
   return {{"control", told.control},        {"map", told.work.map_name},
           {"files", std::move(files)},      {"written", told.written},
-          {"tables", std::move(tables)},    {"not_carried", told.made.not_carried},
+          {"tables", std::move(tables)},    {"not_carried", std::move(left)},
           {"settings", told.made.settings}, {"residual", {{"from", told.work.errors_from}, {"rows", std::move(rows)}}},
           {"notes", std::move(notes)}};
 }

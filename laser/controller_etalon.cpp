@@ -119,6 +119,7 @@ double add_functions(const ExportSource& source, const TermTable& terms, const E
     }
     text += function_text(component, kept,
                           is_angular(component) ? kUrad * source.parameters.angular_scale : 1.0 / kUmPerMm);
+    report.unit = unit_of(component);
     made.tables.push_back(std::move(report));
   }
   return reversal_um;
@@ -130,7 +131,7 @@ void add_squareness(const UnitParameters& parameters, ControllerExport& made, st
     const double value = squareness[index_of(square)];
     if (value == 0.0) continue;
     text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), number_text(value * kUrad, 11));
-    made.tables.push_back({std::string(name_of(square)), "value", 1, 1, std::abs(value), 0.0, 0.0});
+    made.tables.push_back({std::string(name_of(square)), "value", 1, 1, std::abs(value), 0.0, 0.0, "um/m"});
   }
 }
 
@@ -139,11 +140,9 @@ void say_what_is_lost(const ExportSource& source, double reversal_um, Controller
   for (const ExportedTable& table : made.tables) carried.push_back(*component_of(table.component));
   if (reversal_um > 0.0005)
     made.not_carried.push_back(
-        fmt::format("reversal, up to {:.1f} um either way: the format has one function for both approaches, the mean",
-                    reversal_um));
+        {"half the reversal", reversal_um, "um", "the format has one function for both approaches, the mean"});
   const std::string no_axis = "of an axis that the machine does not have";
-  for (std::string& sentence : left_behind(source, carried, no_axis, no_axis))
-    made.not_carried.push_back(std::move(sentence));
+  leave_behind(made, source, carried, no_axis, no_axis);
 }
 
 }  // namespace

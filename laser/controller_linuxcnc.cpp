@@ -92,8 +92,8 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
     return problem(ProblemKind::refused,
                    "the map has no positioning table (EXX, EYY, EZZ) of an axis that the machine has: LinuxCNC "
                    "compensates nothing else");
-  made.not_carried =
-      left_behind(source, carried, "a joint's table has no lever arm", "a joint's table acts along its own axis only");
+  leave_behind(made, source, carried, "a joint's table has no lever arm",
+               "a joint's table acts along its own axis only");
   made.notes = {
       "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the "
       "two columns",

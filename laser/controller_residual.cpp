@@ -17,9 +17,12 @@ Vector3 compensation_of(const ExportSource& source, const TermTable& terms, Inte
   for (std::size_t i = 0; i < kCurves; ++i) {
     const auto component = static_cast<Component>(i);
     const std::size_t axis = index_of(moving_axis(component));
-    const MapTable* table = table_of(source.map, component, place.approach[axis]);
-    if (table == nullptr || table->position_mm.empty()) continue;
-    values[i] = unit_value_at(*table, interpolation, place.position_mm[axis]);
+    const bool parked = place.approach[axis] == Approach::unknown;
+    for (const Approach approach : {Approach::forward, Approach::reverse}) {
+      const MapTable* table = table_of(source.map, component, approach);
+      if (table == nullptr || table->position_mm.empty() || (!parked && approach != place.approach[axis])) continue;
+      values[i] += (parked ? 0.5 : 1.0) * unit_value_at(*table, interpolation, place.position_mm[axis]);
+    }
     if (is_angular(component)) values[i] *= source.parameters.angular_scale;
   }
   const auto squareness = squareness_of(source.parameters);
@@ -48,7 +51,8 @@ std::vector<MachinePlace> line_places(const ExportSource& source, Axis axis) {
   std::vector<MachinePlace> places;
   for (const Approach approach : {Approach::forward, Approach::reverse})
     for (std::size_t i = 0; i < kPlaces; ++i) {
-      MachinePlace place{source.parameters.measurement_lines_mm[index_of(axis)], all_by(approach)};
+      MachinePlace place{source.parameters.measurement_lines_mm[index_of(axis)], all_by(Approach::unknown)};
+      place.approach[index_of(axis)] = approach;
       place.position_mm[index_of(axis)] =
           travel_at(source, axis, static_cast<double>(i) / static_cast<double>(kPlaces - 1));
       places.push_back(place);
@@ -73,22 +77,21 @@ std::vector<MachinePlace> volume_places(const ExportSource& source) {
   return places;
 }
 
-/// The reference point, once by each approach.
-std::vector<MachinePlace> reference_places(const ExportSource& source) {
-  Vector3 at{};
-  for (std::size_t a = 0; a < kAxes; ++a) at[a] = source.parameters.axes[a].datum.reference_position_mm;
-  return {{at, all_by(Approach::forward)}, {at, all_by(Approach::reverse)}};
+MachinePlace reference_place(const ExportSource& source) {
+  MachinePlace place{{}, all_by(Approach::unknown)};
+  for (std::size_t a = 0; a < kAxes; ++a) place.position_mm[a] = source.parameters.axes[a].datum.reference_position_mm;
+  return place;
 }
 
 Vector3 plus(const Vector3& a, const Vector3& b, double weight) {
   return {a[0] + weight * b[0], a[1] + weight * b[1], a[2] + weight * b[2]};
 }
 
-/// @param residual  at the places, then at the two reference places
+/// @param residual  at the places, then at the reference point
 ResidualSize size_of(const std::vector<Vector3>& residual) {
   ResidualSize size;
-  const std::size_t places = residual.size() - 2;
-  const Vector3 reference = plus(plus({}, residual[places], 0.5), residual[places + 1], 0.5);
+  const std::size_t places = residual.size() - 1;
+  const Vector3 reference = residual.back();
   for (std::size_t i = 0; i < places; ++i) {
     const Vector3 left = plus(residual[i], reference, -1.0);
     const double length = std::hypot(left[0], left[1], left[2]);
@@ -122,7 +125,7 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
   std::vector<ResidualRow> rows;
   const auto add = [&](std::string where, std::vector<MachinePlace> places) -> Result<void> {
     const std::size_t count = places.size();
-    for (const MachinePlace& place : reference_places(source)) places.push_back(place);
+    places.push_back(reference_place(source));
     const auto error = errors(places);
     if (!error) return tl::unexpected(error.error());
     std::vector<Vector3> with_unit, with_control;

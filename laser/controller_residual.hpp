@@ -33,9 +33,9 @@ using ErrorsAt = std::function<Result<std::vector<Vector3>>(const std::vector<Ma
 /// its points. What the map does not hold counts as zero.
 [[nodiscard]] ErrorsAt errors_of_map(const ExportSource& source);
 
-/// Places along the line of each axis (201, both approaches) and over the volume (11 or 21 on each axis, all axes
-/// forward, then all reverse). Every residual is counted from the reference point, mean of both approaches: a constant
-/// shift of the machine is in every work offset.
+/// Places along the line of each axis (201 by each approach, the others parked) and over the volume (11 or 21 on each
+/// axis, all axes forward, then all reverse). Every residual is counted from the reference point, mean of both
+/// approaches: a constant shift of the machine is in every work offset.
 /// @param lines  from which the control levers rotations
 [[nodiscard]] Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const ControllerTables& control,
                                                          const MeasurementLines& lines, const ErrorsAt& errors);

@@ -206,15 +206,31 @@ std::vector<Group> chosen(const ExportSource& source, const SiemensOptions& opti
     const auto least = std::min_element(groups.begin(), groups.end(),
                                         [](const Group& a, const Group& b) { return a.largest() < b.largest(); });
     if (least->tables.front().input == least->tables.front().output)  // the encoder table still carries the mean
-      made.not_carried.push_back(fmt::format(
-          "reversal of {}, up to {:.1f} um: more CEC tables would be needed than the {} that the control has",
-          least->report.component, least->largest(), options.most_tables));
+      made.not_carried.push_back({fmt::format("half the reversal of {}", least->report.component), least->largest(),
+                                  "um", "more cross tables would be needed than the control has"});
     groups.erase(least);
   }
   return groups;
 }
 
 // --- what to set
+
+std::vector<SiemensTable> all_tables(const std::vector<Group>& groups) {
+  std::vector<SiemensTable> all;
+  for (const Group& group : groups) all.insert(all.end(), group.tables.begin(), group.tables.end());
+  return all;
+}
+
+/// A line for each stretch of tables of the same length.
+void add_cross_points(ControllerExport& made, const std::vector<SiemensTable>& tables) {
+  for (std::size_t first = 0, last = 0; first < tables.size(); first = last) {
+    while (last < tables.size() && tables[last].grid.points == tables[first].grid.points) ++last;
+    made.settings.push_back(
+        fmt::format("MD18342 $MN_MM_CEC_MAX_POINTS[{}] = {}",
+                    last - first == 1 ? fmt::format("{}", first) : fmt::format("{} ... {}", first, last - 1),
+                    tables[first].grid.points));
+  }
+}
 
 void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encoder, const std::vector<Group>& groups,
                   const SiemensOptions& options) {
@@ -223,9 +239,10 @@ void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encod
                                         options.axis_name[index_of(table.input)], table.grid.points));
   int t = 0;
   PerAxis<double> sum_um{};
+  add_cross_points(made, all_tables(groups));
   for (const Group& group : groups)
     for (const SiemensTable& table : group.tables) {
-      made.settings.push_back(fmt::format("MD18342 $MN_MM_CEC_MAX_POINTS[{}] = {}", t++, table.grid.points));
+      ++t;
       if (table.direction >= 0) sum_um[index_of(table.output)] += table.largest();
     }
   for (const SiemensTable& table : encoder)
@@ -239,12 +256,6 @@ void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encod
           fmt::format("MD32720 $MA_CEC_MAX_SUM[{}] of at least {:.3f} mm", name, sum_um[index_of(axis)] / kUmPerMm));
     }
   if (t > 0) made.settings.push_back(fmt::format("SD41300 $SN_CEC_TABLE_ENABLE[0 ... {}] = 1", t - 1));
-}
-
-std::vector<SiemensTable> all_tables(const std::vector<Group>& groups) {
-  std::vector<SiemensTable> all;
-  for (const Group& group : groups) all.insert(all.end(), group.tables.begin(), group.tables.end());
-  return all;
 }
 
 Result<void> take_back(ControllerExport& made, const SiemensOptions& options) {
@@ -277,9 +288,8 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   if (!positioning.encoder.empty()) made.files.push_back({"AX_EEC.INI", encoder_text(positioning.encoder, options)});
   if (!groups.empty()) made.files.push_back({"NC_CEC.INI", cross_text(all_tables(groups), options)});
   add_settings(made, positioning.encoder, groups, options);
-  for (std::string& sentence :
-       left_behind(source, carried, "a table has no lever arm", "no table for it within what the control has"))
-    made.not_carried.push_back(std::move(sentence));
+  leave_behind(made, source, carried, "a table has no lever arm",
+               "more cross tables would be needed than the control has");
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
       "signs: the manual prints that of ENC_COMP; that of CEC is taken to be the same. Check one CEC "

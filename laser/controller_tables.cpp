@@ -18,6 +18,12 @@ bool acts_for(const MapTable& table, Approach approach) {
   return table.approach == Approach::unknown || table.approach == approach;
 }
 
+/// How much of a table counts: half of a one-direction table where the axis is parked.
+double part_of(const MapTable& table, Approach approach) {
+  if (acts_for(table, approach)) return 1.0;
+  return approach == Approach::unknown ? 0.5 : 0.0;
+}
+
 /// Which squareness moves `observed` by the position of `lever`, and the sign it does it with.
 struct Square {
   Component component;
@@ -116,8 +122,8 @@ Vector3 compensation_by(const ControllerTables& tables, const TermTable& terms, 
   ComponentValues values{};
   for (const MapTable& table : tables.tables) {
     const std::size_t axis = index_of(moving_axis(table.component));
-    if (acts_for(table, place.approach[axis]))
-      values[index_of(table.component)] += compensation_at(table, place.position_mm[axis]);
+    const double part = part_of(table, place.approach[axis]);
+    if (part > 0.0) values[index_of(table.component)] += part * compensation_at(table, place.position_mm[axis]);
   }
   for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z})
     values[index_of(square)] = -tables.squareness[index_of(square)];
@@ -145,20 +151,18 @@ Result<void> check_exportable(const ErrorMap& map) {
   return tl::unexpected(folded(std::move(problems)));
 }
 
-std::vector<std::string> left_behind(const ExportSource& source, const std::vector<Component>& carried,
-                                     const std::string& why_rotations, const std::string& why_others) {
+void leave_behind(ControllerExport& made, const ExportSource& source, const std::vector<Component>& carried,
+                  const std::string& why_rotations, const std::string& why_others) {
   const auto is_carried = [&](Component c) { return std::find(carried.begin(), carried.end(), c) != carried.end(); };
   const auto squareness = squareness_of(source.parameters);
-  std::vector<std::string> sentences;
   for (std::size_t i = 0; i < kComponents; ++i) {
     const auto component = static_cast<Component>(i);
     const double largest = is_squareness(component) ? std::abs(squareness[i]) : largest_in(source.map, component);
     if (largest == 0.0 || is_carried(component)) continue;
     const bool rotation = !is_squareness(component) && is_angular(component);
-    sentences.push_back(fmt::format("{} {}, up to {:.1f} {}: {}", name_of(component), description_of(component),
-                                    largest, unit_of(component), rotation ? why_rotations : why_others));
+    made.not_carried.push_back({std::string(name_of(component)), largest, std::string(unit_of(component)),
+                                rotation ? why_rotations : why_others});
   }
-  return sentences;
 }
 
 std::array<double, kComponents> squareness_of(const UnitParameters& parameters) {

@@ -35,7 +35,7 @@ struct ReadMap {
 };
 [[nodiscard]] ReadMap map_of(const ControllerTables& tables);
 
-/// A place of the machine, and the approach of each axis there.
+/// A place of the machine, and how each axis came there; unknown: it is parked, the mean of both approaches counts.
 struct MachinePlace {
   Vector3 position_mm{};
   PerAxis<Approach> approach{Approach::forward, Approach::forward, Approach::forward};
@@ -61,13 +61,22 @@ struct ExportedTable {
   double largest = 0.0;    ///< |value| [um, um/m]
   double deviation = 0.0;  ///< largest difference from what the unit would put out, before any shift
   double shift = 0.0;      ///< taken away everywhere, so that it is zero at the reference position
+  std::string unit = "um";
+};
+
+/// A part of the map that an export cannot hold.
+struct LeftBehind {
+  std::string what;      ///< "EAX", "reversal of EXX"
+  double largest = 0.0;  ///< |value|
+  std::string unit;      ///< um, um/m
+  std::string why;
 };
 
 struct ControllerExport {
   std::vector<ExportFile> files;
   std::vector<ExportedTable> tables;
-  std::vector<std::string> settings;     ///< what is to be set in the control besides
-  std::vector<std::string> not_carried;  ///< a sentence for each component that stays behind
+  std::vector<std::string> settings;  ///< what is to be set in the control besides
+  std::vector<LeftBehind> not_carried;
   std::vector<std::string> notes;
   ControllerTables applied;  ///< the files read again: what the control will add
 };
@@ -82,9 +91,9 @@ struct ExportSource {
 /// Refused, with every reason: no table at all, a table of one point, a component with one approach only.
 [[nodiscard]] Result<void> check_exportable(const ErrorMap& map);
 
-/// "EAX X axis roll error, up to 60.1 um/m: …" for each component of the map, and each squareness, not among `carried`.
-[[nodiscard]] std::vector<std::string> left_behind(const ExportSource& source, const std::vector<Component>& carried,
-                                                   const std::string& why_rotations, const std::string& why_others);
+/// Adds each component of the map, and each squareness, that is not zero and not among `carried`.
+void leave_behind(ControllerExport& made, const ExportSource& source, const std::vector<Component>& carried,
+                  const std::string& why_rotations, const std::string& why_others);
 
 /// The squareness errors of parameters, by component.
 [[nodiscard]] std::array<double, kComponents> squareness_of(const UnitParameters& parameters);
