@@ -27,7 +27,7 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
           trouble("retries", s.retries, s.requests, "asked again: see the rows below for why"),
           trouble("time-outs", s.timeouts, s.requests, "no answer came: plugs, cable, unit off or busy"),
           trouble("CRC errors", s.crc_errors, s.requests, "garbled: shield, ground, cable length, parity"),
-          trouble("stale replies", s.stale_replies, s.requests, "too late: slow converter or network, latency timer"),
+          trouble("stale replies", s.stale_replies, s.requests, "too late: slow converter or network"),
           trouble("exceptions", s.exceptions, s.requests, "the unit refused a request: see LOG for its words"),
           {"bytes sent", count(s.bytes_sent), "", Tone::plain},
           {"bytes received", count(s.bytes_received), "", Tone::plain},

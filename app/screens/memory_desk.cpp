@@ -19,12 +19,16 @@ constexpr auto kBeforeNextRead = 1s;
 constexpr std::uint32_t kPagesSeen = 2;   ///< in one piece of work, so that a cancel and a jump are soon felt
 constexpr std::uint32_t kPagesLong = 16;  ///< the same for long reading
 
+std::string name_of_file(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
 }  // namespace
+
+std::string MemoryDesk::compared_file() const { return name_of_file(other_file_); }
 
 MemoryDesk::MemoryDesk(std::shared_ptr<UnitDesk> unit) : unit_(std::move(unit)) {}
 
 std::string MemoryDesk::source() const {
-  if (is_file()) return fmt::format("file {}{}", file_, file_detail_);
+  if (is_file()) return fmt::format("file {}{}", name_of_file(file_), file_detail_);
   if (serial_number_.empty()) return "unit: none has answered yet";
   return fmt::format("unit {}", serial_number_);
 }

@@ -56,7 +56,9 @@ class MemoryDesk {
   void compare_with(const std::string& path);
   void end_comparison();
   [[nodiscard]] bool compares() const { return other_.has_value(); }
-  [[nodiscard]] const std::string& compared_file() const { return other_file_; }
+  /// Without its folder.
+  [[nodiscard]] std::string compared_file() const;
+  [[nodiscard]] const std::string& compared_path() const { return other_file_; }
   [[nodiscard]] bool differs(Address address) const { return other_ && differ_at(memory_, *other_, address); }
   [[nodiscard]] const std::vector<DifferenceRow>& differences() const { return differences_; }
   void to_next_difference();

@@ -23,7 +23,8 @@ void visit_differences(const MemoryBytes& a, const MemoryBytes& b, const std::fu
 
 std::string value_at(const MemoryBytes& memory, const MemoryNames& names, const NamedPlace& as, Address address) {
   const auto place = names.at(memory, address);
-  if (place && place->name == as.name && !place->value.empty()) return place->value;
+  if (place && place->name == as.name && !place->value.empty())
+    return place->value.substr(0, place->value.find(" ("));  // without the counts
   const ByteView bytes = memory.known(as.first, std::min(as.bytes, 8u));
   std::string text;
   for (const std::uint8_t byte : bytes) text += fmt::format("{:02X}", byte);

@@ -78,6 +78,10 @@ MemoryNames::MemoryNames(const MemoryBytes& memory) {
     contents_.push_back({image.address, text_of(image, meaning)});
     if (image.active) active_ = {image.address, image.bytes};
   }
+  for (const MemoryRegion& region : memory.regions()) {
+    const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;
+    if (is_bank && memory.at(region.first) && content_of(region).empty()) contents_.push_back({region.first, "no map"});
+  }
   std::stable_sort(stretches_.begin(), stretches_.end(),
                    [](const NamedStretch& a, const NamedStretch& b) { return a.first < b.first; });
 }

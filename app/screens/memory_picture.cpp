@@ -11,8 +11,8 @@ constexpr int kAddressColumns = 8;  ///< "100000  "
 
 /// Column of a byte from the left: a gap after every eight.
 int column_of(std::uint32_t in_row) { return kAddressColumns + static_cast<int>(3 * in_row + in_row / 8); }
-int characters_at(std::uint32_t per_row) { return column_of(per_row - 1) + 4; }
-int columns_for(std::uint32_t per_row) { return characters_at(per_row) + static_cast<int>(per_row) + 1; }
+int characters_at(std::uint32_t per_row) { return column_of(per_row - 1) + (per_row > 8 ? 4 : 3); }
+int columns_for(std::uint32_t per_row) { return characters_at(per_row) + static_cast<int>(per_row); }
 
 void draw_heading(Canvas& canvas, const Area& area, std::uint32_t per_row) {
   for (std::uint32_t k = 0; k < per_row; ++k) canvas.text(area, 0, column_of(k), fmt::format("{:02X}", k), Tone::faint);

@@ -208,7 +208,7 @@ void MemoryScreen::on_letter(char32_t letter) {
     case U'a':
       return desk_.read_region();
     case U'c':
-      return begin_typing(Typing::file_to_compare, desk_.compared_file());
+      return begin_typing(Typing::file_to_compare, desk_.compared_path());
     case U'd':
       return desk_.to_next_difference();
     case U's':

@@ -43,6 +43,7 @@ class MemoryScreen final : public Screen {
   [[nodiscard]] std::string prompt() const;
   [[nodiscard]] std::string hint() const;
 
+  [[nodiscard]] std::string tabs_text(bool whole) const;
   void draw_top(Canvas& canvas, const Area& area) const;
   void draw_bytes(Canvas& canvas, const Area& area) const;
   void draw_under_cursor(Canvas& canvas, const Area& area) const;

@@ -39,13 +39,22 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
   if (desk_.question()) draw_question(canvas, area, *desk_.question());
 }
 
-void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
-  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+/// @param whole  with the names of the pages that are not shown
+std::string MemoryScreen::tabs_text(bool whole) const {
   const char* titles[] = {"bytes", "differences", "written"};
   std::string tabs;
-  for (int p = 0; p < 3; ++p)
-    tabs += static_cast<int>(page_) == p ? fmt::format("[{} {}]", p + 1, titles[p])
-                                         : fmt::format(" {} {} ", p + 1, titles[p]);
+  for (int p = 0; p < 3; ++p) {
+    const bool here = static_cast<int>(page_) == p;
+    const std::string name = here || whole ? fmt::format("{} {}", p + 1, titles[p]) : fmt::format("{}", p + 1);
+    tabs += here ? "[" + name + "]" : " " + name + " ";
+  }
+  return tabs;
+}
+
+void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  std::string tabs = tabs_text(true);
+  if (width_of(desk_.source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
   const bool room = text.columns >= 60;
   canvas.text({text.row, text.column, 1, room ? text.columns - width_of(tabs) - 1 : text.columns}, 0, 0, desk_.source(),
               Tone::strong);
@@ -53,12 +62,16 @@ void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
   const MemoryRegion* region = desk_.memory().region_of(desk_.cursor());
   if (region == nullptr) return;
   const std::string content = desk_.names().content_of(*region);
-  const int c = canvas.text(text, 1, 0,
-                            fmt::format("{} {:06X}-{:06X}{}{}  ", region->name, region->first, region->last(),
-                                        content.empty() ? "" : ", ", content));
-  if (text.columns - c >= 9)
-    canvas.text_right(text, 1, region->writable ? "writable" : "PROTECTED",
-                      region->writable ? Tone::faint : Tone::warning);
+  const char* may = region->writable ? "writable" : "PROTECTED";
+  const Tone tone = region->writable ? Tone::faint : Tone::warning;
+  const std::string range =
+      fmt::format("{:06X}-{:06X}{}{}", region->first, region->last(), content.empty() ? "" : ", ", content);
+  if (!room) {
+    canvas.text(text, 1, 0, fmt::format("{}, {} {}", region->name, may, range), tone);
+    return;
+  }
+  canvas.text({text.row, text.column, text.rows, text.columns - 10}, 1, 0, fmt::format("{} {}", region->name, range));
+  canvas.text_right(text, 1, may, tone);
 }
 
 void MemoryScreen::draw_bytes(Canvas& canvas, const Area& area) const {
