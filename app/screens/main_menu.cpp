@@ -61,9 +61,9 @@ MenuChoice monitor_of(const Desk& desk) {
 
 /// LINK and LOG, after MODEL.
 void add_link_and_log(Choices& choices, const Desk& desk) {
-  choices.push_back({"LINK", "port, speed and unit number; a doctor that tries them; how good the line is",
+  choices.push_back({"LINK", "port, speed, unit number; a doctor; statistics",
                      [desk] { return std::make_unique<LinkScreen>(desk); }});
-  choices.push_back({"LOG", "what the screens told, errors whole, for reading again and copying",
+  choices.push_back({"LOG", "what the screens told, errors whole, to copy",
                      [] { return std::make_unique<LogScreen>(); }});
 }
 
