@@ -63,17 +63,15 @@ Markup iso_table(const TableRow& row) {
 
 std::string slope_of(const MeasuredPhase& phase) { return number_text(phase.readings.level.removed.slope_per_m, 1); }
 
-/// "slope removed by least squares: −22.4 before, 0.3 after µm/m"
+/// "slope −22.4, after 0.3 µm/m removed by least squares"
 std::string slope_text(const TableRow& row) {
   const auto method = row.planned.slope;
   if (method == laser::SlopeMethod::none) return "no slope removed";
-  std::vector<std::string> values;
-  if (row.before) values.push_back(slope_of(*row.before) + " before");
-  if (row.after) values.push_back(slope_of(*row.after) + " after");
-  const char* unit = is_rotation(row.planned.sense) ? "µm/m per m" : "µm/m";
-  return fmt::format("slope removed by {}: {} [{}]",
-                     method == laser::SlopeMethod::end_points ? "end points" : "least squares", fmt::join(values, ", "),
-                     unit);
+  const std::string values = row.before && row.after
+                                 ? fmt::format("{}, after {}", slope_of(*row.before), slope_of(*row.after))
+                                 : slope_of(row.before ? *row.before : *row.after);
+  return fmt::format("slope {} {} removed by {}", values, is_rotation(row.planned.sense) ? "µm/m per m" : "µm/m",
+                     method == laser::SlopeMethod::end_points ? "end points" : "least squares");
 }
 
 std::string how_measured(const TableRow& row) {
@@ -83,7 +81,7 @@ std::string how_measured(const TableRow& row) {
   if (!lines.empty()) {
     const LineSummary& line = lines.front();
     if (const std::string parked = parked_text(line.group); !parked.empty())
-      parts.push_back(fmt::format("{} moves, {} [mm]", letter_of(row.planned.axis), parked));
+      parts.push_back(fmt::format("{} moves, {} mm", letter_of(row.planned.axis), worded(parked)));
     parts.push_back(fmt::format("{}, {}{}", counted(line.targets, "target", "targets"),
                                 counted(line.runs, "run", "runs"), line.forward && line.reverse ? " both ways" : ""));
   }
@@ -101,7 +99,7 @@ std::vector<std::string> processing_of(const ReportContent& content, const Table
   const std::string& wanted = component_of(name) ? name : code;
   if (wanted != name) return lines;
   for (const std::string& line : content.map->map.header.processing)
-    if (line.starts_with(wanted + " ")) lines.push_back(line.substr(wanted.size() + 1));
+    if (line.starts_with(wanted + " ")) lines.push_back(worded(line.substr(wanted.size() + 1)));
   return lines;
 }
 
@@ -162,10 +160,10 @@ ReportSection components_section(const ReportContent& content, std::vector<std::
       "of ISO 230-2: A accuracy, E systematic deviation, M range of the mean, R repeatability, B reversal error and "
       "its mean; ↑ forward, ↓ reverse. ±3s: band of mean ± 3 standard deviations, 6s: largest 6 standard deviations "
       "(BS 4656 Part 16).",
-      "class=\"small\"");
+      "class=\"small intro\"");
   for (const TableRow& row : content.rows) body += component(content, row, used);
   body += notes_of(content.rows);
-  return {"components", "Components before and after", std::move(body), true};
+  return {"components", "Components before and after", std::move(body)};
 }
 
 }  // namespace ecs::app

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostlyScatter = 0.7;  ///< of the band
 constexpr double kWorse = 0.9;          ///< ratio before over after
-constexpr double kSurprise = 1.5;       ///< achieved over predicted rms
+constexpr double kSurprise = 2.0;       ///< achieved over predicted rms
 
 double band_after(const TableRow& row) { return row.after->readings.band; }
 
@@ -39,7 +39,8 @@ std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
   if (*iso.R >= kMostlyScatter * band_after(row))
-    return fmt::format(" Most of it is scatter (repeatability R = {}): no map takes that away.", quantity(row, *iso.R));
+    return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map takes away.",
+                       quantity(row, *iso.R));
   return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
                      quantity(row, *iso.R));
 }
@@ -88,6 +89,7 @@ void rows_to_do(const ReportContent& content, std::vector<std::string>& next) {
 void predictions_to_do(const ReportContent& content, std::vector<std::string>& next) {
   for (std::size_t i = 0; i < content.predicted.size(); ++i) {
     const PredictedRow& one = content.predicted[i];
+    if (verdict_of(content.rows[i]) == RowVerdict::within) continue;
     if (one.rms && one.rms_after && *one.rms > 0.0 && *one.rms_after > kSurprise * *one.rms)
       next.push_back(fmt::format(
           "{}: rms {} is left where the map should leave {}; something changed between the two "

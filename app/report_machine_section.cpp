@@ -171,7 +171,7 @@ ReportSection machine_section(const ReportContent& content) {
   } else {
     body += absence("No machine file was given: travels, transducers and measurement lines are not stated.");
   }
-  return {"machine", "Machine", std::move(body), false};
+  return {"machine", "Machine", std::move(body)};
 }
 
 ReportSection conditions_section(const ReportContent& content) {
@@ -180,7 +180,7 @@ ReportSection conditions_section(const ReportContent& content) {
   Markup body = conditions_table(phases, recorded);
   if (const std::string missing = not_recorded(recorded); !missing.empty()) body += absence(missing);
   body += common_metadata(phases);
-  return {"conditions", "Conditions of the measurements", std::move(body), false};
+  return {"conditions", "Conditions of the measurements", std::move(body)};
 }
 
 }  // namespace ecs::app

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::string_view kMinus = "\u2212";
 constexpr std::string_view kThinBlank = "\u202f";
+constexpr std::size_t kShort = 22;  ///< rows of a table that is not cut
 
 bool is_word(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
 
@@ -140,6 +141,7 @@ void TableMarkup::row(const std::vector<Markup>& cells, std::string_view style) 
   Markup line;
   for (std::size_t i = 0; i < cells.size(); ++i)
     line += element("td", cells[i], class_attribute(i < columns_.size() && columns_[i].number ? "n" : ""));
+  ++count_;
   rows_ += element("tr", line, class_attribute(style)) + Markup::literal("\n");
 }
 
@@ -148,7 +150,9 @@ Markup TableMarkup::markup() const {
   for (const TableColumn& column : columns_)
     head += element("th", column.title, column.number ? "class=\"n\" scope=\"col\"" : "scope=\"col\"");
   return element("table", element("thead", element("tr", head)) + Markup::literal("\n") + element("tbody", rows_),
-                 class_attribute(style_)) +
+                 class_attribute(count_ > kShort  ? style_
+                                 : style_.empty() ? "whole"
+                                                  : style_ + " whole")) +
          Markup::literal("\n");
 }
 

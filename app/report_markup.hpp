@@ -65,7 +65,7 @@ struct TableColumn {
   bool number = false;  ///< right-aligned
 };
 
-/// A table whose head is repeated on every page and whose rows are cut by none.
+/// A table whose head is repeated on every page and whose rows are cut by none; a short one stays in one piece.
 class TableMarkup {
  public:
   /// @param style  class names written in the program
@@ -78,6 +78,7 @@ class TableMarkup {
  private:
   std::vector<TableColumn> columns_;
   std::string style_;
+  std::size_t count_ = 0;
   Markup rows_;
 };
 

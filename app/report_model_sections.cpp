@@ -1,9 +1,11 @@
 // Effects found with their evidence, the ladder, and what was predicted beside what was achieved.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/laser_summary.hpp"
 #include "app/model_view.hpp"
 #include "app/report_sections.hpp"
 #include "app/report_svg.hpp"
@@ -15,6 +17,26 @@ std::string um(double value) { return quantity_text(value, decimals_for(value), 
 std::string percent(double share) { return fmt::format("{}\u202f%", number_text(100.0 * share, 1)); }
 
 // --- predicted against achieved
+
+constexpr const char* kByTheMap =
+    "By the map: the compensation that the unit puts out at each place and approach, computed by the core that runs in "
+    "it, is added to the readings taken before; what is left is predicted. Scatter is part of both. ";
+
+/// A map that was made from these readings holds their noise; with means of n runs noise alone gives √((n + 1)/(n −
+/// 1)).
+std::string noise_ratio_text(const std::vector<TableRow>& rows) {
+  std::size_t fewest = 0;
+  for (const TableRow& row : rows)
+    if (row.before)
+      for (const LineSummary& line : lines_in(row.before->readings.before))
+        fewest = fewest == 0 ? line.runs : std::min(fewest, line.runs);
+  if (fewest < 2) return "";
+  const auto n = static_cast<double>(fewest);
+  return fmt::format(
+      "The map was made from such readings and carries their noise: with {} runs, noise alone makes the "
+      "last column {:.1f} where nothing was smoothed.",
+      fewest, std::sqrt((n + 1.0) / (n - 1.0)));
+}
 
 Markup map_prediction(const ReportContent& content) {
   if (content.predicted.empty()) return absence(fmt::format("No prediction by the map: {}.", content.no_prediction));
@@ -38,15 +60,7 @@ Markup map_prediction(const ReportContent& content) {
                text(unit_text(laser::unit_of(row.planned.sense)))});
   }
   if (table.empty()) return absence("No prediction by the map: nothing was measured both before and after.");
-  return paragraph_of(
-             "By the map: the compensation that the unit puts out at each place and approach, computed by the same "
-             "core "
-             "as in the unit, is added to the readings taken before; what is left is predicted. Scatter is part of "
-             "both. "
-             "The map was made from some of these readings, so a ratio a little above 1 is to be expected; well above, "
-             "something changed in between.",
-             "class=\"small\"") +
-         table.markup();
+  return paragraph_of(kByTheMap + noise_ratio_text(content.rows), "class=\"small intro\"") + table.markup();
 }
 
 Markup directions_table(const ReportedModel& model) {
@@ -218,7 +232,7 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
 ReportSection prediction_section(const ReportContent& content) {
   Markup body = map_prediction(content);
   if (content.model) body += model_prediction(*content.model);
-  return {"prediction", "Predicted against achieved", std::move(body), false};
+  return {"prediction", "Predicted against achieved", std::move(body)};
 }
 
 ReportSection effects_section(const ReportContent& content) {
@@ -236,7 +250,7 @@ ReportSection effects_section(const ReportContent& content) {
             effects_table(*content.model);
     if (!content.model->model.history.empty()) body += ladder(content.model->model.history);
   }
-  return {"effects", "Effects found", std::move(body), false};
+  return {"effects", "Effects found", std::move(body)};
 }
 
 }  // namespace ecs::app

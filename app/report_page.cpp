@@ -51,7 +51,7 @@ Markup head_of(const ReportContent& content) {
   if (content.machine) facts.emplace_back("configuration", content.machine->configuration);
   facts.emplace_back("measured before", dates_of(content, &TableRow::before));
   facts.emplace_back("measured after", dates_of(content, &TableRow::after));
-  facts.emplace_back("report", content.date.empty() ? "no date was given" : content.date);
+  facts.emplace_back("date of the report", content.date.empty() ? "no date was given" : content.date);
   facts.emplace_back("error map (SHA-256)", content.map ? content.map->sha256.substr(0, 16) + "…" : "none given");
   if (content.map && content.map->check)
     facts.emplace_back("block check in the unit", fmt::format("{:08X}", *content.map->check));
@@ -69,7 +69,7 @@ Markup contents_of(const std::vector<ReportSection>& sections) {
 
 Markup laid_out(const ReportSection& section) {
   return element("section", element("h2", section.title) + Markup::literal("\n") + section.body,
-                 fmt::format("id=\"{}\"{}", section.id, section.new_page ? " class=\"new-page\"" : "")) +
+                 fmt::format("id=\"{}\"", section.id)) +
          Markup::literal("\n");
 }
 

@@ -16,7 +16,6 @@ struct ReportSection {
   std::string id;
   std::string title;
   Markup body;
-  bool new_page = false;  ///< on paper
 };
 
 [[nodiscard]] ReportSection summary_section(const ReportContent& content, const Judgement& judgement);
@@ -40,8 +39,10 @@ struct ReportSection {
 [[nodiscard]] Markup absence(std::string_view plain);
 /// <ul> of texts; nothing for none.
 [[nodiscard]] Markup list_of(const std::vector<std::string>& items);
-/// <dl> of name and value, in columns.
+/// <dl> of name and value, in columns; long values take a line.
 [[nodiscard]] Markup facts_of(const std::vector<std::pair<std::string, std::string>>& facts);
+/// A line of a map header as people write it: "µm/m", "least squares", real minus signs.
+[[nodiscard]] std::string worded(std::string_view line);
 /// A number in a table, a dash where there is none.
 [[nodiscard]] Markup cell(const std::optional<double>& value, int decimals);
 

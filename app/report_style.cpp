@@ -16,7 +16,7 @@ constexpr const char* kStyle = R"css(
 * { box-sizing: border-box; }
 html { background: var(--paper); color: var(--ink); font: 10pt/1.42 "Inter", "Segoe UI", "Helvetica Neue", Arial,
   "Liberation Sans", "DejaVu Sans", sans-serif; font-variant-numeric: tabular-nums; }
-body { max-width: 190mm; margin: 10mm auto; padding: 0 5mm; overflow-wrap: anywhere; }
+body { max-width: 190mm; margin: 10mm auto; padding: 0 5mm; overflow-wrap: break-word; }
 header { border-bottom: 2.5pt solid var(--ink); padding-bottom: 3mm; margin-bottom: 4mm; }
 header .kind { color: var(--soft); text-transform: uppercase; letter-spacing: .12em; font-size: 8pt; margin: 0; }
 h1 { font-size: 22pt; line-height: 1.15; margin: 1mm 0 3mm; font-weight: 650; }
@@ -39,16 +39,18 @@ li { margin-bottom: .8mm; break-inside: avoid; }
 .verdict.good { border-color: var(--good); }
 .verdict.open { border-color: var(--open); border-left-style: double; border-left-width: 7pt; }
 .facts { display: grid; grid-template-columns: repeat(auto-fill, minmax(54mm, 1fr)); gap: 1.6mm 6mm;
-  margin: 0 0 3mm; }
+  margin: 0 0 3mm; break-after: avoid; }
 .facts div { break-inside: avoid; }
 dt { color: var(--soft); font-size: 8pt; line-height: 1.2; }
 dd { margin: 0; font-weight: 550; }
-.facts div:has(dd.long), .wide { grid-column: 1 / -1; }
+.facts .wide { grid-column: 1 / -1; }
+.intro { break-after: avoid; break-inside: avoid; }
 nav { font-size: 8.5pt; color: var(--soft); margin-bottom: 2mm; }
 nav a { color: inherit; margin-right: 3.5mm; }
 table { border-collapse: collapse; width: 100%; margin: 1mm 0 3mm; font-size: 8.4pt; line-height: 1.28; }
 thead { display: table-header-group; }
 tr { break-inside: avoid; }
+.whole { break-inside: avoid; }
 th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: .8pt solid var(--ink); padding: .7mm 1.2mm;
   vertical-align: bottom; }
 td { border-bottom: .4pt solid var(--rule); padding: .65mm 1.2mm; vertical-align: top; }
@@ -58,6 +60,7 @@ th.n, td.n { text-align: right; white-space: nowrap; }
 th.n { white-space: normal; }
 td strong { white-space: nowrap; }
 tr.open td { background: var(--faint); font-weight: 600; }
+table.summary td:nth-child(2) { width: 30%; }
 table.iso { font-size: 7.6pt; }
 table.iso th, table.iso td { padding-left: .7mm; padding-right: .7mm; }
 table.dense { font-size: 7.8pt; }
@@ -99,8 +102,6 @@ footer { margin-top: 8mm; border-top: .8pt solid var(--rule); padding-top: 2mm; 
 @media print {
   body { max-width: none; margin: 0; padding: 0; }
   nav { display: none; }
-  .new-page { break-before: page; }
-  .new-page h2 { margin-top: 0; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";

@@ -63,7 +63,7 @@ ReportSection summary_section(const ReportContent& content, const Judgement& jud
   body += element("h3", "What to do next");
   body +=
       judgement.next.empty() ? paragraph_of("Nothing is open in what this report was given.") : list_of(judgement.next);
-  return {"summary", "Summary", std::move(body), false};
+  return {"summary", "Summary", std::move(body)};
 }
 
 }  // namespace ecs::app

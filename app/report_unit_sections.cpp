@@ -1,5 +1,6 @@
 // Parameters, error map and state of the unit; definitions and the files that went in.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,9 +16,17 @@ namespace {
 
 // --- parameters
 
+/// Four decimals at most; very small and very large numbers as they stand.
 std::string shown_value(const params::Field& field, const UnitParameters& parameters) {
   const std::string value = params::text_of(field, parameters);
-  return field.type == params::FieldType::number && value.starts_with('-') ? "\u2212" + value.substr(1) : value;
+  const auto number = params::number_of(field, parameters);
+  if (field.type != params::FieldType::number || !number) return value;
+  const double size = std::abs(*number);
+  if (size != 0.0 && (size < 0.01 || size > 1e9)) return value;
+  std::string digits = number_text(*number, 4);
+  digits.erase(digits.find_last_not_of('0') + 1);
+  if (digits.ends_with('.')) digits.pop_back();
+  return digits;
 }
 
 /// Bold with a dot where it is not the default.
@@ -39,10 +48,21 @@ Markup common_table(const UnitParameters& parameters) {
   return table.markup();
 }
 
-const params::Field* same_field(const params::Field& of, Axis axis) {
-  std::string key = of.key;
-  key[5] = letter_of(axis);
-  return params::field_named(key);
+/// The keys of all axes without "axis.X.", each once, in the order of the file.
+std::vector<std::string> keys_of_axes() {
+  std::vector<std::string> keys;
+  std::size_t place = 0;
+  for (const params::Field& field : params::fields()) {
+    if (!field.axis) continue;
+    const auto known = std::find(keys.begin(), keys.end(), short_key(field));
+    if (known == keys.end()) {
+      keys.insert(keys.begin() + static_cast<std::ptrdiff_t>(std::min(place, keys.size())), short_key(field));
+      ++place;
+    } else {
+      place = static_cast<std::size_t>(known - keys.begin()) + 1;
+    }
+  }
+  return keys;
 }
 
 Markup axes_table(const UnitParameters& parameters) {
@@ -55,17 +75,17 @@ Markup axes_table(const UnitParameters& parameters) {
   columns.push_back({"unit"});
   columns.push_back({"default", true});
   TableMarkup table(columns, "keys");
-  std::vector<std::string> done;
-  for (const params::Field& field : params::fields()) {
-    if (!field.axis || std::find(done.begin(), done.end(), short_key(field)) != done.end()) continue;
-    done.push_back(short_key(field));
-    std::vector<Markup> cells{element("code", short_key(field))};
+  for (const std::string& key : keys_of_axes()) {
+    std::vector<Markup> cells{element("code", key)};
+    const params::Field* field = nullptr;
     for (const Axis axis : present) {
-      const params::Field* own = same_field(field, axis);
+      const params::Field* own = params::field_named(fmt::format("axis.{}.{}", letter_of(axis), key));
       cells.push_back(own == nullptr ? text("\u2013") : value_cell(*own, parameters));
+      if (own != nullptr) field = own;
     }
-    cells.push_back(text(unit_text(field.unit)));
-    cells.push_back(text(params::default_text(field)));
+    if (field == nullptr) continue;
+    cells.push_back(text(unit_text(field->unit)));
+    cells.push_back(text(params::default_text(*field)));
     table.row(cells);
   }
   return table.markup();
@@ -111,6 +131,12 @@ std::string squareness_text(const ReportContent& content) {
                      quantity_text(p.A0Z_um_per_m, 2, "um/m"));
 }
 
+std::vector<std::string> worded_lines(const std::vector<std::string>& lines) {
+  std::vector<std::string> out;
+  for (const std::string& line : lines) out.push_back(worded(line));
+  return out;
+}
+
 Markup declared_zeros(const laser::MapHeader& header) {
   if (header.declared_zero.empty()) return {};
   std::vector<std::string> items;
@@ -136,36 +162,36 @@ ReportSection parameters_section(const ReportContent& content) {
     body += absence("No parameters were given.");
   } else {
     const UnitParameters& parameters = content.parameters->file.parameters;
-    body += paragraph_of("• and bold: changed from the default.", "class=\"small\"");
+    body += paragraph_of("• and bold: changed from the default.", "class=\"small intro\"");
     body += common_table(parameters) + axes_table(parameters) + findings_of(content.parameters->findings);
   }
-  return {"parameters", "Parameters of the unit", std::move(body), false};
+  return {"parameters", "Parameters of the unit", std::move(body)};
 }
 
 ReportSection map_section(const ReportContent& content) {
   Markup body;
   if (!content.map) {
     body += absence("No error map was given.");
-    return {"map", "Error map", std::move(body), false};
+    return {"map", "Error map", std::move(body)};
   }
   const laser::MapHeader& header = content.map->map.header;
   body += facts_of({{"SHA-256 of the file", content.map->sha256},
                     {"block check in the unit (CRC-32, with these parameters)",
                      content.map->check ? fmt::format("{:08X}", *content.map->check) : ""},
-                    {"measured", header.date},
+                    {"date of the map", header.date},
                     {"configuration", header.configuration},
                     {"squareness", squareness_text(content)}});
   body += tables_of(content.map->map) + declared_zeros(header);
-  if (!header.processing.empty()) body += element("h3", "How it was made") + list_of(header.processing);
+  if (!header.processing.empty()) body += element("h3", "How it was made") + list_of(worded_lines(header.processing));
   body += against_map(*content.map, content.parameters.has_value());
-  return {"map", "Error map", std::move(body), false};
+  return {"map", "Error map", std::move(body)};
 }
 
 ReportSection unit_section(const ReportContent& content) {
   Markup body;
   if (!content.status) {
     body += absence("No state of the unit was given (ecs utility status --save FILE).");
-    return {"unit", "State of the unit", std::move(body), false};
+    return {"unit", "State of the unit", std::move(body)};
   }
   const StatusSnapshot& s = *content.status;
   const bool agrees = s.status.block_check_expected == s.status.block_check_found;
@@ -184,7 +210,7 @@ ReportSection unit_section(const ReportContent& content) {
     body += paragraph_of(*content.map->check == s.status.block_check_found
                              ? "The unit holds this map with these parameters: its block check is theirs."
                              : "The unit held another map or other parameters: its block check is not theirs.");
-  return {"unit", "State of the unit", std::move(body), false};
+  return {"unit", "State of the unit", std::move(body)};
 }
 
 ReportSection sources_section(const ReportContent& content) {
@@ -192,8 +218,9 @@ ReportSection sources_section(const ReportContent& content) {
   for (const ReportedFile& file : content.files)
     table.row({text(file.role), text(file.name), element("code", file.sha256)});
   Markup body =
-      paragraph_of(fmt::format("Written by {} from these files, as they were then.", kVersion)) + table.markup();
-  return {"sources", "Files", std::move(body), false};
+      paragraph_of(fmt::format("Written by {} from these files, as they were then.", kVersion), "class=\"intro\"") +
+      table.markup();
+  return {"sources", "Files", std::move(body)};
 }
 
 }  // namespace ecs::app
