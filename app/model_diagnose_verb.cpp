@@ -1,6 +1,7 @@
 // `ecs model diagnose`: which effect is missing from a model, with the evidence.
 #include <memory>
 
+#include "app/interrupt.hpp"
 #include "app/model_diagnosis_view.hpp"
 #include "app/model_json.hpp"
 #include "app/model_menu.hpp"
@@ -32,6 +33,7 @@ Result<Outcome> diagnose(Session& session, const Arguments& arguments) {
   model::DiagnoseOptions options;
   options.blanks = static_cast<std::size_t>(arguments.blanks);
   options.plain = arguments.plain;
+  options.cancelled = &interrupted();
   const auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
   std::string text = diagnosis_text(*diagnosis);

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/model_lines.hpp"
 #include "app/model_view.hpp"
 
 namespace ecs::app {
@@ -20,57 +20,21 @@ using Values = std::vector<double>;
 
 constexpr std::size_t kMostLines = 3;
 
-/// Readings of one sense along one axis at one parked place.
-struct Line {
-  Axis axis = Axis::X;
-  Sense sense = Sense::EX;
-  Vector3 parked_mm{};
-  std::vector<std::size_t> rows;
-  double weight = 0.0;  ///< mean square of what shall be shown
-};
-
-/// The lines on which `weight_of` is largest.
-std::vector<Line> lines_worth_showing(const Observations& data, const Values& weight_of) {
-  std::map<std::tuple<Axis, Sense, Vector3>, Line> lines;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    Vector3 parked = data.position_mm[k];
-    parked[index_of(data.axis[k])] = 0.0;
-    Line& line = lines[{data.axis[k], data.sense[k], parked}];
-    line.axis = data.axis[k];
-    line.sense = data.sense[k];
-    line.parked_mm = parked;
-    line.rows.push_back(k);
-    line.weight += weight_of[k] * weight_of[k];
+/// The lines on which the mean square of `weight_of` is largest.
+std::vector<MeasuredLine> lines_worth_showing(const Observations& data, const Values& weight_of) {
+  std::vector<std::pair<double, MeasuredLine>> weighed;
+  for (MeasuredLine& line : measured_lines(data)) {
+    double sum = 0.0;
+    for (const std::size_t k : line.rows) sum += weight_of[k] * weight_of[k];
+    weighed.emplace_back(sum / static_cast<double>(line.rows.size()), std::move(line));
   }
-  std::vector<Line> list;
-  for (auto& each : lines) {
-    each.second.weight /= static_cast<double>(each.second.rows.size());
-    list.push_back(std::move(each.second));
-  }
-  std::stable_sort(list.begin(), list.end(), [](const Line& a, const Line& b) { return a.weight > b.weight; });
-  if (list.size() > kMostLines) list.resize(kMostLines);
+  std::stable_sort(weighed.begin(), weighed.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<MeasuredLine> list;
+  for (std::size_t k = 0; k < std::min(kMostLines, weighed.size()); ++k) list.push_back(std::move(weighed[k].second));
   return list;
 }
 
-std::string title_of(const Line& line) {
-  std::string text = fmt::format("{} along {}", name_of(line.sense), letter_of(line.axis));
-  std::vector<std::string> parked;
-  for (const Axis a : kAllAxes)
-    if (a != line.axis && line.parked_mm[index_of(a)] != 0.0)
-      parked.push_back(fmt::format("{} {:.6g}", letter_of(a), line.parked_mm[index_of(a)]));
-  return parked.empty() ? text : fmt::format("{} at {}", text, fmt::join(parked, ", "));
-}
-
 std::string_view unit_label(Sense sense) { return is_rotation(sense) ? "µm/m" : "µm"; }
-
-Mark reading_mark(int approach) {
-  if (approach == 0) return Mark::reading;
-  return approach > 0 ? Mark::forward_reading : Mark::reverse_reading;
-}
-Mark line_mark(int approach) {
-  if (approach == 0) return Mark::both;
-  return approach > 0 ? Mark::forward : Mark::reverse;
-}
 
 /// What stands in a panel: values over an abscissa, for the rows of one approach.
 struct Drawn {
@@ -147,7 +111,7 @@ struct Explained {
 PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Explained* explained,
                            const std::string& title) {
   PlotFigure figure{title, {}, 2, false};
-  for (const Line& line : lines_worth_showing(data, explained != nullptr ? explained->um : fit.residual)) {
+  for (const MeasuredLine& line : lines_worth_showing(data, explained != nullptr ? explained->um : fit.residual)) {
     const Values x = along(data, line.axis);
     const Drawn drawn{data, line.rows, x};
     PlotPanel measured{

@@ -296,7 +296,9 @@ std::string_view name_of(Verdict verdict) {
   }
 }
 
-Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+namespace {
+
+Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const DiagnoseOptions& options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
   const Regressors regressors(data);
   const auto base = base_of(model, regressors, options.plain, nullptr);
@@ -316,6 +318,16 @@ Result<Diagnosis> diagnose(const Model& model, const Observations& data, const D
     diagnosis->notes.push_back(
         fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}", part.size(), data.size()));
   return diagnosis;
+}
+
+}  // namespace
+
+Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+  try {
+    return diagnosed(model, data, options);
+  } catch (const SearchStopped&) {
+    return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
+  }
 }
 
 }  // namespace ecs::model

@@ -3,6 +3,7 @@
 // Does not live here: fitting a given model (fit.hpp), what to measure next (next_measurement.hpp).
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,11 +21,12 @@ enum class Verdict : std::uint8_t {
 [[nodiscard]] std::string_view name_of(Verdict verdict);
 
 struct DiagnoseOptions {
-  std::size_t blanks = 400;           ///< simulated data sets of noise alone
-  double false_naming_limit = 0.005;  ///< a cause is named only below this family-wise probability
-  std::size_t most_effects = 3;       ///< that may be missing at once
-  std::size_t largest_search = 4000;  ///< readings searched; of larger sets an even choice, confirmed on all
-  bool plain = false;                 ///< no outliers
+  std::size_t blanks = 400;                      ///< simulated data sets of noise alone
+  double false_naming_limit = 0.005;             ///< a cause is named only below this family-wise probability
+  std::size_t most_effects = 3;                  ///< that may be missing at once
+  std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all
+  bool plain = false;                            ///< no outliers
+  const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread: `refused`, soon; null: nobody stops it
 };
 
 struct Candidate {

@@ -135,7 +135,7 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
     const double noise_freedom = std::max(4.0, 0.6 * found.noise.pure.dof);
-    const Search search(regressors, whitener, base.columns, base.target, candidates);
+    const Search search(regressors, whitener, base.columns, base.target, candidates, options.cancelled);
     found.families = search.families();
     const MatrixXf blanks = without_absorbed(
         search.base().q, whitener(simulated_noise(data, found.noise, options.blanks, found.left_out)).cast<float>());

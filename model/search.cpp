@@ -58,8 +58,8 @@ void absorb(Space& space, const MatrixXd& white_columns) {
 }
 
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
-               const std::vector<EffectInstance>& candidates)
-    : regressors_(regressors), whitener_(whitener) {
+               const std::vector<EffectInstance>& candidates, const std::atomic<bool>* cancelled)
+    : regressors_(regressors), whitener_(whitener), cancelled_(cancelled) {
   base_.y = whitener(residual);
   base_.q.resize(base_.y.size(), 0);
   absorb(base_, whitener(base));

@@ -3,6 +3,7 @@
 // Does not live here: which effects there are (candidates.hpp), the verdict (diagnose.cpp).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -58,12 +59,17 @@ struct Solution {
   [[nodiscard]] double score() const { return chi2_before - space.chi2() - cost; }
 };
 
+/// Thrown by a Search whose flag is set; diagnose() turns it into a problem.
+struct SearchStopped {};
+
 class Search {
  public:
   /// @param base      columns that the model absorbs (not whitened)
   /// @param residual  readings less what the model holds fixed (not whitened)
+  /// @param cancelled  looked at from family to family; null: nobody stops it
   Search(const Regressors& regressors, const Whitener& whitener, const Eigen::MatrixXd& base,
-         const Eigen::VectorXd& residual, const std::vector<EffectInstance>& candidates);
+         const Eigen::VectorXd& residual, const std::vector<EffectInstance>& candidates,
+         const std::atomic<bool>* cancelled = nullptr);
 
   [[nodiscard]] const std::vector<Family>& families() const { return families_; }
   [[nodiscard]] const Space& base() const { return base_; }
@@ -117,6 +123,9 @@ class Search {
     Eigen::MatrixXd q;
     Eigen::VectorXd y;
   };
+  void heed_cancel() const {
+    if (cancelled_ != nullptr && *cancelled_) throw SearchStopped{};
+  }
   void build_families(const std::vector<EffectInstance>& candidates);
   void build_bank();
   void build_shapes(std::size_t family);
@@ -141,6 +150,7 @@ class Search {
 
   const Regressors& regressors_;
   const Whitener& whitener_;
+  const std::atomic<bool>* cancelled_;
   Space base_;
   std::vector<Family> families_;
   PerAxis<std::size_t> targets_{};

@@ -184,6 +184,7 @@ void Search::build_grams(std::size_t f) {
 void Search::build_bank() {
   banks_.resize(families_.size());
   for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
     build_shapes(f);
     build_grams(f);
     const EffectInstance& effect = families_[f].effect;

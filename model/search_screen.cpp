@@ -77,11 +77,13 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   std::vector<std::vector<Choice>> peaks(families_.size());
   std::vector<Choice> list;
   for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
     peaks[f] = scores_of(f, more_q, y);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
   std::stable_sort(list.begin(), list.end(), by_score);
   for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
+    heed_cancel();
     const std::size_t f = list[i].family;
     list[i] = families_[f].effect.id == EffectId::cyclic ? best_period(space, peaks[f])
                                                          : refined_choice(space, f, list[i].nonlinear);
@@ -144,6 +146,7 @@ std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
   std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
   const MatrixXd spread = whitener_.transposed(blanks.cast<double>());
   for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
     const FamilyBank& bank = banks_[f];
     const MatrixXf seen = gathered(f, spread).cast<float>();
     constexpr Index kPiece = 256;

@@ -1,12 +1,18 @@
 #include "app/screens/model_desk.hpp"
 
+#include <filesystem>
 #include <map>
-#include <tuple>
+#include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
+#include "app/map_from_model.hpp"
+#include "app/model_compare_view.hpp"
 #include "app/model_plots.hpp"
-#include "app/plot_gnuplot.hpp"
+#include "app/model_what_if.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
@@ -17,131 +23,137 @@ using model::Observations;
 constexpr std::array<int, 3> kApproaches{1, -1, 0};
 
 std::string_view approach_word(int approach) { return approach > 0 ? "forward" : (approach < 0 ? "reverse" : "any"); }
-Mark reading_mark(int approach) {
-  return approach > 0 ? Mark::forward_reading : (approach < 0 ? Mark::reverse_reading : Mark::reading);
-}
-Mark line_mark(int approach) { return approach > 0 ? Mark::forward : (approach < 0 ? Mark::reverse : Mark::both); }
 
-PlotSeries means_of(const Observations& data, const MeasuredLine& line, const std::vector<double>& value, int approach,
-                    const std::string& name) {
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+/// What a panel shows of a line: the rows of one run, or of all.
+struct Shown {
+  const Observations& data;
+  const MeasuredLine& line;
+  std::optional<int> run;
+  [[nodiscard]] bool has(std::size_t k, int approach) const {
+    return data.approach[k] == approach && (!run || data.run[k] == *run);
+  }
+};
+
+PlotSeries means_of(const Shown& shown, const std::vector<double>& value, int approach) {
   std::map<double, std::pair<double, double>> sums;
-  for (const std::size_t k : line.rows) {
-    if (data.approach[k] != approach) continue;
-    auto& [sum, count] = sums[data.position_mm[k][index_of(line.axis)]];
+  for (const std::size_t k : shown.line.rows) {
+    if (!shown.has(k, approach)) continue;
+    auto& [sum, count] = sums[shown.data.position_mm[k][index_of(shown.line.axis)]];
     sum += value[k];
     count += 1.0;
   }
-  PlotSeries series{name, line_mark(approach), {}};
+  PlotSeries series{std::string(approach_word(approach)), line_mark(approach), {}};
   for (const auto& [x, sum] : sums) series.points.push_back({x, sum.first / sum.second});
   return series;
 }
 
-PlotSeries readings_of(const Observations& data, const MeasuredLine& line, const std::vector<double>& value,
-                       int approach, const std::string& name) {
-  PlotSeries series{name, reading_mark(approach), {}};
-  for (const std::size_t k : line.rows)
-    if (data.approach[k] == approach) series.points.push_back({data.position_mm[k][index_of(line.axis)], value[k]});
+PlotSeries readings_of(const Shown& shown, const std::vector<double>& value, int approach) {
+  PlotSeries series{"", reading_mark(approach), {}};
+  for (const std::size_t k : shown.line.rows)
+    if (shown.has(k, approach))
+      series.points.push_back({shown.data.position_mm[k][index_of(shown.line.axis)], value[k]});
   return series;
 }
 
-PlotPanel panel_of(const Observations& data, const MeasuredLine& line, const std::vector<double>& signs,
-                   const std::vector<double>& lines, const std::string& title) {
-  const std::string unit = is_rotation(line.sense) ? "um/m" : "um";
-  PlotPanel panel{title, fmt::format("{} mm", letter_of(line.axis)), unit, {}};
-  for (const int approach : kApproaches) {
-    PlotSeries series = readings_of(data, line, signs, approach, "");
-    if (!series.points.empty()) panel.series.push_back(std::move(series));
-  }
-  for (const int approach : kApproaches) {
-    PlotSeries series = means_of(data, line, lines, approach, std::string(approach_word(approach)));
-    if (!series.points.empty()) panel.series.push_back(std::move(series));
-  }
+PlotPanel panel_of(const Shown& shown, const std::vector<double>& signs, const std::vector<double>& lines,
+                   const std::string& title) {
+  const std::string unit = is_rotation(shown.line.sense) ? "um/m" : "um";
+  PlotPanel panel{title, fmt::format("{} mm", letter_of(shown.line.axis)), unit, {}};
+  for (const int approach : kApproaches)
+    if (PlotSeries series = readings_of(shown, signs, approach); !series.points.empty())
+      panel.series.push_back(std::move(series));
+  for (const int approach : kApproaches)
+    if (PlotSeries series = means_of(shown, lines, approach); !series.points.empty())
+      panel.series.push_back(std::move(series));
   return panel;
 }
 
+std::string run_text(std::optional<int> run) { return run ? fmt::format(", run {}", *run) : ""; }
+
 }  // namespace
 
-std::vector<MeasuredLine> measured_lines(const Observations& data) {
-  std::map<std::tuple<Sense, Axis, Vector3>, MeasuredLine> lines;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    Vector3 parked = data.position_mm[k];
-    parked[index_of(data.axis[k])] = 0.0;
-    MeasuredLine& line = lines[{data.sense[k], data.axis[k], parked}];
-    line.axis = data.axis[k];
-    line.sense = data.sense[k];
-    line.parked_mm = parked;
-    line.rows.push_back(k);
-  }
-  std::vector<MeasuredLine> list;
-  for (auto& [key, line] : lines) list.push_back(std::move(line));
-  return list;
+PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of({data, line, run}, data.reading, fit.predicted,
+                  title_of(line) + run_text(run) + ": measured (dots), model (lines)");
 }
 
-std::string title_of(const MeasuredLine& line) {
-  std::string text = fmt::format("{} along {}", name_of(line.sense), letter_of(line.axis));
-  std::string joint = " at ";
-  for (const Axis a : kAllAxes)
-    if (a != line.axis && line.parked_mm[index_of(a)] != 0.0) {
-      text += fmt::format("{}{} {:g}", joint, letter_of(a), line.parked_mm[index_of(a)]);
-      joint = ", ";
-    }
-  return text;
+PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of({data, line, run}, fit.residual, fit.residual, "what the model leaves");
 }
 
-PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line) {
-  return panel_of(data, line, data.reading, fit.predicted, title_of(line) + ": measured (dots), model (lines)");
-}
-
-PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line) {
-  return panel_of(data, line, fit.residual, fit.residual, "what the model leaves");
+Result<ModelDesk::Fitted> ModelDesk::fitted(model::Model model, const Observations& data, std::string said) {
+  auto fit = model::fit(model, data);
+  if (!fit) return tl::unexpected(fit.error());
+  auto comparison = lines_in(comparison_text(model::compare(*fit, data), data.size()));
+  return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
 }
 
 Result<std::unique_ptr<ModelDesk>> ModelDesk::open(Session& session, const ModelArguments& files) {
   auto work = model_work(session, files);
   if (!work) return tl::unexpected(work.error());
+  auto first = fitted(work->model, work->data, "");
+  if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelDesk> desk(new ModelDesk);
   desk->files_ = files;
-  desk->work_ = std::make_shared<ModelWork>(std::move(*work));
-  desk->data_ = std::make_shared<const Observations>(std::move(desk->work_->data));
-  desk->lines_ = measured_lines(*desk->data_);
-  auto fit = model::fit(desk->work_->model, *desk->data_);
-  if (!fit) return tl::unexpected(in_file(fit.error(), files.model));
-  desk->fit_ = std::move(*fit);
+  desk->work_ = std::make_shared<const ModelWork>(std::move(*work));
+  desk->lines_ = measured_lines(desk->data());
+  const std::set<int> runs(desk->data().run.begin(), desk->data().run.end());
+  desk->runs_.assign(runs.begin(), runs.end());
+  desk->model_ = std::move(first->model);
+  desk->fit_ = std::move(first->fit);
+  desk->comparison_ = std::move(first->comparison);
   return desk;
 }
 
-void ModelDesk::say(std::string text, bool problem) {
-  message_ = std::move(text);
-  message_is_problem_ = problem;
+void ModelDesk::begin(const std::string& what) {
+  working_on_ = what;
+  since_ = std::chrono::steady_clock::now();
+  cancelled_ = false;
+  message_.clear();
 }
 
 double ModelDesk::seconds_working() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count();
 }
 
-bool ModelDesk::refit(model::Model model) {
-  auto fit = model::fit(model, *data_);
-  if (!fit) {
-    say(to_text(fit.error()), true);
-    return false;
-  }
-  fit_ = std::move(*fit);
-  work_->model = std::move(model);
-  diagnosis_.reset();
-  next_.reset();
-  changed_ = true;
-  return true;
+bool ModelDesk::busy() const {
+  return diagnosing_.running() || fitting_.running() || reckoning_.running() || building_.running();
+}
+
+std::string ModelDesk::draft_name() const {
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(files_.model, error);
+  return "model-" + sha256_hex(path.string()).substr(0, 16);
+}
+
+std::optional<Draft> ModelDesk::draft() const { return draft_of(draft_name()); }
+void ModelDesk::drop_draft() { app::drop_draft(draft_name()); }
+
+void ModelDesk::take_draft() {
+  const auto kept = draft();
+  if (!kept || busy()) return;
+  auto model = model::parse_model(kept->text, "the unsaved work", std::filesystem::path(files_.model).parent_path());
+  if (!model) return message_.say(model.error());
+  begin("taking up the unsaved work");
+  fitting_.start([model = std::move(*model), work = work_](JobSigns&) {
+    return fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
+  });
 }
 
 void ModelDesk::start_diagnosis() {
   if (busy()) return;
-  working_on_ = "looking for what is missing";
-  since_ = std::chrono::steady_clock::now();
-  cancelled_ = false;
-  say("");
-  diagnosing_.start([model = work_->model, data = data_](JobSigns&) {
-    Diagnosed found{model::diagnose(model, *data), {}};
-    if (found.diagnosis) found.next = model::next_measurement(model, *data, *found.diagnosis);
+  begin("looking for what is missing");
+  diagnosing_.start([model = model_, work = work_](JobSigns& signs) {
+    model::DiagnoseOptions options;
+    options.cancelled = &signs.cancelled;
+    Diagnosed found{model::diagnose(model, work->data, options), {}};
+    if (found.diagnosis && !signs.cancelled) found.next = model::next_measurement(model, work->data, *found.diagnosis);
     return found;
   });
 }
@@ -149,69 +161,125 @@ void ModelDesk::start_diagnosis() {
 void ModelDesk::start_adding(std::size_t candidate) {
   if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
-  model::AddRequest request{effect.id,       effect.axis,   effect.sense, effect.code,
-                            effect.approach, effect.sensor, effect.name};
-  working_on_ = "adding " + to_text(effect);
-  since_ = std::chrono::steady_clock::now();
-  cancelled_ = false;
-  say("");
-  adding_.start([model = work_->model, data = data_, request, name = work_->data_name](JobSigns&) {
-    return model::add_effect(model, *data, request, name);
+  const model::AddRequest request{effect.id,       effect.axis,   effect.sense, effect.code,
+                                  effect.approach, effect.sensor, effect.name};
+  begin("adding " + to_text(effect));
+  fitting_.start([model = model_, work = work_, request](JobSigns&) -> Result<Fitted> {
+    auto added = model::add_effect(model, work->data, request, work->data_name);
+    if (!added) return tl::unexpected(added.error());
+    return fitted(std::move(added->model), work->data,
+                  fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model",
+                              to_text(added->effect.effect), added->rms_before_um, added->rms_after_um));
   });
 }
 
 void ModelDesk::undo() {
   if (busy()) return;
-  auto before = model::undo(work_->model);
-  if (!before) return say(to_text(before.error()), true);
-  const std::string taken = work_->model.history.empty() ? "" : work_->model.history.back().effect;
-  if (refit(std::move(*before))) say("taken back: " + taken);
+  auto before = model::undo(model_);
+  if (!before) return message_.say(before.error());
+  const std::string taken = model_.history.empty() ? "" : model_.history.back().effect;
+  begin("taking back " + taken);
+  fitting_.start([model = std::move(*before), work = work_, taken](JobSigns&) {
+    return fitted(model, work->data, "taken back: " + taken);
+  });
 }
 
 void ModelDesk::save() {
-  const auto kept = keep_model(files_.model, work_->model, files_.model);
-  if (!kept) return say(to_text(kept.error()), true);
+  if (busy()) return;
+  if (const auto kept = keep_model(files_.model, model_, files_.model); !kept) return message_.say(kept.error());
   changed_ = false;
-  say("written to " + files_.model);
+  drop_draft();
+  message_.say("written to " + files_.model);
 }
 
-void ModelDesk::export_picture(const std::string& path) {
-  const auto written = write_plot(path, fit_figure(fit_, *data_, files_.model));
-  if (!written) return say(to_text(written.error()), true);
-  say("picture written to " + path);
+void ModelDesk::start_after(const std::vector<std::string>& measured_again) {
+  if (busy()) return;
+  begin("reckoning what compensation would leave");
+  reckoning_.start([model = model_, work = work_, files = files_, measured_again](JobSigns&) -> Result<Lines> {
+    std::ostringstream out, messages;
+    Face face(out, messages);
+    Session session{face, {}, {}};
+    const ModelWork now{model, work->machine, {}, work->data, work->data_name};
+    const auto told = what_if_told(session, now, files.model, measured_again, files.import);
+    if (!told) return tl::unexpected(told.error());
+    return lines_in(what_if_text(*told));
+  });
+}
+
+void ModelDesk::start_map(const std::string& output) {
+  if (busy()) return;
+  if (changed_) return message_.say("save the model first (s): the map's header names its file", Tone::warning);
+  begin("compiling the model to a map");
+  building_.start([files = files_, output](JobSigns&) -> Result<std::string> {
+    std::ostringstream out, messages;
+    Face face(out, messages);
+    Session session{face, {}, {}};
+    FromModelArguments arguments;
+    arguments.model = files.model;
+    arguments.machine = files.machine;
+    arguments.output = output;
+    arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
+    const auto built = map_from_model(session, arguments);
+    if (!built) return tl::unexpected(built.error());
+    return built->text;
+  });
+}
+
+void ModelDesk::export_picture() {
+  picture_.start(fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string());
 }
 
 void ModelDesk::cancel() {
   if (!busy()) return;
   cancelled_ = true;
-  say("given up: what is found will not be shown");
+  diagnosing_.cancel();
+  fitting_.cancel();
+  reckoning_.cancel();
+  building_.cancel();
+  message_.say("given up", Tone::warning);
+}
+
+void ModelDesk::take(Fitted fitted) {
+  model_ = std::move(fitted.model);
+  fit_ = std::move(fitted.fit);
+  comparison_ = std::move(fitted.comparison);
+  diagnosis_.reset();
+  next_.reset();
+  after_.clear();
+  changed_ = true;
+  ++generation_;
+  message_.say(fitted.said);
+  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+}
+
+void ModelDesk::take(Diagnosed found) {
+  if (!found.diagnosis) return message_.say(found.diagnosis.error());
+  diagnosis_ = std::move(*found.diagnosis);
+  next_ = std::move(found.next);
 }
 
 bool ModelDesk::advance() {
+  bool changed = picture_.advance(message_);
   if (auto found = diagnosing_.take()) {
-    if (cancelled_) return true;
-    if (!found->diagnosis) {
-      say(to_text(found->diagnosis.error()), true);
-      return true;
-    }
-    diagnosis_ = std::move(*found->diagnosis);
-    next_ = std::move(found->next);
-    return true;
+    if (!cancelled_) take(std::move(*found));
+    changed = true;
   }
-  if (auto added = adding_.take()) {
-    if (cancelled_) return true;
-    if (!*added) {
-      say(to_text(added->error()), true);
-      return true;
-    }
-    const double before_um = (*added)->rms_before_um, after_um = (*added)->rms_after_um;
-    const std::string name = to_text((*added)->effect.effect);
-    if (refit(std::move((*added)->model)))
-      say(fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model", name, before_um,
-                      after_um));
-    return true;
+  if (auto fitted = fitting_.take()) {
+    if (!cancelled_ && *fitted) take(std::move(**fitted));
+    if (!cancelled_ && !*fitted) message_.say(fitted->error());
+    changed = true;
   }
-  return busy();
+  if (auto lines = reckoning_.take()) {
+    if (!cancelled_ && *lines) after_ = std::move(**lines);
+    if (!cancelled_ && !*lines) message_.say(lines->error());
+    changed = true;
+  }
+  if (auto built = building_.take()) {
+    if (*built) after_ = lines_in(**built);
+    if (!*built) message_.say(built->error());
+    changed = true;
+  }
+  return changed || busy();
 }
 
 }  // namespace ecs::app

@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/model_compare_view.hpp"
 #include "app/model_diagnosis_view.hpp"
 #include "app/model_view.hpp"
+#include "app/screens/verb_catalogue.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
 
-constexpr const char* kTitles[] = {"Curves", "Where it fails", "What is missing", "Ladder", "Next measurement"};
+constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next", "After"};
 
 std::vector<std::string> lines_in(const std::string& text) {
   std::vector<std::string> lines;
@@ -41,6 +41,8 @@ void draw_bar(Canvas& canvas, const Area& area, int row, double value, double mo
 
 }  // namespace
 
+ModelScreen::ModelScreen(std::unique_ptr<ModelDesk> desk) : desk_(std::move(desk)), draft_(desk_->draft()) {}
+
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
   draw_tabs(canvas, area.top(1));
   const Area body{area.row + 1, area.column, area.rows - 2, area.columns};
@@ -58,6 +60,15 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
   }
   draw_standing(canvas, {area.row + area.rows - 1, area.column, 1, area.columns});
+  if (draft_)
+    draw_question(
+        canvas, area,
+        {"Unsaved work on this model was found. Take it up?",
+         fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept, desk_->model_file()),
+         "take it up", "drop it"});
+  else if (leaving_)
+    draw_question(canvas, area,
+                  {"Leave without saving the model?", desk_->model_file() + " stays as it was.", "leave", "stay"});
 }
 
 void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
@@ -76,8 +87,13 @@ void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
                 Tone::warning);
     return;
   }
-  if (!desk_->message().empty()) {
-    canvas.text(area, 0, 1, desk_->message(), desk_->message_is_problem() ? Tone::bad : Tone::good);
+  if (asked_) {
+    const int begin = canvas.text(area, 0, 1, asked_->label + " ", Tone::strong) + 1;
+    asked_->line.draw(canvas, area, 0, begin, std::max(4, area.columns - begin - 1), true);
+    return;
+  }
+  if (!desk_->message().text().empty()) {
+    desk_->message().draw(canvas, {area.row, area.column + 1, 1, area.columns - 2});
     return;
   }
   const model::Fit& fit = desk_->fit();
@@ -90,14 +106,32 @@ void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
 
 void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
   if (desk_->lines().empty()) return;
-  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
+  const Curves& shown = curves();
   const int upper = std::max(8, area.rows * 3 / 5);
-  draw_chart(canvas, area.top(upper), measured_panel(desk_->data(), desk_->fit(), line), view_);
-  ChartView below = view_;
-  if (area.rows - upper >= 6)
-    draw_chart(canvas, area.below(upper), residual_panel(desk_->data(), desk_->fit(), line), below);
+  draw_chart(canvas, area.top(upper), shown.measured, view_);
+  if (area.rows - upper >= 6) draw_chart(canvas, area.below(upper), shown.residual, view_);
   canvas.text_right({area.row + upper, area.column, 1, area.columns - 8}, 0,
                     fmt::format("line {} of {}", line_ + 1, desk_->lines().size()), Tone::faint);
+}
+
+const ModelScreen::Curves& ModelScreen::curves() const {
+  if (curves_.generation == desk_->generation() && curves_.line == line_ && curves_.run == run_) return curves_;
+  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
+  curves_ = {desk_->generation(), line_, run_, measured_panel(desk_->data(), desk_->fit(), line, run_),
+             residual_panel(desk_->data(), desk_->fit(), line, run_)};
+  return curves_;
+}
+
+/// All runs, then one after the other.
+void ModelScreen::next_run() {
+  const auto& runs = desk_->runs();
+  const auto at = run_ ? std::find(runs.begin(), runs.end(), *run_) : runs.end();
+  if (!run_ && runs.size() > 1)
+    run_ = runs.front();
+  else if (at == runs.end() || at + 1 == runs.end())
+    run_.reset();
+  else
+    run_ = *(at + 1);
 }
 
 void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
@@ -167,8 +201,15 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
 }
 
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
-  if (page_ == Page::fails)
-    return lines_in(comparison_text(model::compare(desk_->fit(), desk_->data()), desk_->data().size()));
+  if (page_ == Page::fails) return desk_->comparison();
+  if (page_ == Page::after) {
+    if (!desk_->after().empty()) return desk_->after();
+    return wrapped(
+        "w reckons what compensation by the unit would leave of these errors, effect by effect. o opens files measured "
+        "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "
+        "unit (PROCESS LASER DATA sends it).",
+        columns);
+  }
   if (!desk_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
   std::vector<std::string> lines;
   const auto add = [&](const std::string& text) {
@@ -190,26 +231,91 @@ void ModelScreen::turn_page(int by) {
 bool ModelScreen::on_curve_key(const Key& key) {
   const int count = static_cast<int>(desk_->lines().size());
   if (count == 0) return false;
-  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
   if (key.name == Key::Name::down || key.name == Key::Name::up) {
     line_ = (line_ + (key.name == Key::Name::down ? 1 : count - 1)) % count;
     view_ = {};
     return true;
   }
-  const PlotPanel panel = measured_panel(desk_->data(), desk_->fit(), line);
-  return on_chart_key(key, panel, view_);
+  if (is_letter(key, U'r')) {
+    next_run();
+    return true;
+  }
+  return on_chart_key(key, curves().measured, view_);
+}
+
+Step ModelScreen::on_question(const Key& key) {
+  const Reply reply = reply_to(key);
+  if (reply == Reply::none) return stay();
+  if (draft_) {
+    if (reply == Reply::yes)
+      desk_->take_draft();
+    else
+      desk_->drop_draft();
+    draft_.reset();
+    return stay();
+  }
+  leaving_ = false;
+  if (reply == Reply::no) return stay();
+  desk_->drop_draft();
+  return back();
+}
+
+void ModelScreen::on_asked(const Key& key) {
+  if (key.name == Key::Name::escape) {
+    asked_.reset();
+  } else if (key.name == Key::Name::tab) {
+    const std::string text = asked_->line.text();
+    const std::size_t blank = text.rfind(' ');
+    const std::string before = blank == std::string::npos ? "" : text.substr(0, blank + 1);
+    asked_->line.set(before + completed_path(text.substr(before.size())).completed);
+  } else if (key.name == Key::Name::enter) {
+    const Asked asked = *asked_;
+    asked_.reset();
+    if (asked.line.text().empty()) return;
+    if (asked.purpose == Asked::For::map)
+      desk_->start_map(asked.line.text());
+    else
+      desk_->start_after(split_words(asked.line.text()));
+  } else {
+    (void)asked_->line.on_key(key);
+  }
+}
+
+bool ModelScreen::on_after_key(const Key& key) {
+  if (is_letter(key, U'w')) {
+    desk_->start_after({});
+  } else if (is_letter(key, U'o')) {
+    asked_ = {Asked::For::measured_again, "measured again with compensation, files:", {}};
+  } else if (is_letter(key, U'm')) {
+    asked_ = {Asked::For::map, "write the map to:", TextLine(desk_->model_file() + ".map.csv")};
+  } else {
+    return false;
+  }
+  page_ = Page::after;
+  scroll_ = {};
+  return true;
+}
+
+Place ModelScreen::cursor(const Area& area) const {
+  if (!asked_) return {-1, -1};
+  const int begin = width_of(asked_->label) + 2;
+  return {area.row + area.rows - 1,
+          area.column + begin + asked_->line.cursor_column(std::max(4, area.columns - begin - 1))};
 }
 
 Step ModelScreen::on_key(const Key& key) {
-  const bool leaving = asked_to_leave_;
-  asked_to_leave_ = false;
+  if (draft_ || leaving_) return on_question(key);
+  if (asked_) {
+    on_asked(key);
+    return stay();
+  }
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
     if (desk_->busy()) {
       desk_->cancel();
       return stay();
     }
-    if (!desk_->changed() || leaving) return back();
-    asked_to_leave_ = true;
+    if (!desk_->changed()) return back();
+    leaving_ = true;
     return stay();
   }
   if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
@@ -233,7 +339,9 @@ Step ModelScreen::on_key(const Key& key) {
   } else if (is_letter(key, U's')) {
     desk_->save();
   } else if (is_letter(key, U'e')) {
-    desk_->export_picture(desk_->model_file() + ".svg");
+    desk_->export_picture();
+  } else if (on_after_key(key)) {
+    return stay();
   } else if (page_ == Page::curves) {
     (void)on_curve_key(key);
   } else if (page_ == Page::causes) {
@@ -246,10 +354,13 @@ Step ModelScreen::on_key(const Key& key) {
 }
 
 std::vector<KeyHelp> ModelScreen::keys() const {
-  if (asked_to_leave_) return {{"Esc", "again: leave, the model is not saved"}, {"s", "save"}};
+  if (asked_) return {{"Enter", "go on"}, {"Tab", "complete a path"}, {"Esc", "leave it"}};
   std::vector<KeyHelp> keys;
   if (page_ == Page::curves)
-    keys = {{"up/down", "line"}, {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"d", "diagnose"}, {"Tab", "page"}};
+    keys = {{"d", "diagnose"},        {"Tab", "page"},   {"up/down", "line"},
+            {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"r", "run"}};
+  else if (page_ == Page::after)
+    keys = {{"w", "what if"}, {"o", "measured again"}, {"m", "map"}, {"Tab", "page"}};
   else
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
   if (desk_->diagnosis() && !desk_->diagnosis()->candidates.empty()) keys.insert(keys.begin(), {"a", "add"});
@@ -263,7 +374,10 @@ std::string ModelScreen::help() const {
   return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
-         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise.";
+         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise. After "
+         "tells "
+         "what compensation would leave (w), what it left when measured again (o), and writes the map (m). r shows one "
+         "run after the other.";
 }
 
 std::string ModelScreen::unsaved() const {

@@ -11,7 +11,7 @@ namespace ecs::app {
 
 class ModelScreen final : public Screen {
  public:
-  explicit ModelScreen(std::unique_ptr<ModelDesk> desk) : desk_(std::move(desk)) {}
+  explicit ModelScreen(std::unique_ptr<ModelDesk> desk);
 
   [[nodiscard]] std::string title() const override { return "MODEL"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -20,10 +20,26 @@ class ModelScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return desk_->advance(); }
   [[nodiscard]] std::string unsaved() const override;
+  [[nodiscard]] bool typing() const override { return asked_.has_value(); }
+  [[nodiscard]] Place cursor(const Area& area) const override;
 
  private:
-  enum class Page { curves, fails, causes, ladder, next };
-  static constexpr int kPages = 5;
+  enum class Page { curves, fails, causes, ladder, next, after };
+  static constexpr int kPages = 6;
+  /// A line that is being typed at the bottom.
+  struct Asked {
+    enum class For { measured_again, map } purpose;
+    std::string label;
+    TextLine line;
+  };
+  /// The curves of one line as they are shown, made anew only when something else is to be seen.
+  struct Curves {
+    int generation = -1;
+    int line = -1;
+    std::optional<int> run;
+    PlotPanel measured;
+    PlotPanel residual;
+  };
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
   void draw_standing(Canvas& canvas, const Area& area) const;
@@ -33,6 +49,11 @@ class ModelScreen final : public Screen {
   [[nodiscard]] std::vector<std::string> lines_of_page(int columns) const;
   [[nodiscard]] bool on_curve_key(const Key& key);
   void turn_page(int by);
+  [[nodiscard]] const Curves& curves() const;
+  [[nodiscard]] Step on_question(const Key& key);
+  void on_asked(const Key& key);
+  [[nodiscard]] bool on_after_key(const Key& key);
+  void next_run();
 
   std::unique_ptr<ModelDesk> desk_;
   Page page_ = Page::curves;
@@ -40,7 +61,11 @@ class ModelScreen final : public Screen {
   ChartView view_;
   ListPlace cause_;
   ScrollPlace scroll_;
-  bool asked_to_leave_ = false;
+  std::optional<int> run_;  ///< absent: all runs
+  mutable Curves curves_;
+  std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
+  bool leaving_ = false;        ///< asked whether the model may stay unsaved
+  std::optional<Asked> asked_;
 };
 
 }  // namespace ecs::app

@@ -276,3 +276,14 @@ TEST_CASE("one reading in a hundred grossly wrong changes nothing but the list o
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(in_group(found.candidates.front(), "backlash:X:EX"));
 }
+
+TEST_CASE("a diagnosis that is stopped says so") {
+  std::atomic<bool> stopped = true;
+  DiagnoseOptions options;
+  options.cancelled = &stopped;
+  const laser::MeasurementSet set = measured({}, 0.3, [](const laser::Reading& r) { return 1.0 * d(r); });
+  const Observations data = observations_of(set, straight(), mill());
+  const auto found = diagnose(straight(), data, options);
+  REQUIRE(!found);
+  CHECK(found.error().kind == ProblemKind::refused);
+}

@@ -53,6 +53,7 @@ struct Case {
   ModelArguments files;
   Case() {
     fs::create_directories(folder);
+    ::setenv("ECS_STATE_DIR", (folder / "state").c_str(), 1);
     std::string csv = "axis,x_mm,sense,reading,approach,run\n";
     unsigned seed = 7;
     const auto noise = [&seed] {  // uniform, standard deviation about 0.2
@@ -146,6 +147,7 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   CHECK(screen.unsaved().empty());
   CHECK(has(ecs::read_file(one.files.model).value(), "cyclic"));
   (void)screen.on_key({Key::Name::letter, U'u'});
+  finish(screen);
   CHECK(has(seen(screen), "taken back: cyclic:X:EX"));
 }
 
@@ -157,15 +159,55 @@ TEST_CASE("leaving with unsaved work asks once") {
   (void)screen.on_key({Key::Name::letter, U'a'});
   finish(screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  CHECK(has(seen(screen), "not saved"));
-  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+  CHECK(has(seen(screen), "Leave without saving the model?"));
+  CHECK(press(screen, Key::Name::enter).kind == Step::Kind::stay);
+  CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
+}
+
+TEST_CASE("a model that was not saved when the program ended is offered again") {
+  const Case one;
+  {
+    ModelScreen screen = one.screen();
+    (void)screen.on_key({Key::Name::letter, U'd'});
+    finish(screen);
+    (void)screen.on_key({Key::Name::letter, U'a'});
+    finish(screen);
+  }
+  ModelScreen again = one.screen();
+  CHECK(has(seen(again), "Unsaved work on this model was found"));
+  (void)again.on_key({Key::Name::letter, U'y'});
+  finish(again);
+  CHECK_FALSE(again.unsaved().empty());
+  (void)again.on_key({Key::Name::letter, U's'});
+  CHECK(has(ecs::read_file(one.files.model).value(), "cyclic"));
+  CHECK_FALSE(has(seen(one.screen()), "Unsaved work"));
+}
+
+TEST_CASE("a diagnosis that is given up ends soon and leaves nothing behind") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  (void)screen.on_key({Key::Name::letter, U'd'});
+  (void)press(screen, Key::Name::escape);
+  finish(screen);
+  CHECK(has(seen(screen), "given up"));
+  CHECK(has(seen(screen), "Press d"));
+}
+
+TEST_CASE("what compensation would leave is told, and one run is shown alone") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  (void)screen.on_key({Key::Name::letter, U'r'});
+  CHECK(has(seen(screen), "run 1"));
+  (void)screen.on_key({Key::Name::letter, U'w'});
+  finish(screen);
+  CHECK(has(seen(screen), "would bring the rms from"));
 }
 
 TEST_CASE("the model screen fits any size and any terminal") {
   const Case one;
   ModelScreen screen = one.screen();
   for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}})
-    for (int page = 0; page < 5; ++page) {
+    for (int page = 0; page < 6; ++page) {
       (void)screen.on_key({Key::Name::tab});
       const std::string text = picture_of(screen, "MODEL", {}, Canvas(rows, columns, Glyphs::ascii), true).plain_text();
       CHECK(std::count(text.begin(), text.end(), '\n') == rows);
