@@ -161,10 +161,11 @@ char32_t in_ascii(char32_t glyph) {
   }
 }
 
-Canvas::Canvas(int rows, int columns, Glyphs glyphs)
+Canvas::Canvas(int rows, int columns, Glyphs glyphs, bool slow)
     : rows_(std::max(0, rows)),
       columns_(std::max(0, columns)),
       glyphs_(glyphs),
+      slow_(slow),
       cells_(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_)) {}
 
 const Cell& Canvas::at(int row, int column) const {

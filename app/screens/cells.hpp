@@ -52,11 +52,13 @@ enum class Glyphs : std::uint8_t { ascii, unicode };
 
 class Canvas {
  public:
-  Canvas(int rows, int columns, Glyphs glyphs = Glyphs::unicode);
+  /// @param slow  the terminal hangs on a slow line: what changes all the time should change seldom
+  Canvas(int rows, int columns, Glyphs glyphs = Glyphs::unicode, bool slow = false);
 
   [[nodiscard]] int rows() const { return rows_; }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] Glyphs glyphs() const { return glyphs_; }
+  [[nodiscard]] bool slow() const { return slow_; }
   [[nodiscard]] Area whole() const { return {0, 0, rows_, columns_}; }
 
   /// A space where there is no such cell.
@@ -82,6 +84,7 @@ class Canvas {
   int rows_;
   int columns_;
   Glyphs glyphs_;
+  bool slow_;
   std::vector<Cell> cells_;
 };
 

@@ -10,7 +10,6 @@
 #include "app/monitor_record.hpp"
 #include "app/screens/chart.hpp"
 #include "app/status_view.hpp"
-#include "base/file.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {
@@ -21,6 +20,8 @@ using protocol::MonitorSample;
 
 constexpr double kOld_s = 1.0;  ///< what is older is called old
 constexpr int kBarColumns = 11;
+constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
+constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the line
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
 
@@ -92,10 +93,26 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
   const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
   draw_monitor(canvas, area, seen_, age_s);
   constexpr int kAbove = 8;
-  PlotPanel panel;
-  panel.x_label = "s";
+  const auto now = std::chrono::steady_clock::now();
+  if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
+    strip_panel_ = strip_panel();
+    strip_at_ = now;
+  }
+  if (area.rows > kAbove + 6)
+    draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
+  const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
+  if (recording_.is_open())
+    canvas.text(last, 0, 0, fmt::format("RECORDING, {} samples in {}; r ends it", recorded_, record_name_),
+                Tone::warning);
+  else
+    message_.draw(canvas, last);
+}
+
+PlotPanel MonitorScreen::strip_panel() const {
   const char* units[] = {"mm", "mm/min", "um"};
   const char* names[] = {"position", "speed", "compensation"};
+  PlotPanel panel;
+  panel.x_label = "s";
   panel.title =
       fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
   panel.y_label = units[static_cast<int>(strip_)];
@@ -107,38 +124,58 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
     series.points.push_back({time_s(sample), value});
   }
   if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
-  if (area.rows > kAbove + 6)
-    draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, panel);
-  message_.draw(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
+  return panel;
 }
 
 bool MonitorScreen::advance() {
-  if (frozen_) return false;
   const std::uint64_t changes = desk_->changes();
   const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
-  if (changes == changes_ && !old) return false;
+  if (changes == changes_ && (!old || frozen_)) return false;
   changes_ = changes;
-  seen_ = desk_->now();
+  WatchedUnit now = desk_->now();
+  record(now);
+  if (frozen_) return recording_.is_open();
+  seen_ = std::move(now);
+  (void)picture_.advance(message_);
   return true;
 }
 
-void MonitorScreen::write_record() {
-  const std::string name = fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
-  std::string rows(kMonitorColumns);
-  for (const MonitorSample& sample : seen_.samples) rows += monitor_rows(sample);
-  const auto written = write_file(name, rows);
-  if (written)
-    message_.say(fmt::format("{} samples written to {}", seen_.samples.size(), name));
-  else
-    message_.say(written.error());
+/// The samples that came since the last look.
+void MonitorScreen::record(const WatchedUnit& unit) {
+  const std::uint64_t missed = unit.received - std::min(unit.received, received_);
+  received_ = unit.received;
+  if (!recording_.is_open()) return;
+  const auto kept = unit.samples.size();
+  for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k, ++recorded_)
+    recording_ << monitor_rows(unit.samples[k]);
+  recording_.flush();
+  if (recording_) return;
+  recording_.close();
+  message_.say(fmt::format("{}: cannot be written on; {} samples may be in it", record_name_, recorded_), Tone::bad);
+}
+
+void MonitorScreen::toggle_recording() {
+  if (recording_.is_open()) {
+    recording_.close();
+    message_.say(fmt::format("{} samples written to {}", recorded_, record_name_));
+    return;
+  }
+  record_name_ = fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
+  recorded_ = 0;
+  recording_.clear();
+  recording_.open(record_name_, std::ios::trunc);
+  recording_ << kMonitorColumns;
+  if (!recording_) message_.say(record_name_ + ": cannot be written", Tone::bad);
 }
 
 Step MonitorScreen::on_key(const Key& key) {
   message_.clear();
+  strip_at_ = {};
   if (key.name == Key::Name::escape || is_letter(key, U'q')) return back();
   if (is_letter(key, U'f')) frozen_ = !frozen_;
-  if (is_letter(key, U'r')) write_record();
+  if (is_letter(key, U'r')) toggle_recording();
   if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
+  if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor");
   for (const Axis axis : kAllAxes)
     if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
   return stay();
@@ -146,9 +183,10 @@ Step MonitorScreen::on_key(const Key& key) {
 
 std::vector<KeyHelp> MonitorScreen::keys() const {
   return {{"f", frozen_ ? "go on" : "freeze"},
-          {"r", "write to CSV"},
+          {"r", recording_.is_open() ? "end recording" : "record to CSV"},
           {"x y z", "axis of the strip"},
-          {"v", "position, speed, compensation"},
+          {"v", "position, speed, um"},
+          {"e", "picture"},
           {"Esc", "back"}};
 }
 
@@ -157,7 +195,8 @@ std::string MonitorScreen::help() const {
          "and "
          "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
          "the "
-         "age of what is shown. A lost line is opened again by itself. r writes the samples kept (the last 1,200).";
+         "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
+         "pressed again; f freezes the picture, not the recording.";
 }
 
 }  // namespace ecs::app

@@ -1,6 +1,11 @@
 // ON LINE MONITOR: what the unit sees of its axes, as it happens. Does not live here: asking (unit_desk.hpp).
 #pragma once
 
+#include <chrono>
+#include <fstream>
+
+#include "app/plot_figure.hpp"
+#include "app/screens/picture_export.hpp"
 #include "app/screens/screen.hpp"
 #include "app/screens/talk.hpp"
 #include "app/screens/unit_desk.hpp"
@@ -28,8 +33,17 @@ class MonitorScreen final : public Screen {
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
   MessageLine message_;
+  PictureExport picture_;
+  std::ofstream recording_;
+  std::string record_name_;
+  std::size_t recorded_ = 0;
+  std::uint64_t received_ = 0;     ///< samples that the desk had when it was looked at last
+  mutable PlotPanel strip_panel_;  ///< as drawn last
+  mutable std::chrono::steady_clock::time_point strip_at_{};
 
-  void write_record();
+  void toggle_recording();
+  void record(const WatchedUnit& unit);
+  [[nodiscard]] PlotPanel strip_panel() const;
 };
 
 /// The picture of one moment. @param age_s  of the newest sample

@@ -103,29 +103,32 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
   Stack stack(std::move(first));
   Standing standing;
   bool help = false;
-  bool changed = true;
-  bool sure = false;  ///< asked once about unsaved work
+  bool changed = true;  ///< since the last picture
+  bool urgent = true;   ///< by a key
+  bool sure = false;    ///< asked once about unsaved work
   while (!stack.empty() && interrupting_signal() == 0) {
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
     if (auto next = screen.opens_by_itself()) {
       stack.take(opened(std::move(next)));
-      changed = true;
+      changed = urgent = true;
       continue;
     }
     if (Standing now = standing_now(); now != standing) {
       standing = std::move(now);
       changed = true;
     }
-    if (changed) {
+    if (changed && (urgent || !terminal.behind())) {
       Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), help);
       if (sure) draw_leaving(canvas, stack.unsaved());
       terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)));
-    }
-    changed = true;
-    const Key key = terminal.read(kWait_ms);
-    if (key.name == Key::Name::none) {
       changed = false;
+    }
+    const Key key = terminal.read(kWait_ms);
+    urgent = key.name != Key::Name::none;
+    changed = changed || urgent;
+    if (!urgent) {
+      continue;
     } else if (sure) {
       const Reply reply = reply_to(key);
       if (reply == Reply::yes) return 0;

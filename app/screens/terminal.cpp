@@ -8,6 +8,8 @@
 #include <cstring>
 
 #include <langinfo.h>
+#include <sys/ioctl.h>
+#include <termios.h>
 #include <unistd.h>
 
 #define NCURSES_WIDECHAR 1
@@ -138,6 +140,7 @@ bool has_colour(const TerminalOptions& options) {
 struct Terminal::Screen {
   SCREEN* curses = nullptr;
   Glyphs glyphs = Glyphs::ascii;
+  bool slow = false;
   std::array<attr_t, kTones> attributes{};
 
   Screen() = default;
@@ -189,12 +192,20 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
   ::keypad(stdscr, TRUE);
   ::set_escdelay(50);
   if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED, nullptr);
+  struct termios line {};
+  screen->slow = ::tcgetattr(STDOUT_FILENO, &line) == 0 && ::cfgetospeed(&line) < B38400;
   screen->choose_looks(has_colour(options));
   catch_crashes();
   return std::unique_ptr<Terminal>(new Terminal(std::move(screen)));
 }
 
-Canvas Terminal::canvas() const { return {LINES, COLS, screen_->glyphs}; }
+Canvas Terminal::canvas() const { return {LINES, COLS, screen_->glyphs, screen_->slow}; }
+
+bool Terminal::behind() const {
+  constexpr int kBytes = 48;  // at 9,600 baud a twentieth of a second
+  int waiting = 0;
+  return ::ioctl(STDOUT_FILENO, TIOCOUTQ, &waiting) == 0 && waiting > kBytes;
+}
 
 void Terminal::show(const Canvas& canvas, Place cursor) {
   for (int r = 0; r < std::min(canvas.rows(), LINES); ++r)

@@ -28,6 +28,8 @@ class Terminal {
 
   /// A blank canvas of the present size.
   [[nodiscard]] Canvas canvas() const;
+  /// Much of what was shown has not left for the terminal yet: only what a key changed is worth more.
+  [[nodiscard]] bool behind() const;
   /// Sends the cells that changed; the cursor is shown at `cursor`, or not at all (row −1).
   void show(const Canvas& canvas, Place cursor = {-1, -1});
   /// The next key; Name::none after `wait_ms` without one.
