@@ -1,0 +1,110 @@
+// DISPLAY ECS STATUS on the emulated unit, and from files without one.
+#include "app/screens/status_screen.hpp"
+
+#include "app/memory_dump.hpp"
+#include "app/transfer.hpp"
+#include "base/file.hpp"
+#include "utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+
+TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  StatusScreen screen(bench.desk);
+  REQUIRE(comes(screen, "unit MCM-0107"));
+  const std::string seen = picture(screen);
+  CHECK(has(seen, "integration: every relay is open"));
+  CHECK(has(seen, "never tripped"));
+  CHECK(has(seen, "live"));
+  (void)letter(screen, 't');
+  REQUIRE(comes(screen, "Every location of the axis memory holds"));
+  REQUIRE(comes(screen, "RAM test     passed"));
+  (void)press(screen, Key::Name::tab);
+  CHECK(has(picture(screen), "address pointers: none in use"));
+  (void)press(screen, Key::Name::tab);
+  CHECK(has(picture(screen), "axis  referenced  datum stage"));
+}
+
+TEST_CASE("compensation mode without a map: the fault in plain words, and cleared when that is meant") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  StatusScreen screen(bench.desk);
+  REQUIRE(comes(screen, "unit MCM-0107"));
+  (void)letter(screen, 'm');
+  CHECK(has(picture(screen), "THE MACHINE IS MOVED"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "What to do: send parameters and map"));
+  REQUIRE(comes(screen, "fault 3 (no_map)"));
+  (void)picture(screen);
+  (void)letter(screen, 'c');
+  CHECK(has(picture(screen), "Let the unit forget its fault?"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "The fault is cleared."));
+  REQUIRE(comes(screen, "fault        none"));
+}
+
+TEST_CASE("a state that was saved opens again without a unit; so does a memory dump") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  const std::string file = bench.folder / "status.json", dump_file = bench.folder / "unit.ecsdump";
+  {
+    StatusScreen screen(bench.desk);
+    REQUIRE(comes(screen, "unit MCM-0107"));
+    (void)letter(screen, 's');
+    for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
+    type(screen, file);
+    (void)press(screen, Key::Name::enter);
+    REQUIRE(comes(screen, "written: "));
+    (void)letter(screen, 's');
+    for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
+    type(screen, file);
+    (void)press(screen, Key::Name::enter);
+    CHECK(has(picture(screen), "Overwrite"));
+    (void)letter(screen, 'n');
+  }
+  const auto dump = bench.on_line([](UnitLink& line) { return take_dump(line.client(), "", DumpScope::active); });
+  REQUIRE(dump);
+  REQUIRE(write_file(dump_file, to_bytes(*dump)));
+  StatusScreen screen(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"));
+  REQUIRE(comes(screen, "NO ANSWER"));
+  CHECK(has(picture(screen), "o opens a status file"));
+  (void)letter(screen, 'o');
+  type(screen, file);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "FILE status.json: unit MCM-0107"));
+  (void)letter(screen, 't');
+  CHECK(has(picture(screen), "A file is shown"));
+  (void)letter(screen, 'o');
+  type(screen, dump_file);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "FILE unit.ecsdump"));
+  (void)letter(screen, '4');
+  CHECK(has(picture(screen), "commit records"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(has(picture(screen), "NO ANSWER"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("a file that is neither says so") {
+  const BenchFolder folder;
+  REQUIRE(write_file(folder / "x.json", "{\"a\": 1}\n"));
+  CHECK_FALSE(read_status_file(folder / "x.json"));
+  CHECK_FALSE(read_status_file(folder / "absent"));
+}
+
+TEST_CASE("kill -9 of the emulator: the age of what is shown is told, and the state is live again when it is back") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  StatusScreen screen(bench.desk);
+  REQUIRE(comes(screen, "unit MCM-0107"));
+  Bench::kill_emulator();
+  REQUIRE(comes(screen, "NO ANSWER, what is shown is"));
+  (void)picture(screen);
+  REQUIRE(comes(screen, "live"));
+}
