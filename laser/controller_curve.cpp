@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 
 namespace ecs::laser {
@@ -33,6 +34,80 @@ Stretch stretch_of(const ControlCurve& curve, std::size_t first, std::size_t las
     }
   }
   return stretch;
+}
+
+/// Points that stay, and how far the lines between them miss the others.
+struct Choice {
+  std::vector<std::size_t> kept;
+  double miss = 0.0;
+};
+
+/// The point that the lines miss by most is added first.
+Choice greedy(const ControlCurve& curve, std::size_t most) {
+  const std::size_t last = curve.position_mm.size() - 1;
+  Choice choice{{0, last}, 0.0};
+  std::priority_queue<Stretch> open;
+  open.push(stretch_of(curve, 0, last));
+  while (choice.kept.size() < most && open.top().miss > 0.0) {
+    const Stretch widest = open.top();
+    open.pop();
+    choice.kept.push_back(widest.worst);
+    open.push(stretch_of(curve, widest.first, widest.worst));
+    open.push(stretch_of(curve, widest.worst, widest.last));
+  }
+  choice.miss = open.top().miss;
+  std::sort(choice.kept.begin(), choice.kept.end());
+  return choice;
+}
+
+constexpr std::size_t kMostForSearch = 5000;  ///< the search for the fewest points takes the square of the number
+
+/// The slopes of lines from one point that miss none of the points passed so far by more than a tolerance.
+struct Wedge {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  void narrow(double rise, double run, double tolerance) {
+    least = std::max(least, (rise - tolerance) / run);
+    most = std::min(most, (rise + tolerance) / run);
+  }
+  [[nodiscard]] bool holds(double slope) const { return slope >= least && slope <= most; }
+};
+
+/// The fewest points of the curve between which straight lines miss no other by more than `tolerance`.
+std::vector<std::size_t> fewest_within(const ControlCurve& curve, double tolerance) {
+  const std::size_t count = curve.position_mm.size();
+  std::vector<std::size_t> points(count, count), from(count, 0);
+  points[0] = 1;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    Wedge forward, reverse;
+    for (std::size_t j = i + 1; j < count; ++j) {
+      const double run = curve.position_mm[j] - curve.position_mm[i];
+      const double rise_forward = curve.forward[j] - curve.forward[i];
+      const double rise_reverse = curve.reverse[j] - curve.reverse[i];
+      if (forward.holds(rise_forward / run) && reverse.holds(rise_reverse / run) && points[i] + 1 < points[j]) {
+        points[j] = points[i] + 1;
+        from[j] = i;
+      }
+      forward.narrow(rise_forward, run, tolerance);
+      reverse.narrow(rise_reverse, run, tolerance);
+      if (forward.least > forward.most || reverse.least > reverse.most) break;
+    }
+  }
+  std::vector<std::size_t> kept;
+  for (std::size_t j = count - 1; j > 0; j = from[j]) kept.push_back(j);
+  kept.push_back(0);
+  std::reverse(kept.begin(), kept.end());
+  return kept;
+}
+
+ControlCurve chosen_of(const ControlCurve& curve, const std::vector<std::size_t>& kept) {
+  ControlCurve out;
+  for (const std::size_t i : kept) {
+    out.position_mm.push_back(curve.position_mm[i]);
+    out.forward.push_back(curve.forward[i]);
+    out.reverse.push_back(curve.reverse[i]);
+  }
+  return out;
 }
 
 constexpr double kNanometre_mm = 1e-6;
@@ -109,29 +184,17 @@ ControlCurve resampled(const ControlCurve& curve, std::vector<double> position_m
 }
 
 ControlCurve thinned(const ControlCurve& curve, std::size_t most) {
-  const std::size_t count = curve.position_mm.size();
-  if (count <= most) return curve;
-  std::vector<bool> kept(count, false);
-  kept.front() = kept.back() = true;
-  std::size_t chosen = 2;
-  std::priority_queue<Stretch> open;
-  open.push(stretch_of(curve, 0, count - 1));
-  while (chosen < most && !open.empty() && open.top().miss > 0.0) {
-    const Stretch widest = open.top();
-    open.pop();
-    kept[widest.worst] = true;
-    ++chosen;
-    open.push(stretch_of(curve, widest.first, widest.worst));
-    open.push(stretch_of(curve, widest.worst, widest.last));
+  if (curve.position_mm.size() <= most) return curve;
+  Choice best = greedy(curve, most);
+  if (curve.position_mm.size() > kMostForSearch) return chosen_of(curve, best.kept);
+  double low = 0.0, high = best.miss;
+  for (int halving = 0; halving < 24 && high - low > 1e-6; ++halving) {
+    const double middle = 0.5 * (low + high);
+    const auto kept = fewest_within(curve, middle);
+    (kept.size() <= most ? high : low) = middle;
+    if (kept.size() <= most) best.kept = kept;
   }
-  ControlCurve out;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!kept[i]) continue;
-    out.position_mm.push_back(curve.position_mm[i]);
-    out.forward.push_back(curve.forward[i]);
-    out.reverse.push_back(curve.reverse[i]);
-  }
-  return out;
+  return chosen_of(curve, best.kept);
 }
 
 std::vector<double> EvenGrid::positions() const {

@@ -29,8 +29,8 @@ struct ControlCurve {
 /// The curve sampled at other positions.
 [[nodiscard]] ControlCurve resampled(const ControlCurve& curve, std::vector<double> position_mm);
 
-/// At most `most` points of the curve, both ends among them: the point that the lines miss by most is added first,
-/// until the lines miss none or the number is reached. @pre most >= 2
+/// At most `most` points of the curve, both ends among them, chosen so that the lines between them miss the others by
+/// as little as any choice does (curves above 5000 points: nearly as little). @pre most >= 2
 [[nodiscard]] ControlCurve thinned(const ControlCurve& curve, std::size_t most);
 
 /// An even grid.
