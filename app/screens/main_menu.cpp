@@ -9,6 +9,7 @@
 #include "app/screens/model_form.hpp"
 #include "app/screens/monitor_screen.hpp"
 #include "app/screens/parameters_screen.hpp"
+#include "app/screens/utility_choices.hpp"
 #include "app/screens/verb_screen.hpp"
 
 namespace ecs::app {
@@ -27,6 +28,7 @@ Choices screens_of(const std::string& word, const Desk& desk) {
   if (word == "E.C.S. PARAMETERS")
     choices.push_back({"PARAMETERS SCREEN", "edit in place, check, compare with file and unit, send, receive, save",
                        [desk] { return std::make_unique<ParametersScreen>(desk); }});
+  if (word == "ECS UTILITY") choices = utility_choices(desk);
   if (word == "MEMORY ACCESS")
     choices.push_back({"MEMORY SCREEN", "bytes with their names; find, compare, write with undo, dump",
                        [desk] { return std::make_unique<MemoryScreen>(desk); }});
