@@ -110,12 +110,13 @@ bool LinkDesk::try_it() {
   };
   const bool begun = begin("trying " + link, [unit = unit_, choice = *choice, note, heard](JobSigns& signs) -> Landing {
     const auto lent = unit->lend();
+    note("asking the unit");
     const Diagnosis diagnosis = diagnosis_of(choice, note, heard, signs.cancelled);
     return [diagnosis, cancelled = signs.cancelled.load()](LinkDesk& desk) { desk.ended(diagnosis, cancelled); };
   });
   if (!begun) return false;
   const std::lock_guard lock(told->mutex);
-  told->answer = {link, "asking the unit", {}, {}};
+  told->answer = {link, "waiting for the line", {}, {}};
   ++told->changes;
   return true;
 }

@@ -67,6 +67,7 @@ bool MemoryDesk::follow_unit() {
   if (same) {
     memory_.forget();
     message_.say("the line was opened again: memory is read anew", Tone::warning);
+    read_failed_ = false;
     return true;
   }
   memory_ = MemoryBytes::of_unit(now.identity->memory_modules);
@@ -152,8 +153,8 @@ void MemoryDesk::landed(const Stretch& stretch, const Result<std::vector<std::ui
   }
   if (read_failed_) message_.clear();
   read_failed_ = false;
-  memory_.put(stretch.first, *bytes);
   const auto structure = MemoryNames::structure(memory_);
+  memory_.put(stretch.first, *bytes);
   const bool names = std::any_of(structure.begin(), structure.end(), [&](const Stretch& part) {
     return stretch.first < part.first + part.bytes && part.first < stretch.first + stretch.bytes;
   });

@@ -106,9 +106,9 @@ void MemoryDesk::landed_write(const ByteWrite& write, bool undo, const Result<vo
   }
   decode_again();
   compare_again();
-  message_.say(fmt::format("{} {} at {}, read back the same{}",
-                           write.after.size() == 1 ? "1 byte" : fmt::format("{} bytes", write.after.size()),
-                           undo ? "written back" : "written", hex_address(at), undo ? "" : "; u takes it back"));
+  const std::string count = write.after.size() == 1 ? "1 byte" : fmt::format("{} bytes", write.after.size());
+  message_.say(fmt::format("{} {} at {}, read back the same (before: {}){}", count, undo ? "written back" : "written",
+                           hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
 }
 
 void MemoryDesk::answer(bool yes) {

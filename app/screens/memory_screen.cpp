@@ -258,17 +258,12 @@ Step MemoryScreen::on_key(const Key& key) {
 std::vector<KeyHelp> MemoryScreen::keys() const {
   if (typing()) return {{"Enter", "done"}, {"Esc", "leave it"}};
   return {{"g", "go to"},
-          {"/", "find"},
+          {"/ m", "find, next"},
           {"n p", "field"},
-          {"w", "write"},
-          {"u", "undo"},
-          {"c", "compare"},
-          {"d", "difference"},
-          {"s", "save"},
-          {"o", "open a dump"},
-          {"m", "find next"},
-          {"a", "read the whole region"},
-          {"r", "read again"},
+          {"w u", "write, undo"},
+          {"c d", "compare, next"},
+          {"s o", "save, open"},
+          {"a r", "read the region, read again"},
           {"Tab 1 2 3", "bytes, differences, written"}};
 }
 
