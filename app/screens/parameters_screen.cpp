@@ -238,8 +238,9 @@ void ParametersScreen::on_compare_key(const Key& key) {
   if (compared.empty()) return;
   const std::string here = compared[std::min(static_cast<std::size_t>(place().selected), compared.size() - 1)].key;
   if (key.name == Key::Name::enter) {
-    go_to(here);
-  } else if (is_letter(key, U'f') || is_letter(key, U'g')) {
+    return go_to(here);
+  }
+  if (is_letter(key, U'f') || is_letter(key, U'g')) {
     const bool file = is_letter(key, U'f');
     if (file ? desk_.take_from_file(here) : desk_.take_from_unit(here))
       message_.say(fmt::format("{} taken from the {}; u takes it back", full_label_of(here), file ? "file" : "unit"));

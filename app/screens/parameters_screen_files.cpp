@@ -19,11 +19,12 @@ void ParametersScreen::after(const Result<void>& done, const std::string& said) 
 
 void ParametersScreen::unless_lost(const std::string& title, std::function<void()> what) {
   if (!desk_.unsaved()) return what();
-  asking_ = Asking{{title,
-                    fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
-                                desk_.changes(), desk_.changes() == 1 ? " is" : "s are"),
-                    "go on, lose them", "stay"},
-                   std::move(what)};
+  asking_ =
+      Asking{{title,
+              fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
+                          desk_.changes(), desk_.changes() == 1 ? " is" : "s are"),
+              "go on, lose them", "stay"},
+             std::move(what)};
 }
 
 void ParametersScreen::prompt_for(std::string title, std::string help, const std::string& path,

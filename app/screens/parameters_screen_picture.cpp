@@ -127,6 +127,8 @@ void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
     draw_prompt(canvas, area);
   } else if (message_.is_problem() && !message_.text().empty()) {
     draw_panel(canvas, area, "", {{message_.text(), Tone::bad}});
+  } else if (width_of(message_.text()) > area.columns - 2) {
+    draw_panel(canvas, area, "", {{message_.text(), Tone::strong}});
   } else if (on_group()) {
     draw_key_panel(canvas, area, desk_, key_here(), edit_ ? edit_->refusal : "");
   } else if (page_ == Page::findings) {
@@ -149,7 +151,7 @@ void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
                                   ? "no parameter has that"
                                   : fmt::format("{} of {}; up, down: others", seeking_->at + 1, seeking_->found.size());
     canvas.text(area, 0, 6 + room + 2, found, seeking_->found.empty() ? Tone::warning : Tone::faint);
-  } else if (!message_.is_problem()) {
+  } else if (!message_.is_problem() && width_of(message_.text()) <= area.columns) {
     message_.draw(canvas, area);
   }
 }

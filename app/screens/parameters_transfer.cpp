@@ -102,7 +102,9 @@ bool ParametersTransfer::advance(ParametersDesk& desk, MessageLine& message) {
 
 void ParametersTransfer::take_read(ParametersDesk& desk, MessageLine& message, Result<UnitContent> unit) {
   if (!unit) {
-    message.say("no exchange with the unit; everything here stays as it is: " + to_text(unit.error()), Tone::bad);
+    message.say("no exchange with the unit; everything here stays as it is: " + to_text(unit.error()) +
+                    ". The line is opened again by itself: try again then.",
+                Tone::bad);
     return;
   }
   if (purpose_ == Reading::to_receive) {

@@ -14,7 +14,7 @@
 #include "app/screens/screens_program.hpp"
 #include "base/file.hpp"
 
-namespace ecs::app {
+namespace ecs::app::parameters_case {
 
 class ParametersCase {
  public:
@@ -46,7 +46,19 @@ inline std::shared_ptr<UnitDesk> no_line() { return std::make_shared<UnitDesk>("
 inline std::string seen(const Screen& screen, int rows = 24, int columns = 80, Glyphs glyphs = Glyphs::unicode) {
   return picture_of(screen, screen.title(), {}, Canvas(rows, columns, glyphs), false).plain_text();
 }
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+/// Blanks and ends of lines between words count as one blank: a sentence may be wrapped.
+inline std::string flat(const std::string& text) {
+  std::string out;
+  for (const char c : text)
+    if (c != ' ' && c != '\n')
+      out += c;
+    else if (!out.empty() && out.back() != ' ')
+      out += ' ';
+  return out;
+}
+inline bool has(const std::string& text, const std::string& part) {
+  return flat(text).find(flat(part)) != std::string::npos;
+}
 inline void press(Screen& screen, Key::Name name) { (void)screen.on_key({name}); }
 inline void type(Screen& screen, const std::string& text) {
   for (const char c : text) (void)screen.on_key({Key::Name::letter, static_cast<char32_t>(c)});
@@ -83,4 +95,4 @@ inline void open_file(Screen& screen, const ParametersCase& one) {
   enter(screen, one.file());
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::app::parameters_case

@@ -4,7 +4,7 @@
 
 #include "parameters_case.hpp"
 
-namespace ecs::app {
+namespace ecs::app::parameters_case {
 namespace {
 
 TEST_CASE("the parameters screen begins with where the parameters shall come from, and says whether a unit answers") {
@@ -134,7 +134,7 @@ TEST_CASE("the cross-check follows every edit; a finding leads to its field, and
   CHECK(has(text, "not sent: 1 error"));
   CHECK(has(text, "X deadband"));
   press(screen, Key::Name::enter);
-  CHECK(has(seen(screen), "axis.X.deadband_um"));
+  CHECK(has(seen(screen), "axis.X.deadband_um"))
   type(screen, "u4");
   CHECK(has(seen(screen), "Nothing stands against these parameters"));
 }
@@ -193,7 +193,7 @@ TEST_CASE("screen and file are compared; a value is taken from the file by f, un
   CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
   press(screen, Key::Name::end);
   press(screen, Key::Name::enter);
-  CHECK(has(seen(screen), "axis.X.deadband_um"));
+  CHECK(has(seen(screen), "axis.X.deadband_um"))
 }
 
 TEST_CASE("a file with wrong values is refused with every reason, and the name stays to be mended") {
@@ -245,7 +245,8 @@ TEST_CASE("saving asks where another program has changed the file meanwhile") {
   REQUIRE(write_file(one.file(), "[compensation]\nscope = \"planar\"\n"));
   type(screen, "s");
   press(screen, Key::Name::enter);
-  CHECK(has(seen(screen), "changed by another program"));
+  CHECK(has(seen(screen), "Save over it?"));
+  CHECK(has(seen(screen), "another"));
 }
 
 TEST_CASE("after a crash a new screen takes the unsaved work up, with what it was changed from") {
@@ -305,7 +306,7 @@ TEST_CASE("leaving, opening and beginning anew ask where edits would be lost") {
   type(screen, "n");
   for (const char* key : {"o", "n", "r"}) {
     type(screen, key);
-    CHECK(has(seen(screen), "would be lost"));
+    CHECK(has(seen(screen), "go on, lose them"));
     press(screen, Key::Name::escape);
   }
   CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
@@ -396,4 +397,4 @@ TEST_CASE("labels are the keys in words, and no two rows of a page's axis are ca
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::app::parameters_case
