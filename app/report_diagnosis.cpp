@@ -1,11 +1,13 @@
 #include "app/report_diagnosis.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "app/model_json.hpp"
 #include "app/model_view.hpp"
+#include "app/report_markup.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app {
@@ -36,14 +38,22 @@ std::vector<std::string> words_in(const Json& object, const char* key) {
   return words;
 }
 
-std::vector<std::string> parameters_in(const Json& object) {
+std::string unit_of(const std::optional<model::EffectInstance>& effect, std::string_view name) {
+  if (effect)
+    for (const model::ParameterInfo& info : model::info_of(effect->id).parameters)
+      if (info.name == name) return std::string(info.unit);
+  return "";
+}
+
+/// Without those that are nothing.
+std::vector<std::string> parameters_in(const Json& object, const std::optional<model::EffectInstance>& effect) {
   std::vector<std::string> all;
   const Json& sigmas = member(object, "sigma");
   for (const auto& [name, value] : member(object, "parameters").items()) {
     if (!value.is_number()) continue;
     const auto sigma = sigmas.is_object() ? number_in(sigmas, name.c_str()) : std::nullopt;
-    all.push_back(sigma ? fmt::format("{} {} ± {}", name, few_digits(value.get<double>(), 4), few_digits(*sigma, 2))
-                        : fmt::format("{} {}", name, few_digits(value.get<double>(), 3)));
+    if (value.get<double>() != 0.0 || sigma)
+      all.push_back(parameter_text(name, unit_of(effect, name), value.get<double>(), sigma));
   }
   return all;
 }
@@ -51,12 +61,13 @@ std::vector<std::string> parameters_in(const Json& object) {
 ReportedEffect effect_of(const Json& object) {
   ReportedEffect out;
   out.place = word_in(object, "name");
-  if (const auto effect = effect_in(object)) {
+  const auto effect = effect_in(object);
+  if (effect) {
     out.place = place_text(*effect);
     out.title = model::info_of(effect->id).title;
   }
   out.named = member(object, "named") == Json(true);
-  if (member(object, "parameters").is_object()) out.parameters = parameters_in(object);
+  if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);
   out.rms_after_um = number_in(object, "rms_after_um");
   out.explainable_share = number_in(object, "explainable_share");
   out.held_out_before_um = number_in(object, "held_out_rms_before_um");
@@ -91,6 +102,28 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
 }
 
 }  // namespace
+
+std::string parameter_text(std::string_view name, std::string_view unit, double value,
+                           const std::optional<double>& sigma) {
+  std::string ending(unit);
+  for (std::size_t at = 0; (at = ending.find('/', at)) != std::string::npos;) ending.replace(at, 1, "_per_");
+  std::string words(name);
+  if (words == ending)
+    words.clear();
+  else if (!ending.empty() && words.ends_with("_" + ending))
+    words.erase(words.size() - ending.size() - 1);
+  else if (words.ends_with("_um"))
+    words.erase(words.size() - 3);
+  for (char& c : words)
+    if (c == '_') c = ' ';
+  std::string number = few_digits(value);
+  if (sigma && *sigma > 0.0) {
+    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*sigma))), 0, 6);
+    number = fmt::format("{} ± {}", number_text(value, decimals), number_text(*sigma, decimals));
+  }
+  return fmt::format("{}{}{}{}{}", words, words.empty() ? "" : " ", number, unit.empty() ? "" : "\u202f",
+                     unit_text(unit));
+}
 
 ReportedDiagnosis reported(const model::Diagnosis& diagnosis) {
   return diagnosis_in(json_of(diagnosis)).value_or(ReportedDiagnosis{});

@@ -16,7 +16,7 @@ struct ReportedEffect {
   std::string place;                    ///< "cyclic:X:EX, reverse"
   std::string title;                    ///< "Periodic error"
   bool named = false;                   ///< part of the answer
-  std::vector<std::string> parameters;  ///< "period_mm 8.00 ± 0.02"
+  std::vector<std::string> parameters;  ///< "period 8.00 ± 0.02 mm"
   std::optional<double> rms_after_um;
   std::optional<double> explainable_share;
   std::optional<double> held_out_before_um;
@@ -43,6 +43,10 @@ struct ReportedDiagnosis {
   std::vector<ReportedDependence> where;
   std::vector<std::string> notes;
 };
+
+/// "period 8.003 ± 0.012 mm", digits as far as the sigma goes. @param name  as model files have it, "period_mm"
+[[nodiscard]] std::string parameter_text(std::string_view name, std::string_view unit, double value,
+                                         const std::optional<double>& sigma);
 
 [[nodiscard]] ReportedDiagnosis reported(const model::Diagnosis& diagnosis);
 /// Refuses what is no answer of `ecs model diagnose --json`.

@@ -111,14 +111,18 @@ int decimals_for(double value) {
 std::string unit_text(std::string_view unit) {
   std::string out;
   for (std::size_t at = 0; at < unit.size();) {
-    const bool begins = at == 0 || !is_word(unit[at - 1]);
+    const auto joins = [](char c) { return is_word(c) || c == '_'; };
+    const bool begins = at == 0 || !joins(unit[at - 1]);
     const auto here = [&](std::string_view word) {
       return begins && unit.substr(at).starts_with(word) &&
-             (at + word.size() == unit.size() || !is_word(unit[at + word.size()]));
+             (at + word.size() == unit.size() || !joins(unit[at + word.size()]));
     };
     if (here("um") || here("us")) {
       out += "µ";
       out += unit[at + 1];
+      at += 2;
+    } else if (here("m2") || here("m3")) {
+      out += unit[at + 1] == '2' ? "m²" : "m³";
       at += 2;
     } else if (here("degC")) {
       out += "°C";

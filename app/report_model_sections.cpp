@@ -142,7 +142,7 @@ Markup details(const ReportedDiagnosis& d) {
     if (!effect.named) continue;
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
     if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
-    if (!effect.because.empty()) body += paragraph_of(effect.because);
+    if (!effect.because.empty()) body += paragraph_of(unit_text(effect.because));
     body +=
         paragraph_of(effect.rivals.empty() ? "No other effect of the library does the same on these data."
                                            : fmt::format("Cannot be told from: {}.", fmt::join(effect.rivals, ", ")));
@@ -181,8 +181,8 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
 std::string parameters_in_words(const model::EffectFit& fit) {
   std::vector<std::string> words;
   for (const model::ParameterEstimate& one : fit.parameters) {
-    std::string value = fmt::format("{} {}", one.name, few_digits(one.value, 4));
-    if (one.sigma) value += fmt::format(" ± {}", few_digits(*one.sigma, 2));
+    if (one.value == 0.0 && !one.sigma) continue;
+    std::string value = parameter_text(one.name, one.unit, one.value, one.sigma);
     if (one.held) value += " (given)";
     if (one.undetermined) value += " (not determined by these data)";
     words.push_back(std::move(value));
@@ -191,7 +191,7 @@ std::string parameters_in_words(const model::EffectFit& fit) {
 }
 
 Markup effects_table(const ReportedModel& model) {
-  TableMarkup table({{"effect in the model"}, {"cause"}, {"values"}, {"rms", true}, {"compensated by"}});
+  TableMarkup table({{"effect in the model"}, {"cause"}, {"values"}, {"rms [µm]", true}, {"compensated by"}});
   for (const model::EffectFit& fit : model.effects) {
     const auto& info = model::info_of(fit.effect.id);
     const bool user = fit.effect.id == model::EffectId::user;
