@@ -25,6 +25,18 @@ double band_of(const laser::Curve& curve) {
   return highest >= lowest ? highest - lowest : 0.0;
 }
 
+/// Names short enough for the legend of a curve beside a list.
+PlotPanel screen_panel(const laser::MeasurementSet& readings, const laser::Curve& curve, const std::string& title) {
+  PlotPanel panel = panel_of(readings, curve, title);
+  panel.x_label = fmt::format("{} [mm]", letter_of(curve.axis));
+  for (PlotSeries& series : panel.series) {
+    if (series.mark == Mark::forward_reading || series.mark == Mark::reverse_reading) series.name = "runs";
+    if (series.mark == Mark::forward) series.name = "forward";
+    if (series.mark == Mark::reverse) series.name = "reverse";
+  }
+  return panel;
+}
+
 Result<laser::Smoothed> smoothed_over(const laser::Curve& curve, double window_mm) {
   laser::Smoothing how;
   how.window_mm = window_mm;
@@ -47,7 +59,7 @@ void finish(LaserCurve& out, const laser::Curve& level, const laser::Measurement
       out.band_after = band_of(out.smoothed->curve);
     }
   }
-  out.after = panel_of(readings, out.smoothed ? out.smoothed->curve : level, "after");
+  out.after = screen_panel(readings, out.smoothed ? out.smoothed->curve : level, "after");
 }
 
 void take_one_line(LaserCurve& out, const LaserLineResult& line) {
@@ -59,7 +71,7 @@ void take_one_line(LaserCurve& out, const LaserLineResult& line) {
   take_level(out, readings->level);
   out.band_before = readings->band_before;
   out.band_after = readings->band;
-  out.before = panel_of(readings->before, readings->before_curve, "before");
+  out.before = screen_panel(readings->before, readings->before_curve, "before");
   finish(out, readings->level.curve, readings->after);
 }
 
@@ -73,7 +85,7 @@ void take_two_lines(LaserCurve& out, const LaserLineResult& first, const LaserLi
   take_level(out, *level);
   out.band_before = band_of(*rotation);
   out.band_after = band_of(level->curve);
-  out.before = panel_of({}, *rotation, "before");
+  out.before = screen_panel({}, *rotation, "before");
   finish(out, level->curve, {});
 }
 
@@ -109,7 +121,7 @@ LaserLineResult line_result(const LaserLine& line, const LaserLineChoice& choice
     result.problem = to_text(curve ? iso.error() : curve.error());
     return result;
   }
-  result.panel = panel_of(result.chosen, *curve, name_of_line(line) + ", " + line.place);
+  result.panel = screen_panel(result.chosen, *curve, name_of_line(line) + ", " + line.place);
   result.curve = std::move(*curve);
   result.iso = std::move(*iso);
   return result;

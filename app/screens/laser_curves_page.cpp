@@ -35,7 +35,7 @@ class CurvesPage final : public LaserPage {
                                     "what it needs.");
     const LaserHalves halves = laser_halves(area);
     const int told = work.map.parameters ? 0 : std::min(3, halves.list.rows / 4);
-    canvas.text(halves.list, 0, 2, fmt::format("{:<5} {:<4} {:>6} {:>7}", "", "slp", "smooth", "band"), Tone::faint);
+    canvas.text(halves.list, 0, 2, fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band"), Tone::faint);
     std::vector<ListRow> rows;
     for (const LaserCurve& curve : work.curves) rows.push_back(row_of(curve));
     draw_list(canvas,
@@ -103,9 +103,9 @@ class CurvesPage final : public LaserPage {
     const LaserComponentChoice choice = choice_of(curve);
     const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
     const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
-    return {fmt::format("{:<5} {:<4} {:>6} {:>7.1f}{}", name_of(curve.component),
+    return {fmt::format("{:<4} {:<4} {:>6} {:>6.1f}{}", name_of(curve.component),
                         short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after,
-                        !curve.problem.empty() || form_went ? " !" : ""),
+                        !curve.problem.empty() || form_went ? "!" : ""),
             curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
   }
 

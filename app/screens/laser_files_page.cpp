@@ -9,6 +9,16 @@
 namespace ecs::app {
 namespace {
 
+constexpr const char* kSteps[] = {"1 Files      of any instrument, several or a whole folder",
+                                  "2 Lines      what was measured, where, under which conditions",
+                                  "3 Leave out  runs and readings, and back again",
+                                  "4 Slope      slope and smoothing, before and after",
+                                  "5 ISO 230    accuracy and repeatability by ISO 230-2",
+                                  "6 Map        parameters of the unit; what is there, what is missing",
+                                  "7 Header     customer, machine, engineer, date",
+                                  "8 Send       saved to disc, checked, sent to the unit",
+                                  "9 Verify     read back and compared"};
+
 /// What a file does not say, asked field by field.
 LaserForm answers_form(LaserDesk& desk, const LaserFileChoice& choice) {
   const auto given = given_answers(choice.answers);
@@ -38,10 +48,14 @@ class FilesPage final : public LaserPage {
     if (chooser_) return chooser_->draw(canvas, area);
     const LaserWork& work = desk().work();
     if (desk().choices().files.empty()) {
-      draw_nothing_yet(canvas, area, "No measured files yet: a opens a folder to choose from.");
+      draw_nothing_yet(canvas, area,
+                       "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a "
+                       "step, n to the next one, and back at any time):");
+      int row = 4;
+      for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
       return;
     }
-    const int below = std::min(6, area.rows / 3);
+    const int below = std::min(4, area.rows / 3);
     canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "taken for", "holds"), Tone::faint);
     std::vector<ListRow> rows;
     for (const LaserFileChoice& choice : desk().choices().files) rows.push_back(row_of(work, choice));

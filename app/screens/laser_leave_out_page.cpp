@@ -24,15 +24,16 @@ class LeaveOutPage final : public LaserPage {
     const LaserWork& work = desk().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: step 1 takes the files.");
     const LaserHalves halves = laser_halves(area);
-    const int upper = std::clamp(halves.list.rows / 2, 1, std::max(1, static_cast<int>(work.lines.size())));
-    draw_list(canvas, halves.list.top(upper), rows_of_lines(work), line_, !in_tree_);
     const LaserLine& line = work.lines[at()];
     const auto tree = tree_of(line);
+    const int tree_rows = std::min(static_cast<int>(tree.size()) + 1, halves.list.rows / 2);
+    const int upper = std::min(static_cast<int>(work.lines.size()), halves.list.rows - tree_rows);
+    draw_list(canvas, halves.list.top(upper), rows_of_lines(work), line_, !in_tree_);
     std::vector<ListRow> rows;
     for (const TreeRow& row : tree) rows.push_back(picture_of(line, row));
     const Area lower = halves.list.below(upper);
     if (lower.rows > 1) {
-      canvas.text(lower, 0, 0, fmt::format("runs of {}", name_of_line(line)), Tone::faint);
+      canvas.text(lower, 0, 0, fmt::format("{}, {}", name_of_line(line), line.place), Tone::faint);
       draw_list(canvas, lower.below(1), rows, tree_, in_tree_);
     }
     if (halves.rest.columns == 0) return;
@@ -146,7 +147,7 @@ class LeaveOutPage final : public LaserPage {
     const bool suspect = std::binary_search(line.suspects.begin(), line.suspects.end(), *row.reading);
     const char* way =
         reading.approach == Approach::forward ? "fwd" : (reading.approach == Approach::reverse ? "rev" : "");
-    return {fmt::format(" [{}]{}{:>8.6g} {:<3} {:>7.2f}", out ? ' ' : 'x', suspect ? '?' : ' ',
+    return {fmt::format(" [{}]{}{:>7.6g} {:<3}{:>7.2f}", out ? ' ' : 'x', suspect ? '?' : ' ',
                         laser::target_mm(reading), way, reading.error),
             out ? Tone::warning : Tone::plain};
   }

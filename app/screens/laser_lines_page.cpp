@@ -94,6 +94,22 @@ class LinesPage final : public LaserPage {
   ScrollPlace scroll_;
 };
 
+/// Columns before the name of a quantity.
+constexpr int kNumbers = 21;
+
+/// The name of a quantity, abbreviated where the room is narrow.
+std::string fitting(std::string name, int room) {
+  constexpr std::pair<const char*, const char*> kShort[] = {{" (BS 4656 Pt 16)", ""},
+                                                            {"unidirectional", "unidir."},
+                                                            {"bidirectional", "bidir."},
+                                                            {"systematic", "syst."},
+                                                            {"of the mean", "of mean"}};
+  for (const auto& [longer, shorter] : kShort)
+    if (const std::size_t at = name.find(longer); width_of(name) > room && at != std::string::npos)
+      name.replace(at, std::string(longer).size(), shorter);
+  return name;
+}
+
 class IsoPage final : public LaserPage {
  public:
   explicit IsoPage(LaserHost& host) : LaserPage(host) {}
@@ -135,11 +151,10 @@ class IsoPage final : public LaserPage {
     for (const LaserQuantity& q : kLaserQuantities) {
       const auto& value = *result.iso.*q.value;
       const std::string number = value ? fmt::format("{:.2f}", *value) : "-";
-      std::string row = fmt::format("{:<7} {:>8} {:<4} {}", q.symbol, number, unit, q.name);
-      if (width_of(row) > columns) row = row.substr(0, static_cast<std::size_t>(columns - 1)) + "~";
-      text.push_back(std::move(row));
+      const int room = columns - kNumbers;
+      text.push_back(fmt::format("{:<7}{:>8} {:<4} {}", q.symbol, number, unit, fitting(q.name, room)));
     }
-    text.push_back(fmt::format("{:<7} {:>8.2f} {:<4} largest less smallest reading", "range", result.iso->range, unit));
+    text.push_back(fmt::format("{:<7}{:>8.2f} {:<4} largest less smallest reading", "range", result.iso->range, unit));
     for (const std::string& note : result.iso->notes) add_wrapped(text, "note: " + note, columns, "");
     return text;
   }

@@ -55,7 +55,8 @@ class MapPage final : public LaserPage {
     draw_list(canvas, halves.list, rows, place_, !in_findings_);
     if (halves.rest.columns == 0 || map.components.empty()) return;
     const auto told = findings_of(map, halves.rest.columns - 1);
-    const int below = std::clamp(static_cast<int>(told.size()) + 1, 0, halves.rest.rows / 2);
+    const int most = in_findings_ ? halves.rest.rows * 2 / 3 : halves.rest.rows / 4;
+    const int below = told.empty() ? 0 : std::min(static_cast<int>(told.size()) + 1, most);
     draw_component(canvas, halves.rest.top(halves.rest.rows - below), map, map.components[at()]);
     if (below < 2) return;
     const Area lower = halves.rest.below(halves.rest.rows - below);
@@ -110,15 +111,15 @@ class MapPage final : public LaserPage {
   std::string standing_of(const LaserMapWork& map) const {
     const UnitParameters& p = map.parameters->parameters;
     const std::string name = std::filesystem::path(desk().choices().params_file).filename().string();
-    std::string text = fmt::format("{}, {}, scope {}: {} components needed", name, configuration_of(p),
-                                   word_for(p.scope), map.components.size());
+    std::string text =
+        fmt::format("{} ({}, {}): {} needed", name, configuration_of(p), word_for(p.scope), map.components.size());
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
     return text + (map.complete() ? ", nothing is missing" : ", see the findings");
   }
 
   static ListRow row_of(const LaserComponent& one) {
     const bool lacks = one.state == ComponentState::missing || one.state == ComponentState::refused;
-    return {fmt::format("{:<4} {:<8} {}", name_of(one.component), word_for(one.state), one.detail),
+    return {fmt::format("{:<4} {}", name_of(one.component), word_for(one.state)),
             lacks ? Tone::bad : (one.state == ComponentState::zero ? Tone::warning : Tone::plain)};
   }
 
@@ -126,7 +127,8 @@ class MapPage final : public LaserPage {
     if (!map.built || is_squareness(component)) return std::nullopt;
     PlotFigure figure = figure_of(map.built->map, component, "");
     if (figure.panels.empty()) return std::nullopt;
-    figure.panels.front().title = "compensation in the map";
+    figure.panels.front().title = "in the map";
+    figure.panels.front().x_label = fmt::format("{} [mm]", letter_of(moving_axis(component)));
     return figure.panels.front();
   }
 

@@ -26,7 +26,7 @@ std::vector<ListRow> rows_of_lines(const LaserWork& work) {
     std::string mark = " ";
     Tone tone = Tone::plain;
     if (!line.suspects.empty()) mark = "?";
-    if (out > 0) mark = "x";
+    if (out > 0) mark = "-";
     if (!work.results[k]->problem.empty()) {
       mark = "!";
       tone = Tone::bad;

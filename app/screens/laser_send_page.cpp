@@ -18,7 +18,7 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
 
 std::string unit_text(const WatchedUnit& unit) {
   if (!unit.open) return "no line to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
-  return fmt::format("{}{}, serial number {}", unit.emulator ? "EMULATOR " : "", unit.link,
+  return fmt::format("{}, serial number {}", unit.emulator ? "EMULATOR" : unit.link,
                      unit.identity ? unit.identity->serial_number : "?");
 }
 
@@ -97,8 +97,9 @@ class SendPage final : public LaserPage {
   }
 
   bool advance() override {
-    if (!desk().ready() || desk().busy() || asked_for_ == desk().ready()->check) return false;
-    asked_for_ = desk().ready()->check;
+    if (!desk().ready() || desk().busy()) asked_ = false;
+    if (!desk().ready() || desk().busy() || asked_) return false;
+    asked_ = true;
     const ReadyMap& ready = *desk().ready();
     host().ask({fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
                 fmt::format("{} bytes with parameters, block check {:08X}, replace what the unit holds ({}). Until the "
@@ -117,16 +118,13 @@ class SendPage final : public LaserPage {
            "all: a broken line, a cancel or a power cut leaves the old map active. Every byte is read back.";
   }
 
-  /// The question was answered, or something changed: the next Enter asks again.
-  void forget() { asked_for_.reset(); }
-
  private:
   static std::string map_text(const LaserMapWork& map) {
     if (!map.parameters) return "none yet: step 6 takes the parameters";
     if (!map.built) return "cannot be built: step 6 says why";
     return fmt::format("{} tables, {} declared zero, {}", map.built->map.tables.size(),
                        map.built->map.header.declared_zero.size(),
-                       map.complete() ? "complete" : fmt::format("{} objections", map.findings.size()));
+                       map.complete() ? "complete" : std::string("not complete"));
   }
   static std::string lacking_of(const LaserMapWork& map) {
     std::vector<std::string> names;
@@ -149,7 +147,7 @@ class SendPage final : public LaserPage {
                        sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
   }
 
-  std::optional<std::uint32_t> asked_for_;
+  bool asked_ = false;  ///< about the map that is ready
 };
 
 class VerifyPage final : public LaserPage {

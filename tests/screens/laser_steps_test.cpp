@@ -1,0 +1,402 @@
+// From files to a map on the screen: each step against numbers known beforehand, and against the verbs.
+#include <numeric>
+
+#include "app/laser_files.hpp"
+#include "app/program.hpp"
+#include "laser/map_build.hpp"
+#include "laser/map_csv.hpp"
+#include "laser_case.hpp"
+
+namespace ecs::app {
+namespace {
+
+const LaserLine& line_named(const LaserWork& work, const std::string& key) {
+  for (const LaserLine& line : work.lines)
+    if (line.key == key) return line;
+  FAIL("no line " << key);
+  return work.lines.front();
+}
+const LaserLineResult& result_of(const LaserWork& work, const std::string& key) {
+  for (std::size_t k = 0; k < work.lines.size(); ++k)
+    if (work.lines[k].key == key) return *work.results[k];
+  FAIL("no line " << key);
+  return *work.results.front();
+}
+const LaserCurve& curve_of_component(const LaserWork& work, Component component) {
+  for (const LaserCurve& curve : work.curves)
+    if (curve.component == component) return curve;
+  FAIL("no curve");
+  return work.curves.front();
+}
+
+std::pair<int, std::string> ran(const std::vector<std::string>& words) {
+  std::ostringstream out, messages;
+  const int code = run_program(words, out, messages);
+  return {code, out.str() + messages.str()};
+}
+
+const std::string kExx = "EX along X at Y -1400, Z 0";
+const Measured kPositioning{'X', "EX", 0, -400, 50, {0, -1400, 0}};
+const Measured kStraightness{'X', "EY", 0, -400, 50, {0, -1400, 0}, "straightness"};
+
+TEST_CASE("a folder's files are named for what they are, taken at once, and unknown ones explained") {
+  const LaserFolder folder;
+  folder.with("day/x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }));
+  folder.with("day/straight.csv", measured_csv(kStraightness, [](double p) { return 0.01 * p; }));
+  folder.with("day/notes.txt", "the machine was cold\n");
+  LaserSitting sitting;
+  sitting.type("a" + folder.path.string() + "/da\t");
+  REQUIRE(sitting.shows("[all 2 measurement files here]"));
+  CHECK(sitting.seen().find("EXX, 54 readings") != std::string::npos);
+  CHECK(sitting.seen().find("EYX, 54 readings") != std::string::npos);
+  sitting.press(Key::Name::down, 2);
+  CHECK(sitting.seen().find("notes.txt") != std::string::npos);
+  CHECK(sitting.seen().find("not known") != std::string::npos);
+  sitting.press(Key::Name::home);
+  sitting.press(Key::Name::down);
+  sitting.type("\n");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.desk().work().lines.size() == 2);
+  CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::done);
+  CHECK(sitting.seen().find("straight.csv") != std::string::npos);
+}
+
+TEST_CASE("marks choose single files, and a typed path is completed") {
+  const LaserFolder folder;
+  for (const char* name : {"one.csv", "two.csv", "three.csv"})
+    folder.with(std::string("f/") + name, measured_csv(kPositioning, [](double) { return 1.0; }));
+  LaserSitting sitting;
+  sitting.type("a" + folder.path.string() + "/f/\t");
+  REQUIRE(sitting.shows("[all 3"));
+  sitting.press(Key::Name::down, 2);
+  sitting.type("  \n");
+  REQUIRE(sitting.settled());
+  REQUIRE(sitting.desk().choices().files.size() == 2);
+  CHECK(sitting.desk().choices().files[0].path.ends_with("one.csv"));
+  CHECK(sitting.desk().choices().files[1].path.ends_with("three.csv"));
+  sitting.type("atw\t\n");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.desk().choices().files.size() == 3);
+}
+
+TEST_CASE("a file that does not say what was measured is asked, and the answers stay with the draft") {
+  const LaserFolder folder;
+  const std::string file = folder.with("pitch.rta", [] {
+    std::ifstream in("samples/laser/pitch.rta", std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }());
+  {
+    LaserSitting sitting;
+    sitting.desk().change("file", [&](LaserChoices& c) { c.files.push_back({file, {}}); });
+    REQUIRE(sitting.settled());
+    CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::doubtful);
+    CHECK(sitting.seen().find("it does not say enough: Enter answers") != std::string::npos);
+    sitting.type("\n");
+    CHECK(sitting.seen().find("what pitch.rta does not say") != std::string::npos);
+    sitting.press(Key::Name::down);
+    for (int k = 0; k < 6; ++k) sitting.type(" ");
+    CHECK(sitting.seen().find("EC") != std::string::npos);
+    sitting.type("\n");
+    REQUIRE(sitting.settled());
+    CHECK(sitting.desk().work().lines.size() == 1);
+    CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::done);
+  }
+  LaserSitting later;
+  CHECK(later.seen().find("found") != std::string::npos);
+  later.type("\n");
+  REQUIRE(later.settled());
+  REQUIRE(later.desk().work().lines.size() == 1);
+  CHECK(later.desk().choices().files.front().answers.sense == "EC");
+}
+
+TEST_CASE("several files of one line are joined, their runs numbered on") {
+  const LaserFolder folder;
+  const auto error = [](double p) { return 0.01 * p; };
+  LaserSitting sitting;
+  sitting.take_files({folder.with("monday.csv", measured_csv(kPositioning, error)),
+                      folder.with("tuesday.csv", measured_csv(kPositioning, error))});
+  REQUIRE(sitting.desk().work().lines.size() == 1);
+  CHECK(sitting.desk().work().lines.front().summary.runs == 6);
+  sitting.type("2");
+  CHECK(sitting.seen().find("tuesday.csv") != std::string::npos);
+}
+
+TEST_CASE("the lines tell what, where, how often, and under which conditions") {
+  const LaserFolder folder;
+  Measured after = kPositioning;
+  after.compensated = true;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; })),
+                      folder.with("after.csv", measured_csv(after, [](double) { return 0.0; }))});
+  sitting.type("2");
+  const std::string seen = sitting.seen();
+  CHECK(seen.find("EXX           Y -1400, Z 0     -400..0          50    9    3 both") != std::string::npos);
+  CHECK(seen.find("comp.") != std::string::npos);
+  CHECK(seen.find("t_air_degC 20.1 .. 20.3") != std::string::npos);
+  CHECK(seen.find("date: 1990-03-12") != std::string::npos);
+  CHECK(sitting.desk().mark(LaserStep::lines) == LaserMark::doubtful);
+}
+
+TEST_CASE("a run left out changes every later step at once, and undo brings the very same numbers back") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
+  const double before = result_of(sitting.desk().work(), kExx).iso->R_forward.value();
+  const auto mean = result_of(sitting.desk().work(), kExx).curve->points.front().forward;
+  sitting.type("3\n");  // into the runs
+  sitting.press(Key::Name::down, 2);
+  sitting.type(" ");
+  CHECK(sitting.seen().find("[ ] run 3 out") != std::string::npos);
+  REQUIRE(sitting.settled());
+  const LaserLineResult& without = result_of(sitting.desk().work(), kExx);
+  CHECK(without.chosen.readings.size() == 36);
+  CHECK(without.iso->R_forward.value() != doctest::Approx(before));
+  CHECK(without.curve->points.front().forward.value() == doctest::Approx(mean.value() - 0.5).epsilon(0.2));
+  CHECK(sitting.seen().find("18 of 54 readings left out") != std::string::npos);
+  sitting.type("u");
+  REQUIRE(sitting.settled());
+  CHECK(result_of(sitting.desk().work(), kExx).iso->R_forward.value() == before);
+  CHECK(result_of(sitting.desk().work(), kExx).curve->points.front().forward == mean);
+}
+
+TEST_CASE("a reading far from its repeats is suggested, never left out by itself") {
+  const LaserFolder folder;
+  std::string csv = measured_csv(kPositioning, [](double p) { return 0.01 * p; });
+  const std::size_t at = csv.find("X,-200,-1400,0,EX,", csv.find(",2,20.2,") - 40);
+  const std::size_t begin = at + std::string("X,-200,-1400,0,EX,").size();
+  csv.replace(begin, csv.find(',', begin) - begin, "47.5");
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", csv)});
+  const LaserLine& line = line_named(sitting.desk().work(), kExx);
+  REQUIRE(line.suspects.size() == 1);
+  CHECK(line.set->readings[line.suspects.front()].error == 47.5);
+  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 54);
+  CHECK(sitting.desk().mark(LaserStep::leave_out) == LaserMark::doubtful);
+  sitting.type("3o");
+  CHECK(sitting.seen().find("[x]?   -200") != std::string::npos);
+  sitting.type(" wbeam broken\n");
+  REQUIRE(sitting.settled());
+  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 53);
+  CHECK(sitting.desk().mark(LaserStep::leave_out) == LaserMark::done);
+  CHECK(sitting.desk().choices().lines.at(kExx).readings.begin()->second == "beam broken");
+}
+
+TEST_CASE("straightness loses its slope by least squares, positioning keeps it, and the numbers are those put in") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.03 * p; })),
+                      folder.with("y.csv", measured_csv(kStraightness, [](double p) { return 0.03 * p; }))});
+  const LaserCurve& positioning = curve_of_component(sitting.desk().work(), Component::EXX);
+  const LaserCurve& straightness = curve_of_component(sitting.desk().work(), Component::EYX);
+  CHECK(positioning.slope == laser::SlopeMethod::none);
+  CHECK(positioning.band_after == positioning.band_before);
+  CHECK(straightness.slope == laser::SlopeMethod::least_squares);
+  CHECK(straightness.removed_per_m == doctest::Approx(30.0).epsilon(0.02));
+  CHECK(straightness.band_before == doctest::Approx(12.0 + 4.0).epsilon(0.05));  // slope, runs and reversal
+  CHECK(straightness.band_after == doctest::Approx(4.5).epsilon(0.15));
+  sitting.type("4");
+  sitting.press(Key::Name::down);
+  CHECK(sitting.seen().find("slope by least squares 30.") != std::string::npos);
+  sitting.type("    ");  // once round and one on: none
+  REQUIRE(sitting.settled());
+  CHECK(curve_of_component(sitting.desk().work(), Component::EYX).slope == laser::SlopeMethod::none);
+  sitting.type("\n");
+  CHECK(sitting.seen().find("smoothing [mm]") != std::string::npos);
+  sitting.type("250\n");
+  REQUIRE(sitting.settled());
+  const LaserCurve& smooth = curve_of_component(sitting.desk().work(), Component::EYX);
+  REQUIRE(smooth.smoothed);
+  CHECK(smooth.smoothed->removed_rms < 0.3);  // a straight line passes the local parabola
+}
+
+TEST_CASE("the values of ISO 230-2 are those of the verb") {
+  const LaserFolder folder;
+  const std::string file =
+      folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 8.0 * std::sin(p / 90.0); }));
+  LaserSitting sitting;
+  sitting.take_files({file});
+  sitting.type("5");
+  const auto [code, text] = ran({"laser", "stats", file});
+  REQUIRE(code == 0);
+  const double A = result_of(sitting.desk().work(), kExx).iso->A.value();
+  CHECK(text.find(fmt::format("{:.3f}", A)) != std::string::npos);
+  CHECK(sitting.seen().find(fmt::format("A      {:>8.2f} um", A)) != std::string::npos);
+}
+
+TEST_CASE("the map says which components are missing; declaring one zero takes a reason, and undo takes it back") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path / "before"))
+    if (entry.path().filename() != "EZZ.csv") files.push_back(entry.path().string());
+  LaserSitting sitting;
+  sitting.take_files(files, "samples/mill/parameters.toml");
+  sitting.type("6");
+  CHECK(sitting.seen().find("2 still missing") != std::string::npos);
+  CHECK(sitting.seen().find("EBY  MISSING") != std::string::npos);
+  CHECK(sitting.desk().mark(LaserStep::map) == LaserMark::doubtful);
+  sitting.type("8\n");
+  CHECK(sitting.seen().find("the map is not complete") != std::string::npos);
+  CHECK(sitting.seen().find("EBY, EZZ (step 6)") != std::string::npos);
+  sitting.desk().change("more files", [&](LaserChoices& c) {
+    c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
+  });
+  REQUIRE(sitting.settled());
+  sitting.type("6");
+  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
+  sitting.type("zground guideways\n");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("declared zero: ground guideways") != std::string::npos);
+  CHECK(sitting.seen().find("nothing is missing") != std::string::npos);
+  CHECK(sitting.desk().mark(LaserStep::map) == LaserMark::done);
+  sitting.type("u");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("1 still missing") != std::string::npos);
+}
+
+/// What an engineer types for the mill: folder, parameters, smoothing, zero, header.
+void commission_on_keys(LaserSitting& sitting, const LaserFolder& folder) {
+  sitting.type("a" + folder.path.string() + "/before\n");
+  REQUIRE(sitting.shows("[all 16 measurement files here]"));
+  sitting.press(Key::Name::down);
+  sitting.type("\n");
+  sitting.type("psamples/mill/parameters.toml\n");
+  REQUIRE(sitting.settled());
+  const auto smooth = [&](Component component, const std::string& width) {
+    const std::string code(name_of(component));
+    sitting.type("4");
+    sitting.press(Key::Name::home);
+    for (const LaserCurve& curve : sitting.desk().work().curves) {
+      if (curve.component == component) break;
+      sitting.press(Key::Name::down);
+    }
+    sitting.type("\n" + width + "\n");
+    REQUIRE(sitting.settled());
+    REQUIRE(sitting.desk().choices().components.at(code).smoothing_mm > 0.0);
+  };
+  for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
+  smooth(Component::EBX, "300");
+  smooth(Component::ECX, "200");
+  sitting.type("6");
+  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
+  sitting.type(
+      "zroll of the head slide cannot be measured by laser or level; negligible on ground guideways (thesis "
+      "6.3.2.3)\n");
+  sitting.type("7\nHuddersfield Polytechnic\n");
+  sitting.press(Key::Name::down, 2);
+  sitting.type("\nS. R. Postlethwaite\n");
+  REQUIRE(sitting.settled());
+}
+
+TEST_CASE("the mill commissioned on the screen gives the very map that the verb builds by the recipe") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::filesystem::copy_file("samples/mill/recipe.toml", folder.path / "recipe.toml");
+  const std::string by_verb = (folder.path / "verb.csv").string();
+  REQUIRE(ran({"map", "build", (folder.path / "recipe.toml").string(), "--params", "samples/mill/parameters.toml", "-o",
+               by_verb, "--params-out", (folder.path / "verb.toml").string()})
+              .first == 0);
+  LaserSitting sitting;
+  commission_on_keys(sitting, folder);
+  CHECK(sitting.desk().mark(LaserStep::header) == LaserMark::done);
+  sitting.type("8f");
+  for (int k = 0; k < 10; ++k) sitting.press(Key::Name::backspace);
+  sitting.type((folder.path / "out/screen.csv").string() + "\n");
+  REQUIRE(sitting.settled());
+  CHECK_FALSE(sitting.desk().unsaved().empty());
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  CHECK(sitting.desk().unsaved().empty());
+  CHECK(folder.text("out/screen.csv") == folder.text("verb.csv"));
+  CHECK(folder.text("out/screen-parameters.toml") == folder.text("verb.toml"));
+  SUBCASE("and the recipe saved beside it makes it again") {
+    REQUIRE(ran({"map", "build", (folder.path / "out/screen-recipe.toml").string(), "--params",
+                 "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
+                .first == 0);
+    CHECK(folder.text("again.csv") == folder.text("verb.csv"));
+  }
+}
+
+TEST_CASE("a map without a reading or with answers names a prepared file, and its recipe makes it again") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  LaserSitting sitting;
+  commission_on_keys(sitting, folder);
+  sitting.desk().change("left out", [&](LaserChoices& c) {
+    c.lines[kExx].runs[2] = "cold";
+    c.lines[kExx].readings[5] = "beam broken";
+    c.lines["EZ along Z at X 0, Y -1400"].runs[1] = "";
+    c.map_file = (folder.path / "out/map.csv").string();
+  });
+  REQUIRE(sitting.settled());
+  REQUIRE(sitting.desk().work().map.complete());
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  const std::string map = folder.text("out/map.csv");
+  CHECK(map.find("source: EXX EXX_line1.csv") != std::string::npos);
+  CHECK(folder.text("out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
+  CHECK(folder.text("out/map-recipe.toml").find("exclude_runs = [1]") != std::string::npos);
+  REQUIRE(ran({"map", "build", (folder.path / "out/map-recipe.toml").string(), "--params",
+               "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
+              .first == 0);
+  CHECK(folder.text("again.csv") == map);
+}
+
+TEST_CASE("after a crash the work is offered again and taken up whole; d drops it for good") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::string choices;
+  {
+    LaserSitting sitting;
+    commission_on_keys(sitting, folder);
+    choices = choices_text(sitting.desk().choices());
+  }
+  {
+    LaserSitting again;
+    CHECK(again.seen().find("Work of 20") != std::string::npos);
+    again.type("\n");
+    REQUIRE(again.settled());
+    CHECK(choices_text(again.desk().choices()) == choices);
+    CHECK(again.desk().work().map.complete());
+  }
+  {
+    LaserSitting again;
+    again.type("d");
+    CHECK(again.desk().work().lines.empty());
+  }
+  CHECK(LaserSitting().seen().find("Work of 20") == std::string::npos);
+}
+
+TEST_CASE("every step is drawn whole at every size, in unicode and in ASCII") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  LaserSitting empty, full;
+  commission_on_keys(full, folder);
+  for (LaserSitting* sitting : {&empty, &full})
+    for (char step = '1'; step <= '9'; ++step)
+      for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 12}, {1, 1}})
+        for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
+          sitting->type(std::string(1, step));
+          const std::string seen = sitting->seen(rows, columns, glyphs);
+          if (glyphs == Glyphs::ascii)
+            for (const char c : seen) REQUIRE(static_cast<unsigned char>(c) < 0x80);
+          if (rows == 24) CHECK(seen.find("[" + std::string(1, step)) != std::string::npos);
+        }
+}
+
+TEST_CASE("escape asks before work is left that is not saved, and goes at once where there is none") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  CHECK(sitting.type("\x1b") == Step::Kind::back);
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
+  CHECK(sitting.type("\x1b") == Step::Kind::stay);
+  CHECK(sitting.seen().find("Leave? The map is not saved.") != std::string::npos);
+  CHECK(sitting.type("n") == Step::Kind::stay);
+  sitting.type("\x1b");
+  CHECK(sitting.type("y") == Step::Kind::back);
+}
+
+}  // namespace
+}  // namespace ecs::app

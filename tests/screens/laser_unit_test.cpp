@@ -1,0 +1,208 @@
+// The map on its way: sent and verified, cancelled, and an emulator that is killed in the middle.
+#include <csignal>
+#include <sstream>
+
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include "app/emulator_process.hpp"
+#include "app/program.hpp"
+#include "laser_case.hpp"
+
+namespace ecs::app {
+namespace {
+
+const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
+
+bool built() {
+  if (std::filesystem::exists(kEmulator)) return true;
+  MESSAGE("skipped: " << kEmulator << " is not built");
+  return false;
+}
+
+/// A mill's unit behind a pseudo-terminal at the speed of a slow line; its memory outlives it.
+class PacedUnit {
+ public:
+  PacedUnit(const LaserFolder& folder, std::string baud) : folder_(&folder), baud_(std::move(baud)) { start(); }
+  PacedUnit(const PacedUnit&) = delete;
+  PacedUnit& operator=(const PacedUnit&) = delete;
+  ~PacedUnit() { kill(); }
+
+  void start() {
+    const std::string pty = (folder_->path / "unit").string();
+    std::error_code error;
+    std::filesystem::remove(pty, error);
+    std::vector<std::string> words{kEmulator, "serve",     "--machine", "samples/mill/machine.toml",
+                                   "--pty",   pty,         "--memory",  (folder_->path / "battery.bin").string(),
+                                   "--mode",  "integrate", "--pace",    baud_};
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    ::posix_spawn_file_actions_init(&files);
+    ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", 1, 0600);
+    ::posix_spawn(&child_, kEmulator.c_str(), &files, nullptr, pointers.data(), environ);
+    ::posix_spawn_file_actions_destroy(&files);
+    for (int k = 0; k < 400 && !std::filesystem::exists(pty, error); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  }
+  void kill() {
+    if (child_ <= 0) return;
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
+    child_ = -1;
+  }
+  [[nodiscard]] std::string link() const { return "rtu:" + (folder_->path / "unit").string() + ":" + baud_; }
+
+ private:
+  const LaserFolder* folder_;
+  std::string baud_;
+  pid_t child_ = -1;
+};
+
+/// Linear scope: three lines are enough for a map.
+struct LinearMill {
+  explicit LinearMill(const LaserFolder& folder, double step_mm = 50.0)
+      : files{folder.with("EXX.csv", measured_csv({'X', "EX", 0, -4100, step_mm, {0, -1400, 0}}, error)),
+              folder.with("EYY.csv", measured_csv({'Y', "EY", -1400, 0, step_mm}, error)),
+              folder.with("EZZ.csv", measured_csv({'Z', "EZ", 0, -1000, step_mm, {0, -1400, 0}}, error))} {}
+  static double error(double p) { return 20.0 * std::sin(p / 400.0); }
+  std::vector<std::string> files;
+};
+
+void make_ready(LaserSitting& sitting, const LaserFolder& folder, const LinearMill& mill) {
+  sitting.desk().change("all", [&](LaserChoices& c) {
+    for (const std::string& file : mill.files) c.files.push_back({file, {}});
+    c.params_file = "samples/mill/parameters.toml";
+    c.scope = "linear";
+    c.map_file = (folder.path / "map.csv").string();
+  });
+  REQUIRE(sitting.settled());
+  REQUIRE(sitting.desk().work().map.complete());
+  sitting.type("8");
+}
+
+std::string ran_text(const std::vector<std::string>& words) {
+  std::ostringstream out, messages;
+  const int code = run_program(words, out, messages);
+  return fmt::format("{} {}{}", code, out.str(), messages.str());
+}
+
+TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map in the unit") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  {
+    LaserSitting sitting(unit.link());
+    make_ready(sitting, folder, mill);
+    REQUIRE(sitting.shows("serial number MCM-0107"));
+    sitting.type("\n");
+    REQUIRE(sitting.shows("Send the map to"));
+    CHECK(std::filesystem::exists(folder.path / "map.csv"));
+    sitting.type("\n");  // Enter is no yes
+    CHECK(sitting.seen().find("Send the map to") != std::string::npos);
+    sitting.type("y");
+    REQUIRE(sitting.shows("and read back"));
+    CHECK(sitting.desk().mark(LaserStep::send) == LaserMark::done);
+    sitting.type("9\n");
+    REQUIRE(sitting.shows("the unit holds this map and its parameters"));
+    CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::done);
+    sitting.desk().change("smoothing", [](LaserChoices& c) { c.components["EXX"].smoothing_mm = 300.0; });
+    REQUIRE(sitting.settled());
+    CHECK(sitting.desk().mark(LaserStep::send) == LaserMark::doubtful);
+    CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::doubtful);
+  }
+  CHECK(ran_text({"map", "verify", (folder.path / "map.csv").string(), "--params",
+                  (folder.path / "map-parameters.toml").string(), "--link", unit.link()})
+            .starts_with("0 "));
+}
+
+TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen says so, sending again works") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "19200");
+  const LinearMill mill(folder);
+  LaserSitting sitting(unit.link());
+  make_ready(sitting, folder, mill);
+  sitting.type("\n");
+  REQUIRE(sitting.shows("Send the map to"));
+  sitting.type("y");
+  REQUIRE(sitting.shows("and read back"));
+  const std::uint32_t old_check = sitting.desk().sent()->check;
+
+  sitting.desk().change("finer", [](LaserChoices& c) {
+    for (const char* code : {"EXX", "EYY", "EZZ"}) c.components[code].increment_mm = 4.0;
+  });
+  REQUIRE(sitting.settled());
+  sitting.type("\n");
+  REQUIRE(sitting.shows("Send the map to"));
+  sitting.type("y");
+  REQUIRE(sitting.until([&] { return sitting.desk().part() > 0.2; }));
+  CHECK(sitting.seen().find("s left") != std::string::npos);
+  CHECK(sitting.seen().find("sending the map") != std::string::npos);
+  unit.kill();
+  REQUIRE(sitting.until([&] { return !sitting.desk().busy(); }, 60));
+  CHECK(sitting.seen().find("not sent: ") != std::string::npos);
+  CHECK(sitting.seen().find("The unit keeps the map it had") != std::string::npos);
+  CHECK(sitting.desk().choices().components.at("EXX").increment_mm == 4.0);
+  unit.start();
+  REQUIRE(sitting.until(
+      [&] { return sitting.seen().find("the map it had before is still active and whole") != std::string::npos; }, 60));
+  CHECK(sitting.seen().find(fmt::format("{:08X}", old_check)) != std::string::npos);
+  sitting.type("\n");
+  REQUIRE(sitting.shows("Send the map to"));
+  sitting.type("y");
+  REQUIRE(sitting.until([&] { return sitting.desk().sent_is_current(); }, 60));
+  CHECK(sitting.desk().sent()->check != old_check);
+}
+
+TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it had") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "19200");
+  const LinearMill mill(folder, 10.0);
+  LaserSitting sitting(unit.link());
+  make_ready(sitting, folder, mill);
+  sitting.type("\n");
+  REQUIRE(sitting.shows("Send the map to"));
+  sitting.type("y");
+  REQUIRE(sitting.until([&] { return sitting.desk().part() > 0.1; }));
+  sitting.type("\x1b");
+  REQUIRE(sitting.until([&] { return !sitting.desk().busy(); }));
+  CHECK(sitting.seen().find("not sent: ") != std::string::npos);
+  REQUIRE(sitting.shows("it holds no map, as before"));
+  sitting.type("\n");
+  REQUIRE(sitting.shows("Send the map to"));
+}
+
+TEST_CASE("parameters are received from the unit where no file is given") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "115200");
+  REQUIRE(ran_text({"params", "send", "samples/mill/parameters.toml", "--link", unit.link()}).starts_with("0 "));
+  LaserSitting sitting(unit.link());
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path);
+  sitting.type("6p\n");
+  const bool there = sitting.until([&] { return sitting.desk().work().map.parameters.has_value(); });
+  std::filesystem::current_path(before);
+  REQUIRE(there);
+  CHECK(sitting.desk().choices().params_file == "unit-parameters.toml");
+  CHECK(sitting.seen().find("volumetric") != std::string::npos);
+}
+
+TEST_CASE("without a unit everything up to the file works, and sending says why it cannot") {
+  const LaserFolder folder;
+  const LinearMill mill(folder);
+  LaserSitting sitting;
+  make_ready(sitting, folder, mill);
+  sitting.type("\n");
+  REQUIRE(sitting.shows("saved, but not sent: "));
+  CHECK(std::filesystem::exists(folder.path / "map.csv"));
+  CHECK(sitting.desk().unsaved().empty());
+  CHECK(sitting.seen().find("no line to a unit") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecs::app
