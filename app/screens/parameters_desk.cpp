@@ -211,6 +211,12 @@ std::optional<std::string> ParametersDesk::was(const std::string& key) const {
   return before;
 }
 
+std::size_t ParametersDesk::differs_from_file() const {
+  if (!in_file_) return 0;
+  return static_cast<std::size_t>(
+      std::count_if(compared_.begin(), compared_.end(), [](const ComparedKey& row) { return row.file != row.screen; }));
+}
+
 std::vector<ComparedKey> ParametersDesk::differs_from_unit() const {
   std::vector<ComparedKey> differing;
   for (const ComparedKey& row : compared_)

@@ -65,6 +65,8 @@ class ParametersDesk {
   [[nodiscard]] const std::vector<ComparedKey>& compared() const { return compared_; }
   [[nodiscard]] bool has_file_values() const { return in_file_.has_value(); }
   [[nodiscard]] bool has_unit_values() const { return unit_ && unit_->parameters; }
+  /// Values that the file holds otherwise; 0 where there is none.
+  [[nodiscard]] std::size_t differs_from_file() const;
   /// Fields that the unit holds otherwise, those of absent axes too.
   [[nodiscard]] std::vector<ComparedKey> differs_from_unit() const;
   [[nodiscard]] bool differs_from_unit(const std::string& key) const;

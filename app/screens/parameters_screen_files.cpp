@@ -96,9 +96,9 @@ void ParametersScreen::save_to(const std::string& path) {
   if (errors == 0)
     message_.say("saved to " + path);
   else
-    message_.say(
-        fmt::format("saved to {}, though {} error{} stand against it: page 4", path, errors, errors == 1 ? "" : "s"),
-        Tone::warning);
+    message_.say(fmt::format("saved to {}, though {} against it: page 4", path,
+                             errors == 1 ? "an error stands" : fmt::format("{} errors stand", errors)),
+                 Tone::warning);
 }
 
 void ParametersScreen::on_prompt_key(const Key& key) {
@@ -120,8 +120,8 @@ void ParametersScreen::send() {
   if (desk_.errors() > 0) {
     turn_page(static_cast<int>(Page::findings));
     place().selected = 0;
-    message_.say(fmt::format("not sent: {} error{} stand against these parameters; Enter goes to the field",
-                             desk_.errors(), desk_.errors() == 1 ? "" : "s"),
+    message_.say(fmt::format("not sent: {} against these parameters; Enter goes to the field",
+                             desk_.errors() == 1 ? "an error stands" : fmt::format("{} errors stand", desk_.errors())),
                  Tone::warning);
     return;
   }

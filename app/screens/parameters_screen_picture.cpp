@@ -179,7 +179,7 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
   if (!desk_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
   if (!desk_.loaded()) return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
   std::vector<KeyHelp> keys;
-  if (on_group()) keys = {{"Enter", "edit"}, {"Space", "next choice"}, {"d", "default"}};
+  if (on_group()) keys = {{"Enter", "edit"}, {"Space", "next"}};
   if (page_ == Page::findings) keys = {{"Enter", "go to field"}};
   if (page_ == Page::compare) keys = {{"Enter", "go to field"}, {"f", "take file's"}, {"g", "take unit's"}};
   for (const KeyHelp& key : std::vector<KeyHelp>{{"u", "undo"},
@@ -188,6 +188,7 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
                                                  {"r", "receive"},
                                                  {"/", "find"},
                                                  {"Tab 1-5", "page"},
+                                                 {"d", "default of the field"},
                                                  {"y", "do again what u took back"},
                                                  {"m", "check against a machine file"},
                                                  {"o", "open a file"},
@@ -198,10 +199,9 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
 }
 
 std::string ParametersScreen::help() const {
-  return "What makes a unit fit its machine, in the three groups of thesis 5.3. Enter edits the value under the "
-         "cursor, its range and help stand below. Marks: ! something stands against it, * changed, u the unit holds "
-         "another value. Findings are checked as you type; errors must be mended before sending. Compare puts screen, "
-         "file and unit side by side. What is not saved survives a crash and is offered again.";
+  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! something stands against the value, "
+         "* changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
+         "survives a crash and is offered again.";
 }
 
 }  // namespace ecs::app

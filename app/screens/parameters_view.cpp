@@ -27,6 +27,11 @@ std::string counted(std::size_t count, std::string_view word) {
   return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
 }
 
+/// "1 value differs"
+std::string differing(std::size_t count) {
+  return count == 1 ? "1 value differs" : fmt::format("{} values differ", count);
+}
+
 bool has_error(const std::vector<const params::Finding*>& findings) {
   return std::any_of(findings.begin(), findings.end(),
                      [](const params::Finding* f) { return f->severity == params::Severity::error; });
@@ -72,8 +77,9 @@ void draw_row(Canvas& canvas, const Area& area, int r, const ParametersDesk& des
     return;
   }
   const std::string note = at.note == 0 ? "" : note_of(desk, row.key);
-  canvas.text(area.left(note.empty() ? at.end : at.note - 1), r, at.value,
-              value_with_unit(row.key, value_of(row.key, desk.set())), selected ? tone : Tone::strong);
+  const std::string value = value_with_unit(row.key, value_of(row.key, desk.set()));
+  canvas.text(area.left(note.empty() ? at.end : at.note - 1), r, at.value, value.empty() ? "(not stated)" : value,
+              selected ? tone : (value.empty() ? Tone::faint : Tone::strong));
   if (!note.empty())
     canvas.text(area.left(at.end), r, at.note, note, selected ? tone : (findings.empty() ? Tone::plain : finding_tone));
 }
@@ -98,12 +104,14 @@ std::string about(const ParametersDesk& desk, int columns) {
   std::string name = desk.file().empty() ? "in no file yet" : desk.file();
   std::string rest = desk.changes() > 0 ? ", " + counted(desk.changes(), "change") : "";
   if (desk.unsaved()) rest += " not saved";
+  if (const std::size_t other = desk.differs_from_file(); !desk.unsaved() && other > 0)
+    rest += fmt::format(", {} there", differing(other));
   std::vector<std::string> more;
   if (desk.has_unit_values()) {
-    const std::size_t differing = desk.differs_from_unit().size();
-    more.push_back(differing == 0 ? "the unit holds the same" : counted(differing, "value") + " other in the unit");
+    const std::size_t other = desk.differs_from_unit().size();
+    more.push_back(other == 0 ? "the unit holds the same" : differing(other) + " in the unit");
   } else if (desk.unit()) {
-    more.push_back("the unit holds none");
+    more.push_back("the unit holds no parameters");
   }
   if (!desk.machine().empty()) more.push_back("checked for " + desk.machine());
   for (const std::string& part : more)

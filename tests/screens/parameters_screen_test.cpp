@@ -131,10 +131,10 @@ TEST_CASE("the cross-check follows every edit; a finding leads to its field, and
   type(screen, "t");
   std::string text = seen(screen);
   CHECK(has(text, "[4 Findings 1]"));
-  CHECK(has(text, "not sent: 1 error"));
+  CHECK(has(text, "not sent: an error stands"));
   CHECK(has(text, "X deadband"));
   press(screen, Key::Name::enter);
-  CHECK(has(seen(screen), "axis.X.deadband_um"))
+  CHECK(has(seen(screen), "axis.X.deadband_um"));
   type(screen, "u4");
   CHECK(has(seen(screen), "Nothing stands against these parameters"));
 }
@@ -193,7 +193,7 @@ TEST_CASE("screen and file are compared; a value is taken from the file by f, un
   CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
   press(screen, Key::Name::end);
   press(screen, Key::Name::enter);
-  CHECK(has(seen(screen), "axis.X.deadband_um"))
+  CHECK(has(seen(screen), "axis.X.deadband_um"));
 }
 
 TEST_CASE("a file with wrong values is refused with every reason, and the name stays to be mended") {

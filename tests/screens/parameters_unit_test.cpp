@@ -201,7 +201,7 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   auto line = std::make_shared<UnitDesk>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
-  REQUIRE(shows(screen, "the unit holds none"));
+  REQUIRE(shows(screen, "the unit holds no parameters"));
   find(screen, "deadband");
   edit(screen, "7.5");
   const pid_t child = emulator_child();
