@@ -20,7 +20,7 @@ Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chr
   std::string message = result.error().message;
   if (state.datum_failure != DatumFailure::none)
     message += fmt::format(" ({}: {})", ecs::name_of(state.datum_failure), advice_for(state.datum_failure));
-  return AxisTest{axis, false, std::move(message)};
+  return AxisTest{axis, false, std::move(message), state.datum_failure};
 }
 
 Result<void> begin_compensation(protocol::UnitClient& client) {

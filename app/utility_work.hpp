@@ -17,7 +17,8 @@ namespace ecs::app {
 struct AxisTest {
   Axis axis = Axis::X;
   bool passed = false;
-  std::string message;  ///< why not, and what to do
+  std::string message;                        ///< why not, and what to do
+  DatumFailure failure = DatumFailure::none;  ///< as the unit's status told it
 };
 /// A routine that failed is an answer; a lost line and a cancel are problems.
 [[nodiscard]] Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,

@@ -17,7 +17,8 @@ class DatumLive {
     std::optional<protocol::UnitStatus> status;
     std::string workshop;  ///< socket; empty: no emulator
     std::optional<Axis> axis;
-    double part = 0.0;  ///< of the command under way, 0 … 1
+    bool running = false;  ///< the unit has answered that it is at it
+    double part = 0.0;     ///< of the command under way, 0 … 1
     std::uint64_t changes = 0;
   };
   /// Begins work on an axis.
@@ -25,6 +26,7 @@ class DatumLive {
     const std::lock_guard lock(mutex_);
     seen_.workshop = line.workshop();
     seen_.axis = axis;
+    seen_.running = false;
     seen_.part = 0.0;
     ++seen_.changes;
   }
@@ -37,12 +39,14 @@ class DatumLive {
     const std::lock_guard lock(mutex_);
     if (sample) seen_.sample = *sample;
     if (status) seen_.status = *status;
+    seen_.running = true;
     seen_.part = busy.per_mille / 1000.0;
     ++seen_.changes;
   }
   void end() {
     const std::lock_guard lock(mutex_);
     seen_.axis.reset();
+    seen_.running = false;
     ++seen_.changes;
   }
   [[nodiscard]] Seen now() const {

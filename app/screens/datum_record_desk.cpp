@@ -74,7 +74,8 @@ void DatumRecordDesk::cancel() {
 
 DatumRecordDesk::Phase DatumRecordDesk::phase() const {
   if (!busy()) return Phase::ready;
-  return job_.part() > 0.0 ? Phase::fetching : Phase::recording;
+  if (job_.part() > 0.0) return Phase::fetching;
+  return live_->now().running ? Phase::recording : Phase::starting;
 }
 
 double DatumRecordDesk::part() const { return phase() == Phase::fetching ? job_.part() : live_->now().part; }

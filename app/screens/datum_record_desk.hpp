@@ -14,7 +14,7 @@ namespace ecs::app {
 
 class DatumRecordDesk {
  public:
-  enum class Phase { ready, recording, fetching };
+  enum class Phase { ready, starting, recording, fetching };
   explicit DatumRecordDesk(std::shared_ptr<UnitDesk> desk);
 
   [[nodiscard]] Question question(Axis axis) const;

@@ -46,6 +46,8 @@ void DatumRecordScreen::draw(Canvas& canvas, const Area& area) const {
                                 : fmt::format("REFERENCE AXIS {} NOW, at the machine's own control.", axis),
                             Tone::warning) +
            2;
+  } else if (desk_.phase() == DatumRecordDesk::Phase::starting) {
+    canvas.text(inside, kProgressRow, 0, "The unit is told ...");
   } else if (busy) {
     draw_progress(canvas, inside, kProgressRow, "fetching the record", desk_.part());
   } else {

@@ -100,9 +100,9 @@ void DatumTestDesk::follow_live() {
   const auto seen = live_->now();
   if (!busy() || seen.changes == live_changes_) return;
   live_changes_ = seen.changes;
-  under_test_ = seen.axis;
+  under_test_ = seen.running ? seen.axis : std::nullopt;
   if (seen.sample) unit_.take(*seen.sample);
-  AxisRow* row = seen.axis ? row_of(*seen.axis) : nullptr;
+  AxisRow* row = under_test_ ? row_of(*under_test_) : nullptr;
   if (row == nullptr) return;
   row->standing = Standing::under_way;
   if (seen.status) row->stage = seen.status->axes[index_of(row->axis)].datum_stage;
@@ -116,7 +116,9 @@ void DatumTestDesk::follow_tests() {
     if (row == nullptr) continue;
     row->standing = test.passed ? Standing::passed : Standing::failed;
     row->stage = test.passed ? DatumStage::done : DatumStage::failed;
-    row->message = test.message;
+    row->message = test.failure == DatumFailure::none
+                       ? test.message
+                       : fmt::format("{}. What to do: {}.", ecs::name_of(test.failure), advice_for(test.failure));
   }
 }
 
@@ -147,7 +149,9 @@ bool DatumTestDesk::advance() {
   if (failed == 0)
     message_.say("Every axis that was tested found its datum.");
   else
-    message_.say(fmt::format("{} of the axes failed: see below what to do.", failed), Tone::bad);
+    message_.say(
+        fmt::format("{} failed: see above what to do.", failed == 1 ? "One axis" : fmt::format("{} axes", failed)),
+        Tone::bad);
   return true;
 }
 

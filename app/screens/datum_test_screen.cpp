@@ -66,7 +66,7 @@ void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
 
 std::string DatumTestScreen::call() const {
   if (!desk_.busy()) return "Enter begins the test of the axes marked x.";
-  if (!desk_.under_test()) return "Waiting for the line ...";
+  if (!desk_.under_test()) return "The unit is told ...";
   if (desk_.referencing())
     return fmt::format("The emulated machine references axis {} ...", letter_of(*desk_.under_test()));
   return desk_.emulator()

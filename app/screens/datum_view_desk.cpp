@@ -15,6 +15,20 @@ namespace {
 constexpr const char* kDraft = "datum-sequence";
 constexpr double kLeastSeen_s = 0.05;
 
+constexpr double kTurnedBack_mm = 0.5;  ///< a servo swings less when it stops
+
+/// Whether the axis went back from where it had come to after this sample.
+bool turned_back(const ShownRecord& record, std::size_t from) {
+  const double onward = record.speeds_mm_min[from] >= 0.0 ? 1.0 : -1.0;
+  double furthest = onward * record.recording.position_mm(from);
+  for (std::size_t i = from; i < record.recording.samples.size(); ++i) {
+    const double here = onward * record.recording.position_mm(i);
+    furthest = std::max(furthest, here);
+    if (here < furthest - kTurnedBack_mm) return true;
+  }
+  return false;
+}
+
 const DatumEvent* first_event(const ShownRecord& record, const char* what) {
   for (const DatumEvent& event : record.events)
     if (event.what == what) return &event;
@@ -39,22 +53,22 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
                   speed >= 0.0 ? "forward" : "reverse", std::abs(speed)));
   hints.push_back(fmt::format("Reference switch initial state: the contact was {} before.",
                               samples.front().switch_closed ? "closed" : "open"));
-  const DatumEvent* marker = nullptr;
+  const DatumEvent* taken = nullptr;  // a control stops behind the marker that it takes
   for (const DatumEvent& event : record.events)
-    if (event.what == "marker" && event.time_s >= *first_switch && marker == nullptr) marker = &event;
-  bool turned = false;
-  for (std::size_t i = at; i < samples.size(); ++i)
-    turned = turned || record.speeds_mm_min[i] * speed < -0.01 * speed * speed;
-  hints.push_back(turned ? "The axis turned back after it had reached the switch: datum type allen_bradley turns so."
-                         : "The axis did not turn back after it had reached the switch: datum type fanuc or siemens.");
-  if (marker != nullptr)
-    hints.push_back(
-        fmt::format("Next marker after the switch: {:.3f} s, the contact {} there (final state, if the "
-                    "control takes this marker).",
-                    marker->time_s,
-                    samples[record.at(marker->time_s + record.shift_s).value_or(0)].switch_closed ? "closed" : "open"));
-  else
-    hints.push_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
+    if (event.what == "marker" && event.time_s >= *first_switch) taken = &event;
+  const bool turned = turned_back(record, at);
+  if (taken == nullptr) {
+    hints.emplace_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
+    return hints;
+  }
+  const bool closed = samples[record.at(taken->time_s + record.shift_s).value_or(0)].switch_closed;
+  hints.push_back(fmt::format("Reference switch final state: the contact was {} at the last marker, {:.3f} s.",
+                              closed ? "closed" : "open", taken->time_s));
+  hints.push_back(fmt::format("Datum type {}: the axis {} after it had reached the switch, and the marker came {} it.",
+                              turned   ? "allen_bradley"
+                              : closed ? "siemens"
+                                       : "fanuc",
+                              turned ? "turned back" : "went on", closed ? "on" : "off"));
   return hints;
 }
 

@@ -52,7 +52,8 @@ Result<StatusFile> read_status_file(const std::string& path) {
   const auto dump = dump_in(*text, path);
   if (!dump) return tl::unexpected(dump.error());
   file.snapshot = dump->status;
-  for (const std::string_view line : lines_of(text_of(*dump, decoded(*dump), false))) file.memory.emplace_back(line);
+  const std::string said = text_of(*dump, decoded(*dump), false);
+  for (const std::string_view line : lines_of(said)) file.memory.emplace_back(line);
   return file;
 }
 

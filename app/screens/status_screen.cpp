@@ -52,25 +52,17 @@ void StatusScreen::draw_source(Canvas& canvas, const Area& area) const {
     return;
   }
   const auto age_s = desk_.age_s();
-  const std::string problem = desk_.lack();
-  if (!problem.empty()) {
-    canvas.text(
-        area, 0, 0,
-        age_s ? fmt::format("NO ANSWER, what is shown is {:.0f} s old: {}", *age_s, problem) : "NO ANSWER: " + problem,
-        Tone::bad);
-    return;
-  }
-  if (s == nullptr) {
+  if (!desk_.lack().empty())
+    canvas.text(area, 0, 0, age_s ? fmt::format("NO ANSWER, what is shown is {:.0f} s old", *age_s) : "NO ANSWER",
+                Tone::bad);
+  else if (s == nullptr)
     canvas.text(area, 0, 0, "The unit's state is being read ...", Tone::warning);
-    return;
-  }
-  canvas.text(area, 0, 0,
-              fmt::format("unit {} ({}), firmware {}.{}, {} memory module{}", s->identity.serial_number,
-                          s->identity.unit_name, s->identity.firmware_major, s->identity.firmware_minor,
-                          s->identity.memory_modules, s->identity.memory_modules == 1 ? "" : "s"),
-              Tone::strong);
-  canvas.text_right(area, 0, *age_s < 3.0 ? "live" : fmt::format("read {:.0f} s ago", *age_s),
-                    *age_s < 3.0 ? Tone::good : Tone::warning);
+  else
+    canvas.text(area, 0, 0, fmt::format("unit {} ({})", s->identity.serial_number, s->identity.unit_name),
+                Tone::strong);
+  if (age_s && desk_.lack().empty())
+    canvas.text_right(area, 0, *age_s < 3.0 ? "live" : fmt::format("read {:.0f} s ago", *age_s),
+                      *age_s < 3.0 ? Tone::good : Tone::warning);
 }
 
 void StatusScreen::draw_tabs(Canvas& canvas, const Area& area) const {
@@ -113,7 +105,11 @@ void StatusScreen::draw_state(Canvas& canvas, const Area& area) const {
       canvas, area, row, "watchdog",
       s.watchdog_trips == 0 ? std::string("never tripped") : fmt::format("tripped {} times", s.watchdog_trips),
       s.watchdog_trips == 0 ? Tone::plain : Tone::bad);
-  draw_entry(canvas, area, row, "up for", duration_text(s.uptime_s), Tone::plain);
+  const protocol::Identity& unit = desk_.snapshot()->identity;
+  draw_entry(canvas, area, row, "up for",
+             fmt::format("{}; firmware {}.{}, {} memory module{}", duration_text(s.uptime_s), unit.firmware_major,
+                         unit.firmware_minor, unit.memory_modules, unit.memory_modules == 1 ? "" : "s"),
+             Tone::plain);
 }
 
 void StatusScreen::draw(Canvas& canvas, const Area& area) const {
@@ -137,6 +133,8 @@ void StatusScreen::draw(Canvas& canvas, const Area& area) const {
   const Area last{inside.row + inside.rows - 3, inside.column, 3, inside.columns};
   if (desk_.busy())
     draw_progress(canvas, last, 2, desk_.working_on(), desk_.part());
+  else if (desk_.message().text().empty() && desk_.file() == nullptr)
+    canvas.paragraph(last, 0, desk_.lack(), Tone::bad);
   else
     desk_.message().draw(canvas, last);
   prompt_.draw(canvas, inside, inside.rows - 1);

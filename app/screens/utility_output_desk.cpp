@@ -16,9 +16,9 @@ constexpr std::array<double, 8> kSteps_um{0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 5
 constexpr double kLeastMeasured = 0.02;  ///< of what was put out; less is no movement
 constexpr double kScaleHolds = 0.02;     ///< of the scale; a dial gauge knows no better
 
-std::string signed_um(double um) { return fmt::format("{:+g} um", um); }
-
 }  // namespace
+
+std::string um_text(double um) { return um == 0.0 ? "0 um" : fmt::format("{:+g} um", um); }
 
 Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um) {
   if (um == 0.0)
@@ -27,13 +27,12 @@ Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double u
     return problem(ProblemKind::usage,
                    fmt::format("{} put out and {} measured: the axis does not follow. Check that the relay is closed, "
                                "the connection to the servo, and the D/A converter",
-                               signed_um(um), signed_um(measured_um)));
+                               um_text(um), um_text(measured_um)));
   ScaleProposal proposal;
   proposal.counts_per_um = axis.output_scale_counts_per_um * std::abs(um / measured_um);
   const bool turned = (um > 0.0) != (measured_um > 0.0);
   proposal.polarity = turned ? -axis.compensation_polarity : axis.compensation_polarity;
-  const std::string seen =
-      fmt::format("{} put out moved {} by {}", signed_um(um), letter_of(name), signed_um(measured_um));
+  const std::string seen = fmt::format("{} put out moved {} by {}", um_text(um), letter_of(name), um_text(measured_um));
   if (!turned && std::abs(proposal.counts_per_um / axis.output_scale_counts_per_um - 1.0) < kScaleHolds)
     proposal.sentence = seen + ": scale and polarity are right.";
   else
@@ -88,18 +87,18 @@ Result<double> OutputDesk::value_in(const std::string& typed) const {
     return problem(ProblemKind::usage,
                    fmt::format("{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit "
                                "would refuse it",
-                               signed_um(*number), letter_of(setting_.axis), limit));
+                               um_text(*number), letter_of(setting_.axis), limit));
   return *number;
 }
 
 Question OutputDesk::question(double um) const {
   const char axis = letter_of(setting_.axis);
   const double by = um - (setting_.relay ? setting_.um : 0.0);
-  return {fmt::format("Move axis {} by {}?", axis, signed_um(by)),
+  return {fmt::format("Move axis {} by {}?", axis, um_text(by)),
           fmt::format("The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once "
                       "({}), with a wrong output scale by another amount or the other way. From then on + and - move "
                       "it without asking, at most to {:g} um either way. Keep clear of the machine.",
-                      axis, signed_um(by),
+                      axis, um_text(by),
                       by > 0.0   ? "towards larger coordinates"
                       : by < 0.0 ? "towards smaller coordinates"
                                  : "an offset of the converter shows",
@@ -117,7 +116,7 @@ void OutputDesk::choose(Axis axis) {
   if (axis == setting_.axis || busy()) return;
   if (!setting_.at_rest()) {
     message_.say(fmt::format("Axis {} still puts out {}: press o first, one axis at a time.", letter_of(setting_.axis),
-                             signed_um(setting_.um)),
+                             um_text(setting_.um)),
                  Tone::warning);
     return;
   }
@@ -176,7 +175,7 @@ void OutputDesk::take(const Result<Taken>& taken) {
   if (now.at_rest())
     message_.say("Every output is 0, every relay is open.");
   else
-    message_.say(fmt::format("Axis {}: {} put out, relay {}. o ends it.", letter_of(now.axis), signed_um(now.um),
+    message_.say(fmt::format("Axis {}: {} put out, relay {}. o ends it.", letter_of(now.axis), um_text(now.um),
                              now.relay ? "closed" : "open"));
 }
 

@@ -19,6 +19,9 @@ struct OutputSetting {
   [[nodiscard]] bool at_rest() const { return um == 0.0 && !relay; }
 };
 
+/// "+5 um", "0 um"
+[[nodiscard]] std::string um_text(double um);
+
 /// What an output scale should be, from what was put out and what a dial gauge showed.
 struct ScaleProposal {
   double counts_per_um = 0.0;  ///< above 0

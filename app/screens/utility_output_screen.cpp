@@ -23,10 +23,10 @@ void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
   const char axis = letter_of(now.axis);
   const Area inside{box.row + 1, box.column + 2, 1, box.columns - 4};
   if (now.relay)
-    canvas.text(inside, 0, 0, fmt::format("RELAY CLOSED     axis {} is moved by {:+g} um", axis, now.um), tone);
+    canvas.text(inside, 0, 0, fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um_text(now.um)), tone);
   else if (now.um != 0.0)
     canvas.text(inside, 0, 0,
-                fmt::format("RELAY OPEN       {:+g} um at the converter of {}, nothing moves", now.um, axis), tone);
+                fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um_text(now.um), axis), tone);
   else
     canvas.text(inside, 0, 0, "RELAY OPEN       nothing is put out, nothing moves", tone);
 }
@@ -41,7 +41,7 @@ void OutputScreen::draw(Canvas& canvas, const Area& area) const {
   const auto* seen = desk_.unit().axis(desk_.axis());
   const auto moved = desk_.moved_um();
   canvas.text(inside, kBoxRow + 3, 0,
-              fmt::format("put out    {:>+9g} um  {:>8}    step {:g} um (< > another step)", desk_.setting().um,
+              fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(desk_.setting().um),
                           seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), desk_.step_um()));
   canvas.text(inside, kBoxRow + 4, 0,
               moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",

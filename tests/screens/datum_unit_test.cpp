@@ -45,6 +45,8 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   const std::string events = picture(*graph);
   CHECK(has(events, "switch closes"));
   CHECK(has(events, "direction: forward"));
+  CHECK(has(events, "contact was open at the last marker"));
+  CHECK(has(events, "Datum type fanuc"));
 }
 
 TEST_CASE("a record is given up by Esc, and the next one works") {
@@ -110,11 +112,11 @@ TEST_CASE("an axis that fails says what to do, the others go on") {
   (void)letter(screen, 'y');
   REQUIRE(comes(screen, "REFERENCE AXIS Y NOW"));
   (void)letter(screen, 'g');
-  REQUIRE(comes(screen, "of the axes failed"));
+  REQUIRE(comes(screen, "One axis failed"));
   const std::string seen = picture(screen);
   CHECK(has(seen, "[ ] X      not tested"));
   CHECK(has(seen, "[x] Y      FAILED"));
-  CHECK(has(seen, "approach direction"));
+  CHECK(has(seen, "Y: wrong direction. What to do: change the approach direction"));
 }
 
 TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test works when it is back") {

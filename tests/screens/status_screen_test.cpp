@@ -84,7 +84,9 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   (void)press(screen, Key::Name::enter);
   REQUIRE(comes(screen, "FILE unit.ecsdump"));
   (void)letter(screen, '4');
-  CHECK(has(picture(screen), "commit records"));
+  const std::string memory = picture(screen);
+  CHECK(has(memory, "commit records"));
+  CHECK(has(memory, "taken 20"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(has(picture(screen), "NO ANSWER"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
