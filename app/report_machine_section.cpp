@@ -31,7 +31,7 @@ Markup axes_table(const params::Machine& machine) {
                      {"resolution [µm]", true},
                      {"screw pitch [mm]", true},
                      {"scale pitch [mm]", true},
-                     {"expansion [µm/m°C]", true},
+                     {"expansion [µm/(m\u00a0K)]", true},
                      {"measured at [mm]"}});
   for (const Axis axis : kAllAxes) {
     const auto& a = machine.axes[index_of(axis)];
@@ -88,6 +88,8 @@ std::vector<Environment> recorded_in(const std::vector<Measured>& phases) {
   return found;
 }
 
+constexpr const char* kNothing = "\u2013";
+
 std::string span_text(const ConditionSummary& c) {
   const double least = c.least, most = c.most;
   const int decimals = std::max(std::abs(least), std::abs(most)) < 200.0 ? 1 : 0;
@@ -98,14 +100,35 @@ std::string span_text(const ConditionSummary& c) {
 std::string recorded_text(const laser::MeasurementSet& set, const std::string& column) {
   for (const ConditionSummary& c : conditions_in(set))
     if (c.name == column) return span_text(c);
-  return "\u2013";
+  return kNothing;
 }
 
 std::string metadata(const laser::MeasurementSet& set, std::string_view key) {
   return laser::metadata_value(set, key).value_or("\u2013");
 }
 
-Markup conditions_table(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
+constexpr std::size_t kBesideSetUp = 2;  ///< columns of surroundings for which the table of set-ups has room
+constexpr std::size_t kAcross = 7;       ///< that a table of their own has room for
+
+/// Only what has any of these columns.
+Markup surroundings_table(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
+  std::vector<TableColumn> columns{{"measurement"}, {"phase"}};
+  for (const Environment& one : recorded) columns.push_back({fmt::format("{} [{}]", one.title, one.unit), true});
+  TableMarkup table(columns, "dense");
+  for (const Measured& one : phases) {
+    std::vector<Markup> cells{element("strong", one.name), text(one.phase)};
+    bool any = false;
+    for (const Environment& env : recorded) {
+      const std::string value = recorded_text(*one.set, env.column);
+      any = any || value != kNothing;
+      cells.push_back(text(value));
+    }
+    if (any) table.row(cells);
+  }
+  return table.markup();
+}
+
+Markup set_up_table(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
   std::vector<TableColumn> columns{{"measurement"},         {"phase"},      {"date"},
                                    {"instrument"},          {"runs", true}, {"targets", true},
                                    {"from … to [mm]", true}};
@@ -127,6 +150,17 @@ Markup conditions_table(const std::vector<Measured>& phases, const std::vector<E
     table.row(cells);
   }
   return table.markup();
+}
+
+Markup conditions_tables(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
+  if (recorded.size() <= kBesideSetUp) return set_up_table(phases, recorded);
+  Markup tables = set_up_table(phases, {});
+  for (std::size_t at = 0; at < recorded.size(); at += kAcross) {
+    const auto from = recorded.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto to = recorded.begin() + static_cast<std::ptrdiff_t>(std::min(recorded.size(), at + kAcross));
+    tables += surroundings_table(phases, {from, to});
+  }
+  return tables;
 }
 
 /// Which of the quantities that matter for air and material nobody wrote down.
@@ -177,7 +211,7 @@ ReportSection machine_section(const ReportContent& content) {
 ReportSection conditions_section(const ReportContent& content) {
   const auto phases = phases_in(content);
   const auto recorded = recorded_in(phases);
-  Markup body = conditions_table(phases, recorded);
+  Markup body = conditions_tables(phases, recorded);
   if (const std::string missing = not_recorded(recorded); !missing.empty()) body += absence(missing);
   body += common_metadata(phases);
   return {"conditions", "Conditions of the measurements", std::move(body)};

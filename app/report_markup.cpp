@@ -79,7 +79,7 @@ std::string css_string(std::string_view plain) {
     if (is_word(c) || c == ' ' || static_cast<unsigned char>(c) >= 0x80)
       out += c;
     else
-      out += fmt::format("\\{:06x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      out += fmt::format("\\{:06x} ", static_cast<unsigned>(static_cast<unsigned char>(c)));
   }
   return out;
 }

@@ -40,7 +40,7 @@ class Markup {
 /// Letters, digits and dashes, for an id that is not yet in `used`; joins it.
 [[nodiscard]] std::string fresh_id(std::string_view name, std::vector<std::string>& used);
 
-/// The text between quotes of a CSS `content`: everything but plain letters and digits as an escape.
+/// The text between quotes of a CSS `content`: everything but letters, digits and blanks as an escape.
 [[nodiscard]] std::string css_string(std::string_view plain);
 
 // --- numbers

@@ -204,6 +204,15 @@ Markup effects_table(const ReportedModel& model) {
   return table.markup();
 }
 
+/// As long as the room beside the bars; characters stay whole.
+std::string cut(const std::string& name) {
+  constexpr std::size_t kRoom = 34;
+  if (name.size() <= kRoom) return name;
+  std::size_t end = kRoom - 1;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
+  return name.substr(0, end) + "…";
+}
+
 Markup ladder(const std::vector<model::LadderStep>& history) {
   SvgBars bars{"rms of what is left after each effect",
                {},
@@ -219,7 +228,7 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
   for (std::size_t i = 0; i < history.size(); ++i) {
     const model::LadderStep& step = history[i];
     const std::string name = step.effect.empty() ? "start" : step.effect;
-    bars.bars.push_back({name.size() > 34 ? name.substr(0, 33) + "…" : name, step.rms_um, um(step.rms_um)});
+    bars.bars.push_back({cut(name), step.rms_um, um(step.rms_um)});
     table.row({text(fmt::format("{}", i)), element("strong", name), cell(step.rms_before_um, 2), cell(step.rms_um, 2),
                cell(step.peak_um, 2), cell(step.noise_um, 2), cell(step.held_out_rms_um, 2)});
   }

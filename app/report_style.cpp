@@ -58,13 +58,15 @@ th:first-child, td:first-child { padding-left: 0; }
 th:last-child, td:last-child { padding-right: 0; }
 th.n, td.n { text-align: right; white-space: nowrap; }
 th.n { white-space: normal; }
-td strong { white-space: nowrap; }
+td.n strong { white-space: nowrap; }
+td:first-child, td:nth-child(2) { overflow-wrap: anywhere; }
 tr.open td { background: var(--faint); font-weight: 600; }
 table.summary td:nth-child(2) { width: 30%; }
 table.iso { font-size: 7.6pt; }
 table.iso th, table.iso td { padding-left: .7mm; padding-right: .7mm; }
 table.dense { font-size: 7.8pt; }
-table.dense td { white-space: nowrap; padding-top: .35mm; padding-bottom: .35mm; }
+table.dense td:nth-child(3) { white-space: nowrap; }
+table.dense td { padding-top: .35mm; padding-bottom: .35mm; }
 table.keys td { padding-top: .35mm; padding-bottom: .35mm; }
 table.sources { font-size: 7.2pt; }
 table.sources td { padding-top: .3mm; padding-bottom: .3mm; }
@@ -99,6 +101,7 @@ svg .mark.bid { fill: var(--ink); }
 svg .bar { fill: var(--fwd); }
 svg .level { stroke: var(--ink); stroke-width: 1; stroke-dasharray: 4 3; }
 footer { margin-top: 8mm; border-top: .8pt solid var(--rule); padding-top: 2mm; color: var(--soft); font-size: 8pt; }
+@media screen and (max-width: 720px) { table { display: block; overflow-x: auto; } body { padding: 0 3mm; } }
 @media print {
   body { max-width: none; margin: 0; padding: 0; }
   nav { display: none; }

@@ -164,6 +164,29 @@ TEST_CASE("a page that cannot be written, inputs as output, wrong words and no m
   CHECK_FALSE(std::filesystem::exists(c.page));
 }
 
+TEST_CASE("many sensors get tables of their own, a few across, and what no file recorded is said") {
+  const Commissioning c;
+  std::string text = "axis,sense,x_mm,reading,approach,compensated,pressure_hPa";
+  for (int i = 0; i < 9; ++i) text += fmt::format(",t_s{}_degC", i);
+  for (const int approach : {1, -1})
+    for (const double x : {0.0, 500.0, 1000.0}) {
+      text += fmt::format("\nX,EX,{},{},{},0,{}", x, x / 100.0, approach, 1000 + x / 100.0);
+      for (int i = 0; i < 9; ++i) text += fmt::format(",{}", 20 + i);
+    }
+  (void)c.folder.with("before/EXX.csv", text + "\n");
+  REQUIRE(c.report().code == 0);
+  const std::string html = c.html();
+  CHECK(holds(html, "<td class=\"n\">1000 … 1010</td>"));
+  CHECK(holds(html, "<td class=\"n\">28.0</td>"));
+  CHECK(holds(html, "Not recorded in the files: air temperature, material temperature, humidity, feed."));
+  for (std::size_t at = 0; (at = html.find("<tr>", at)) != std::string::npos; ++at) {
+    const std::string row = html.substr(at, html.find("</tr>", at) - at);
+    std::size_t cells = 0;
+    for (std::size_t i = 0; (i = row.find("<t", i + 1)) != std::string::npos;) ++cells;
+    CHECK(cells <= 16);
+  }
+}
+
 // --- models
 
 /// X with a periodic error of 8 mm that its model does not know; the compensation took half of it away.
