@@ -1,4 +1,4 @@
-// libFuzzer over every reader of measurement files: whatever the bytes are, a Result comes back, and what was read is
+// libFuzzer over every reader of measurement files and of controls' tables: whatever the bytes are, a Result comes back, and what was read is
 // finite. Built once for each reader: ECS_FUZZ_READER is its name below. Does not live here: the seeds (corpus/).
 #include <cmath>
 #include <cstddef>
@@ -7,8 +7,12 @@
 #include <string>
 #include <string_view>
 
+#include "laser/controller_etalon.hpp"
+#include "laser/controller_linuxcnc.hpp"
+#include "laser/controller_siemens.hpp"
 #include "laser/import.hpp"
 #include "laser/iso230.hpp"
+#include "laser/map_csv.hpp"
 #include "laser/measurement_writer.hpp"
 #include "laser/readers.hpp"
 
@@ -93,6 +97,43 @@ void columns(std::string_view bytes, const ImportOptions& options) {
   mapped.mapping->values = static_cast<TableValues>(options.table_holds_errors ? 1 : options.accept_truncated ? 2 : 0);
   any(bytes.substr(end + 1), mapped);
 }
+
+/// Tables that were read make a map, and that map can be written and read again.
+void use(const Result<ControllerTables>& tables) {
+  if (!tables) {
+    if (tables.error().message.empty()) std::abort();
+    return;
+  }
+  std::size_t points = 0;
+  for (const MapTable& table : tables->tables) {
+    points += table.position_mm.size();
+    if (table.position_mm.empty() || table.position_mm.size() != table.compensation.size()) std::abort();
+    for (std::size_t i = 0; i < table.position_mm.size(); ++i)
+      if (!std::isfinite(table.compensation[i]) || !std::isfinite(table.position_mm[i]) ||
+          (i > 0 && table.position_mm[i] <= table.position_mm[i - 1]))
+        std::abort();
+  }
+  if (points > 2000) return;
+  const ReadMap read = map_of(*tables);
+  for (const double value : read.squareness)
+    if (!std::isfinite(value)) std::abort();
+  const auto again = parse_map_csv(to_map_csv(read.map), "map.csv");
+  if (again && again->tables.size() != read.map.tables.size()) std::abort();
+}
+
+void linuxcnc(std::string_view bytes, const ImportOptions& options) {
+  LinuxCncReadOptions how;
+  if (options.axis) how.type = options.table_holds_errors ? 0 : 1;
+  how.as_loaded = options.accept_truncated;
+  if (options.target_unit) how.units = MachineUnits::inch;
+  use(parse_linuxcnc(bytes, "x.comp", how));
+}
+void siemens(std::string_view bytes, const ImportOptions& options) {
+  SiemensOptions how;
+  how.cec_adds = options.table_holds_errors;
+  use(parse_siemens(bytes, "NC_CEC.INI", how));
+}
+void etalon(std::string_view bytes, const ImportOptions&) { use(parse_etalon(bytes, "errors.txt")); }
 
 }  // namespace
 
