@@ -11,7 +11,7 @@ namespace ecs::app {
 namespace {
 
 constexpr std::array<const char*, 5> kTitles{"Configuration", "Compensation", "Datuming", "Findings", "Compare"};
-constexpr int kWide = 110;  ///< columns from which on the panel stands beside the list
+constexpr int kWide = 118;  ///< columns from which on the panel stands beside the list
 
 /// Rows for the panel below the list.
 int panel_rows(const Area& area) { return std::clamp(area.rows * 2 / 5, 3, 9); }
@@ -39,7 +39,7 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     draw_tabs(canvas, {area.row + 1, area.column, 1, area.columns});
     const Area body{area.row + 2, area.column, area.rows - 3, area.columns};
     if (area.columns >= kWide) {
-      const int list = area.columns * 3 / 5;
+      const int list = std::max(area.columns * 3 / 5, 78);
       draw_page(canvas, body.left(list));
       draw_below(canvas, body.right_of(list + 1));
     } else {

@@ -19,9 +19,9 @@ std::string overwritten(const ParametersDesk& desk) {
   std::string text =
       fmt::format("Overwritten there: {} parameter{}:", differing.size(), differing.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kNamed, differing.size()); ++k)
-    text += fmt::format("\n  {}: {} > {}", full_label_of(differing[k].key), value_or_nothing(differing[k].unit),
+    text += fmt::format("\n- {}: {} > {}", full_label_of(differing[k].key), value_or_nothing(differing[k].unit),
                         value_with_unit(differing[k].key, differing[k].screen));
-  if (differing.size() > kNamed) text += fmt::format("\n  and {} more (page Compare)", differing.size() - kNamed);
+  if (differing.size() > kNamed) text += fmt::format("\n- and {} more (page Compare)", differing.size() - kNamed);
   return text;
 }
 
@@ -30,9 +30,9 @@ std::string warned(const ParametersDesk& desk) {
   if (findings.empty()) return {};
   std::string text = fmt::format("\n{} warning{}:", findings.size(), findings.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kWarned, findings.size()); ++k)
-    text += fmt::format("\n  {}: {}", findings[k].keys.empty() ? "" : full_label_of(findings[k].keys.front()),
+    text += fmt::format("\n- {}: {}", findings[k].keys.empty() ? "" : full_label_of(findings[k].keys.front()),
                         findings[k].message);
-  if (findings.size() > kWarned) text += fmt::format("\n  and {} more (page Findings)", findings.size() - kWarned);
+  if (findings.size() > kWarned) text += fmt::format("\n- and {} more (page Findings)", findings.size() - kWarned);
   return text;
 }
 
@@ -176,7 +176,7 @@ void ParametersTransfer::take_sent(ParametersDesk& desk, MessageLine& message, R
     return;
   }
   std::string objections;
-  for (const Problem& objection : why.also) objections += "\n  " + objection.message;
+  for (const Problem& objection : why.also) objections += "\n- " + objection.message;
   message.say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
   asking_ = Asking{{"Send them without the map?",
                     "The map in the unit does not fit these parameters and would be dropped: the unit does not "

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMarks = 2;  ///< column of the marks
 constexpr int kNames = 6;
-constexpr int kSideBySide = 76;  ///< columns from which on a row has room for a note
+constexpr int kSideBySide = 74;  ///< columns from which on a row has room for a note
 
 struct Columns {
   int value = 0;
@@ -19,8 +19,8 @@ struct Columns {
 };
 
 Columns columns_of(const Area& area) {
-  if (area.columns < kSideBySide - 8) return {kNames + std::max(8, (area.columns - kNames) / 2), 0, area.columns - 1};
-  return {kNames + 27, area.columns - 25, area.columns - 1};
+  if (area.columns < kSideBySide) return {kNames + std::max(8, (area.columns - kNames) / 2), 0, area.columns - 1};
+  return {kNames + 27, kNames + 45, area.columns - 1};
 }
 
 std::string counted(std::size_t count, std::string_view word) {
