@@ -33,7 +33,8 @@ void ParametersScreen::prompt_for(std::string title, std::string help, const std
 }
 
 void ParametersScreen::ask_for_file() {
-  prompt_for("open the parameter file", "Path of a .toml file; Tab completes it.", desk_.file(),
+  const std::string beside = desk_.file().substr(0, desk_.file().rfind('/') + 1);
+  prompt_for("open the parameter file", "Path of a .toml file; Tab completes it.", beside,
              [this](const std::string& path) {
                auto opened = desk_.open_file(path);
                if (!opened) {
