@@ -29,6 +29,10 @@ using namespace ecs::emulator;
 
 volatile std::sig_atomic_t stop_requested = 0;
 extern "C" void on_stop(int /*signal*/) { stop_requested = 1; }
+volatile pid_t parent_process = 0;
+extern "C" void on_parent_thread_gone(int /*signal*/) {
+  if (getppid() != parent_process) stop_requested = 1;
+}
 
 int told(const ecs::Problem& problem) {
   fmt::print(stderr, "{}\n", ecs::to_text(problem));
@@ -74,9 +78,13 @@ void catch_signals() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-/// Ends with the process that started this one.
+/// Ends with the process that started this one, not with the thread of it that did: the signal comes for either.
 bool bound_to_parent(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  parent_process = parent;
+  struct sigaction action {};
+  action.sa_handler = on_parent_thread_gone;
+  sigaction(SIGUSR1, &action, nullptr);
+  prctl(PR_SET_PDEATHSIG, SIGUSR1);
   return getppid() == parent;
 }
 

@@ -88,6 +88,7 @@ void LinkScreen::draw_top(Canvas& canvas, const Area& area) const {
 void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
   const auto rows = fields();
   const auto ports = static_cast<int>(desk_.ports().size());
+  first_row_ = area.row;
   const int selected = std::clamp(row_.selected, 0, static_cast<int>(rows.size()) + ports - 1);
   for (int r = 0; r < std::min(area.rows, static_cast<int>(rows.size())); ++r) {
     const LinkField& field = rows[static_cast<std::size_t>(r)];
@@ -229,6 +230,8 @@ void LinkScreen::take_port() {
 void LinkScreen::on_setting_key(const Key& key) {
   const auto rows = fields();
   const auto count = static_cast<int>(rows.size());
+  if (key.name == Key::Name::mouse && key.row >= first_row_ && key.row < first_row_ + count)
+    row_.selected = key.row - first_row_;
   if (row_.on_key(key, count + static_cast<int>(desk_.ports().size()))) return;
   if (row_.selected >= count) {
     if (key.name == Key::Name::enter) take_port();

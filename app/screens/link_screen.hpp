@@ -41,7 +41,8 @@ class LinkScreen final : public Screen {
   std::shared_ptr<UnitDesk> unit_;
   LinkDesk desk_;
   Page page_ = Page::setting;
-  ListPlace row_;  ///< of the fields, then of the ports
+  ListPlace row_;              ///< of the fields, then of the ports
+  mutable int first_row_ = 0;  ///< of the fields on the canvas
   bool editing_ = false;
   TextLine text_;
   ScrollPlace scroll_;

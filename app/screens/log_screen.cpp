@@ -67,12 +67,15 @@ void LogScreen::draw(Canvas& canvas, const Area& area) const {
   const int whole = std::clamp(area.rows / 4, 1, 8);
   const Area list{area.row + 2, area.column, std::max(1, area.rows - 4 - whole), area.columns};
   if (rows.empty()) {
-    canvas.text(text, 2, 0, only_errors_ ? "no error since the start; e shows all messages" : "nothing was told yet");
+    canvas.text(text, 2, 0,
+                only_errors_ ? "no error since the start; e shows all messages"
+                             : "nothing was told yet: what the screens say is kept here, errors too");
   } else {
     std::vector<ListRow> lines;
     for (const LogEntry* entry : rows)
       lines.push_back({row_of(*entry), entry->tone == Tone::good ? Tone::plain : entry->tone});
     draw_list(canvas, list, lines, place_);
+    list_row_ = list.row;
     const LogEntry& entry =
         *rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))];
     const Area below{area.row + area.rows - 2 - whole, area.column + 1, whole, area.columns - 2};
@@ -159,7 +162,11 @@ Step LogScreen::on_key(const Key& key) {
   if (key.name == Key::Name::resized) return stay();
   said_.clear();
   const auto count = static_cast<int>(shown().size());
-  if (place_.on_key(key, count)) {
+  if (key.name == Key::Name::mouse) {
+    const int at = place_.first + key.row - list_row_;
+    if (key.row >= list_row_ && at < count) place_.selected = at;
+    following_ = place_.selected >= count - 1;
+  } else if (place_.on_key(key, count)) {
     following_ = place_.selected >= count - 1;
   } else if (is_letter(key, U'e')) {
     only_errors_ = !only_errors_;

@@ -88,7 +88,13 @@ void MemoryDesk::write(const ByteWrite& write, bool undo) {
 
 void MemoryDesk::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
   if (!done) {
-    memory_.forget();  // some of it may have been written
+    memory_.forget();
+    if (!undo && done.error().kind == ProblemKind::link) {  // some of it may have been written
+      written_.push_back(write);
+      written_.back().when = time_now();
+      written_.back().where += ", NOT CONFIRMED";
+      written_in_ = serial_number_;
+    }
     return message_.say(done.error());
   }
   const Address at = write.address;

@@ -60,7 +60,8 @@ TEST_CASE("a port that is not there is named with what to do, and nothing waits 
 
 TEST_CASE("the form is edited, used, and stored only after a question where it has not answered") {
   LinkCase one("rtu:/dev/no-such-port:9600");
-  (void)press(one.screen, Key::Name::down);
+  (void)picture(one.screen);
+  (void)one.screen.on_key({Key::Name::mouse, 0, 0, 4, 10});  // the row of the port
   (void)press(one.screen, Key::Name::enter);
   CHECK(one.screen.typing());
   enter(one.screen, "/dev/no-other-port");
@@ -187,6 +188,18 @@ TEST_CASE("with the emulator killed the link screen says so and shows it back") 
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   type(one.screen, "3");
   REQUIRE(shows(one.screen, "was opened again"));
+}
+
+TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
+  if (!UnitCase::has_emulator()) return;
+  const UnitCase one;
+  const auto choice = parsed_link("emulator", "test");
+  REQUIRE(choice);
+  std::shared_ptr<EmulatorProcess> emulator;
+  std::thread([&] { emulator = open_link(*choice)->emulator(); }).join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  CHECK(emulator->running());
+  CHECK(open_link(*choice)->client().identity());
 }
 
 TEST_CASE("the link screen fits any size") {

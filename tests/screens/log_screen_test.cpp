@@ -49,6 +49,8 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   CHECK(has(picture(screen), "is in no message"));
   (void)press(screen, Key::Name::end);
   CHECK(has(picture(screen), "following"));
+  (void)screen.on_key({Key::Name::mouse, 0, 0, 3, 10});  // the first row of the list
+  CHECK_FALSE(has(picture(screen), "following"));
   type(screen, "s");
   const std::string copy = (one.folder / "copy.txt").string();
   enter(screen, copy);

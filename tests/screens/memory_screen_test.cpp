@@ -225,6 +225,27 @@ TEST_CASE("with the emulator killed the screen says so, and reads anew when it i
   REQUIRE(until(one.screen, [&] { return !has(picture(one.screen), " .. "); }));
 }
 
+TEST_CASE("a write while the unit dies either is confirmed or is in the list as not confirmed") {
+  if (!UnitCase::has_emulator()) return;
+  MemoryCase one;
+  REQUIRE(shows(one.screen, "unit MCM-0107"));
+  one.go("48000");
+  type(one.screen, "w");
+  enter(one.screen, "01 02");
+  REQUIRE(kill_emulators() == 1);
+  type(one.screen, "y");
+  type(one.screen, "3");
+  REQUIRE(shows(one.screen, "00 00 > 01 02"));
+  const bool confirmed = !has(picture(one.screen), "NOT CONFIRMED");
+  REQUIRE(until(one.screen, [&] { return one.unit->newest().has_value(); }));
+  CHECK(one.bytes_of_unit(0x48000, 2) ==
+        (confirmed ? std::vector<std::uint8_t>{1, 2} : std::vector<std::uint8_t>{0, 0}));
+  type(one.screen, "1u");
+  type(one.screen, "y");
+  REQUIRE(shows(one.screen, confirmed ? "written back at" : "nothing was written"));
+  CHECK(one.bytes_of_unit(0x48000, 2) == std::vector<std::uint8_t>{0, 0});
+}
+
 TEST_CASE("without a unit the screen says what is missing and opens a file all the same") {
   const UnitCase one;
   MemoryScreen screen(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"));
