@@ -220,8 +220,7 @@ bool DatumViewDesk::advance() {
     } else if ((*opened)->as_overlay) {
       second_ = (*opened)->record;
       show_all();
-      message_.say(fmt::format("{} is the second, drawn broken. a lays the switches over each other, x takes it away.",
-                               second_->name));
+      message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
     } else {
       first_ = (*opened)->record;
       saved_ = true;

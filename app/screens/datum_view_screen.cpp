@@ -40,11 +40,13 @@ void DatumViewScreen::draw(Canvas& canvas, const Area& area) const {
 void DatumViewScreen::draw_heading(Canvas& canvas, const Area& area) const {
   const ShownRecord& record = *desk_.first();
   const DatumRecording& r = record.recording;
-  const int column = canvas.text(area, 0, 0,
-                                 fmt::format("Axis {}, {}{}{}, {:.1f} s", letter_of(r.axis), record.name,
-                                             r.serial_number.empty() ? "" : ", unit " + r.serial_number,
-                                             r.taken.empty() ? "" : ", " + r.taken, record.end_s() - record.shift_s),
-                                 Tone::strong);
+  const std::string taken =
+      r.taken.size() < 16 ? r.taken : r.taken.substr(0, 10) + " " + r.taken.substr(11, 5) + " UTC";
+  const int column = canvas.text(
+      area, 0, 0,
+      fmt::format("Axis {}, {}{}{}", letter_of(r.axis), record.name,
+                  r.serial_number.empty() ? "" : ", unit " + r.serial_number, taken.empty() ? "" : ", " + taken),
+      Tone::strong);
   if (!desk_.saved()) canvas.text(area, 0, column, ", NOT SAVED", Tone::warning);
 }
 

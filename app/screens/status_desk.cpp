@@ -229,7 +229,11 @@ bool StatusDesk::advance() {
     else
       message_.say((*opened).error());
   }
-  changed = reference_.advance(message_) || changed;
+  if (reference_.advance(message_)) {
+    changed = true;
+    at_once_ = true;
+    if (!message_.is_problem()) message_.say("The emulated machine has referenced its axes.");
+  }
   const int age = static_cast<int>(age_s().value_or(0.0));
   changed = changed || busy() || age != shown_age_;
   shown_age_ = age;

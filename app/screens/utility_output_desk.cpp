@@ -13,8 +13,9 @@ namespace ecs::app {
 namespace {
 
 constexpr std::array<double, 8> kSteps_um{0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
-constexpr double kLeastMeasured = 0.02;  ///< of what was put out; less is no movement
-constexpr double kScaleHolds = 0.02;     ///< of the scale; a dial gauge knows no better
+constexpr double kLeastMeasured = 0.02;                     ///< of what was put out; less is no movement
+constexpr auto kSettling = std::chrono::milliseconds(100);  ///< from a command to a sample that shows it
+constexpr double kScaleHolds = 0.02;                        ///< of the scale; a dial gauge knows no better
 
 }  // namespace
 
@@ -59,11 +60,16 @@ OutputDesk::~OutputDesk() {
   (void)desk_->on_line(signs, [](UnitLink& line) { return line.client().output_off(); });
 }
 
-/// What another host, or this one before, left switched on.
+/// What another host, or this one before, left switched on; what the unit has ended by itself.
 void OutputDesk::follow_unit() {
+  if (busy() || !unit_.fresh || unit_.standing.newest_at < told_at_ + kSettling) return;
+  if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {
+    setting_ = {setting_.axis, 0.0, false};
+    message_.say("The unit has opened the relay by itself: another mode, a fault, or another host.", Tone::warning);
+  }
+  if (!setting_.at_rest() || !unit_.integrating()) return;
   for (const Axis a : unit_.axes())
-    if (const auto* s = unit_.axis(a);
-        s != nullptr && unit_.integrating() && (s->relay_closed || s->output_counts != 0))
+    if (const auto* s = unit_.axis(a); s != nullptr && (s->relay_closed || s->output_counts != 0))
       setting_ = {a, s->compensation_um, s->relay_closed};
 }
 
@@ -169,6 +175,7 @@ void OutputDesk::take(const Result<Taken>& taken) {
     message_.say(taken.error());
     return;
   }
+  told_at_ = std::chrono::steady_clock::now();
   const OutputSetting& now = taken->setting;
   if (setting_.at_rest() && taken->before) rest_mm_ = taken->before->axes[index_of(now.axis)].position_mm;
   setting_ = now;
@@ -203,6 +210,7 @@ bool OutputDesk::advance() {
     rest_mm_.reset();
     changed = true;
   }
+  if (changed) follow_unit();
   start_reading_parameters();
   if (const auto parameters = reading_.take()) {
     parameters_known_ = parameters->has_value();

@@ -86,6 +86,7 @@ class OutputDesk {
   bool parameters_known_ = false;
   std::chrono::steady_clock::time_point parameters_of_{};  ///< the line that they were asked on
   int restarts_ = 0;
+  std::chrono::steady_clock::time_point told_at_{};  ///< when the unit took `setting_`
   bool was_fresh_ = false;
   bool off_wanted_ = false;
   MessageLine message_;

@@ -16,19 +16,26 @@ constexpr const char* kScaleExplained =
     "largest error, press m and type what the gauge shows. The scale and polarity that follow are proposed here. "
     "The converter alone is tested with the relay open: measure its voltage.";
 
-void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
+/// What the box says, and how.
+ListRow relay_row(const OutputDesk& desk) {
   const OutputSetting& now = desk.setting();
-  const Tone tone = now.relay ? Tone::bad : (now.um != 0.0 ? Tone::warning : Tone::good);
-  canvas.frame(box, {}, tone);
   const char axis = letter_of(now.axis);
-  const Area inside{box.row + 1, box.column + 2, 1, box.columns - 4};
-  if (now.relay)
-    canvas.text(inside, 0, 0, fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um_text(now.um)), tone);
-  else if (now.um != 0.0)
-    canvas.text(inside, 0, 0,
-                fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um_text(now.um), axis), tone);
-  else
-    canvas.text(inside, 0, 0, "RELAY OPEN       nothing is put out, nothing moves", tone);
+  const std::string um = um_text(now.um);
+  if (!desk.unit().fresh)
+    return {now.at_rest() ? std::string("RELAY NOT KNOWN  no answer: what the unit puts out is not known")
+                          : fmt::format("RELAY NOT KNOWN  no answer; axis {} was told {}, relay {}", axis, um,
+                                        now.relay ? "closed" : "open"),
+            Tone::bad};
+  if (now.relay) return {fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um), Tone::bad};
+  if (now.um != 0.0)
+    return {fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um, axis), Tone::warning};
+  return {"RELAY OPEN       nothing is put out, nothing moves", Tone::good};
+}
+
+void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
+  const ListRow row = relay_row(desk);
+  canvas.frame(box, {}, row.tone);
+  canvas.text({box.row + 1, box.column + 2, 1, box.columns - 4}, 0, 0, row.text, row.tone);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ std::vector<ProgramRegion> program_regions() {
   Region programs = kSystemRam;
   programs.first = kUserPrograms;
   programs.size = kSystemRam.first + kSystemRam.size - kUserPrograms;
-  return {{programs, "your programs and data, stack at the top", true},
+  return {{programs, "your programs, data and stack", true},
           {kEprom, "the firmware: read only", false},
           {{kSystemRam.first, kUserRegisterBytes, false, kSystemRam.name}, "registers after a run", false},
           {kMachineInputs, "periods, positions, axes: read only", false},

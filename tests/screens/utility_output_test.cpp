@@ -76,6 +76,20 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
+TEST_CASE("a relay that the unit opens for another reason is seen") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.desk);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
+  REQUIRE(comes(screen, "The unit has opened the relay by itself"));
+  CHECK(has(picture(screen), "RELAY OPEN       nothing is put out"));
+}
+
 TEST_CASE("leaving by any way opens the relay") {
   if (emulator_built().empty()) return;
   const Bench bench;

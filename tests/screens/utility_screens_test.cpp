@@ -1,0 +1,57 @@
+// What holds for every screen of ECS UTILITY.
+#include <algorithm>
+
+#include "app/screens/utility_choices.hpp"
+#include "utility_bench.hpp"
+
+using namespace ecs::app;
+
+namespace {
+
+void draw_in_all_sizes(const Screen& screen) {
+  for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode})
+    for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}, {60, 200}}) {
+      const Canvas canvas = picture_of(screen, screen.title(), {}, Canvas(rows, columns, glyphs), false);
+      const std::string text = canvas.plain_text();
+      const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };
+      if (glyphs == Glyphs::ascii) CHECK_MESSAGE(std::all_of(text.begin(), text.end(), is_ascii), screen.title());
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the menu has the entries of figure 5.4 in their order") {
+  const BenchFolder folder;
+  std::vector<std::string> names;
+  for (const MenuChoice& choice : utility_choices(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600")))
+    names.push_back(choice.name);
+  CHECK(names == std::vector<std::string>{"SET AXIS POSITION", "OUTPUT COMPENSATION VALUE", "RECORD DATUM SEQUENCE",
+                                          "DISPLAY DATUM SEQUENCE", "TEST DATUM ROUTINE", "DISPLAY ECS STATUS",
+                                          "RUN USER SOFTWARE"});
+}
+
+TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, says what is missing and lets go") {
+  const BenchFolder folder;
+  const auto desk = std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(desk)) {
+    const auto screen = choice.opens();
+    if (choice.name != "DISPLAY DATUM SEQUENCE") REQUIRE_MESSAGE(comes(*screen, "NO ANSWER"), choice.name);
+    (void)picture(*screen, Canvas(24, 80, Glyphs::ascii));
+    draw_in_all_sizes(*screen);
+    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+  }
+}
+
+TEST_CASE("a picture of a screen takes no time to speak of") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  for (const MenuChoice& choice : utility_choices(bench.desk)) {
+    const auto screen = choice.opens();
+    for (int k = 0; k < 20; ++k) (void)screen->advance();
+    const auto since = std::chrono::steady_clock::now();
+    for (int k = 0; k < 50; ++k) (void)picture_of(*screen, "", {}, Canvas(24, 80), false);
+    const auto each = (std::chrono::steady_clock::now() - since) / 50;
+    CHECK_MESSAGE(each < std::chrono::milliseconds(10), choice.name);  // half a millisecond on an idle machine
+  }
+}
