@@ -76,7 +76,7 @@ struct Wedge {
 /// The fewest points of the curve between which straight lines miss no other by more than `tolerance`.
 std::vector<std::size_t> fewest_within(const ControlCurve& curve, double tolerance) {
   const std::size_t count = curve.position_mm.size();
-  std::vector<std::size_t> points(count, count), from(count, 0);
+  std::vector<std::size_t> points(count, count + 1), from(count, 0);
   points[0] = 1;
   for (std::size_t i = 0; i + 1 < count; ++i) {
     Wedge forward, reverse;
