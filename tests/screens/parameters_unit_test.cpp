@@ -1,7 +1,9 @@
 // The parameters screen with the real emulator at the far end of the line: receiving, sending, a lost line.
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "app/emulator_process.hpp"
@@ -217,6 +219,29 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   REQUIRE(shows(screen, "Send the parameters to EMULATOR"));
   type(screen, "y");
   REQUIRE(shows(screen, "read back: no difference"));
+}
+
+TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives the exchange up") {
+  const ParametersCase one;
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(master >= 0);
+  REQUIRE(::grantpt(master) == 0);
+  REQUIRE(::unlockpt(master) == 0);
+  ParametersScreen screen(std::make_shared<UnitDesk>(std::string("rtu:") + ::ptsname(master) + ":115200"));
+  open_file(screen, one);
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  const auto begin = std::chrono::steady_clock::now();
+  type(screen, "t");
+  CHECK(has(seen(screen), "Esc cancels"));
+  type(screen, "d");
+  CHECK(has(seen(screen), "7.5 um"));  // what is being sent is not edited meanwhile
+  press(screen, Key::Name::up);
+  press(screen, Key::Name::escape);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(500));
+  REQUIRE(shows(screen, "everything here stays as it is"));
+  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  ::close(master);
 }
 
 TEST_CASE("warnings stand in the question before they are sent") {
