@@ -118,11 +118,10 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
       standing = std::move(now);
       changed = true;
     }
-    if (changed && (urgent || !terminal.behind())) {
+    if (changed) {
       Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), help);
       if (sure) draw_leaving(canvas, stack.unsaved());
-      terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)));
-      changed = false;
+      changed = !terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
     }
     const Key key = terminal.read(kWait_ms);
     urgent = key.name != Key::Name::none;

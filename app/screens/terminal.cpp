@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <clocale>
 #include <csignal>
 #include <cstdlib>
@@ -130,6 +131,26 @@ Key pressed_at() {
   return {Key::Name::mouse, 0, 0, event.y, event.x};
 }
 
+/// Bytes a second that the line of the terminal carries; a pseudo-terminal says 38,400 baud.
+double line_speed() {
+  struct termios line {};
+  if (::tcgetattr(STDOUT_FILENO, &line) != 0) return 3840.0;
+  switch (::cfgetospeed(&line)) {
+    case B1200:
+      return 120.0;
+    case B2400:
+      return 240.0;
+    case B4800:
+      return 480.0;
+    case B9600:
+      return 960.0;
+    case B19200:
+      return 1920.0;
+    default:
+      return 3840.0;
+  }
+}
+
 bool has_colour(const TerminalOptions& options) {
   const char* no = std::getenv("NO_COLOR");
   return options.colour && (no == nullptr || *no == '\0');
@@ -141,6 +162,10 @@ struct Terminal::Screen {
   SCREEN* curses = nullptr;
   Glyphs glyphs = Glyphs::ascii;
   bool slow = false;
+  Canvas sent{0, 0};  ///< what the terminal was given
+  int next_row = 0;   ///< of the next piece
+  double bytes_per_s = 3840.0;
+  std::chrono::steady_clock::time_point busy_until{};
   std::array<attr_t, kTones> attributes{};
 
   Screen() = default;
@@ -152,6 +177,9 @@ struct Terminal::Screen {
     ::delscreen(curses);
   }
 
+  [[nodiscard]] bool behind() const;
+  void reckon(int cells);
+  [[nodiscard]] int write_row(const Canvas& canvas, int r, int room);
   void choose_looks(bool colour) {
     const bool able = colour && ::has_colors();
     if (able) {
@@ -192,8 +220,8 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
   ::keypad(stdscr, TRUE);
   ::set_escdelay(50);
   if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED, nullptr);
-  struct termios line {};
-  screen->slow = ::tcgetattr(STDOUT_FILENO, &line) == 0 && ::cfgetospeed(&line) < B38400;
+  screen->bytes_per_s = line_speed();
+  screen->slow = screen->bytes_per_s < 3840.0;
   screen->choose_looks(has_colour(options));
   catch_crashes();
   return std::unique_ptr<Terminal>(new Terminal(std::move(screen)));
@@ -201,32 +229,69 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
 
 Canvas Terminal::canvas() const { return {LINES, COLS, screen_->glyphs, screen_->slow}; }
 
-bool Terminal::behind() const {
+/// When the line will have carried so many cells: a pseudo-terminal does not tell.
+void Terminal::Screen::reckon(int cells) {
+  if (!slow) return;
+  constexpr double kBytesPerCell = 2.0;  // with the moves between them
+  const auto now = std::chrono::steady_clock::now();
+  busy_until = std::max(busy_until, now) + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                               std::chrono::duration<double>(cells * kBytesPerCell / bytes_per_s));
+}
+
+/// Much of what was shown has not left for the terminal yet.
+bool Terminal::Screen::behind() const {
   constexpr int kBytes = 48;  // at 9,600 baud a twentieth of a second
+  if (slow && std::chrono::steady_clock::now() < busy_until) return true;
   int waiting = 0;
   return ::ioctl(STDOUT_FILENO, TIOCOUTQ, &waiting) == 0 && waiting > kBytes;
 }
 
-void Terminal::show(const Canvas& canvas, Place cursor) {
-  for (int r = 0; r < std::min(canvas.rows(), LINES); ++r)
-    for (int c = 0; c < std::min(canvas.columns(), COLS); ++c) {
-      if (r == LINES - 1 && c == COLS - 1) continue;  // writing there scrolls old terminals
-      const Cell& cell = canvas.at(r, c);
-      const std::array<wchar_t, 2> text{static_cast<wchar_t>(cell.glyph), 0};
-      const attr_t attributes = screen_->attributes[static_cast<std::size_t>(cell.tone)];
-      cchar_t sign{};
-      ::setcchar(&sign, text.data(), attributes, static_cast<short>(PAIR_NUMBER(attributes)), nullptr);
-      mvadd_wch(r, c, &sign);
-    }
+/// Writes the cells of a row that differ from what was sent, at most `room` of them. @return how many there is room for
+int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
+  for (int c = 0; c < std::min(canvas.columns(), COLS); ++c) {
+    if (r == LINES - 1 && c == COLS - 1) continue;  // writing there scrolls old terminals
+    const Cell& cell = canvas.at(r, c);
+    if (cell == sent.at(r, c)) continue;
+    if (room-- == 0) return 0;
+    const std::array<wchar_t, 2> text{static_cast<wchar_t>(cell.glyph), 0};
+    const attr_t looks = attributes[static_cast<std::size_t>(cell.tone)];
+    cchar_t sign{};
+    ::setcchar(&sign, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);
+    mvadd_wch(r, c, &sign);
+    sent.put(r, c, cell.glyph, cell.tone);
+  }
+  return room;
+}
+
+bool Terminal::show(const Canvas& canvas, Place cursor, bool urgent) {
+  constexpr int kPiece = 60;
+  Screen& s = *screen_;
+  if (!urgent && s.behind()) return false;
+  if (s.sent.rows() != canvas.rows() || s.sent.columns() != canvas.columns()) {
+    s.sent = Canvas(canvas.rows(), canvas.columns());
+    ::erase();
+  }
+  const int rows = std::min(canvas.rows(), LINES);
+  const int all = s.slow ? kPiece : rows * canvas.columns() + 1;
+  int room = all;
+  for (const int r : {0, rows - 1, rows - 2})
+    if (r >= 0) room = s.write_row(canvas, r, room);
+  for (int k = 0; k < rows && room > 0; ++k) {
+    room = s.write_row(canvas, s.next_row % rows, room);
+    if (room > 0) s.next_row = (s.next_row + 1) % rows;
+  }
   ::curs_set(cursor.row >= 0 ? 1 : 0);
   if (cursor.row >= 0) move(cursor.row, cursor.column);
   refresh();
+  s.reckon(all - room);
+  return room > 0;
 }
 
 Key Terminal::read(int wait_ms) {
   timeout(wait_ms);
   wint_t code = 0;
   const int kind = get_wch(&code);
+  if (kind == KEY_CODE_YES && code == KEY_RESIZE) screen_->sent = Canvas(0, 0);
   if (kind == ERR) return {};
   if (kind != KEY_CODE_YES) return key_of_letter(code);
   return code == KEY_MOUSE ? pressed_at() : key_of_code(code);

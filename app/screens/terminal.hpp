@@ -28,10 +28,11 @@ class Terminal {
 
   /// A blank canvas of the present size.
   [[nodiscard]] Canvas canvas() const;
-  /// Much of what was shown has not left for the terminal yet: only what a key changed is worth more.
-  [[nodiscard]] bool behind() const;
-  /// Sends the cells that changed; the cursor is shown at `cursor`, or not at all (row −1).
-  void show(const Canvas& canvas, Place cursor = {-1, -1});
+  /// Sends the cells that changed; the cursor is shown at `cursor`, or not at all (row −1). On a slow line a picture
+  /// goes in pieces, so that the next key need not wait: heading, message and key line first.
+  /// @param urgent  a key changed it; else it may wait where the terminal is behind
+  /// @return whether all of it is on its way: if not, show it again
+  [[nodiscard]] bool show(const Canvas& canvas, Place cursor, bool urgent);
   /// The next key; Name::none after `wait_ms` without one.
   [[nodiscard]] Key read(int wait_ms);
   /// Everything again, as after something else has written on the terminal.
