@@ -167,6 +167,7 @@ Judgement judgement_of(const ReportContent& content) {
                               counted(j.missing, "planned measurement is", "planned measurements are"));
   if (j.worst != nullptr) j.worst_sentence = worst_sentence_of(*j.worst);
   rows_to_do(content, j.next);
+  if (j.after == 0 && j.missing == 0) j.next.push_back("Measure the same again with the unit compensating.");
   others_to_do(content, j.next);
   predictions_to_do(content, j.next);
   model_to_do(content, j.next);

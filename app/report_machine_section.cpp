@@ -198,14 +198,14 @@ Markup common_metadata(const std::vector<Measured>& phases) {
 }  // namespace
 
 ReportSection machine_section(const ReportContent& content) {
-  Markup body;
-  if (content.machine) {
-    body += facts_of({{"name", content.machine->name}, {"chain", content.machine->configuration}});
-    body += axes_table(*content.machine);
-  } else {
-    body += absence("No machine file was given: travels, transducers and measurement lines are not stated.");
-  }
-  return {"machine", "Machine", std::move(body)};
+  if (!content.machine)
+    return {"machine",
+            "Machine",
+            {},
+            "no machine file was given: travels, transducers and measurement lines are not stated"};
+  return {"machine", "Machine",
+          facts_of({{"name", content.machine->name}, {"chain", content.machine->configuration}}) +
+              axes_table(*content.machine)};
 }
 
 ReportSection conditions_section(const ReportContent& content) {

@@ -39,7 +39,6 @@ std::string noise_ratio_text(const std::vector<TableRow>& rows) {
 }
 
 Markup map_prediction(const ReportContent& content) {
-  if (content.predicted.empty()) return absence(fmt::format("No prediction by the map: {}.", content.no_prediction));
   TableMarkup table({{"measurement"},
                      {"band before", true},
                      {"predicted", true},
@@ -59,7 +58,7 @@ Markup map_prediction(const ReportContent& content) {
                cell(*p.rms > 0.0 ? std::optional(*p.rms_after / *p.rms) : std::nullopt, 2),
                text(unit_text(laser::unit_of(row.planned.sense)))});
   }
-  if (table.empty()) return absence("No prediction by the map: nothing was measured both before and after.");
+  if (table.empty()) return {};
   return paragraph_of(kByTheMap + noise_ratio_text(content.rows), "class=\"small intro\"") + table.markup();
 }
 
@@ -239,19 +238,25 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
 }  // namespace
 
 ReportSection prediction_section(const ReportContent& content) {
-  Markup body = map_prediction(content);
+  const Markup by_map = content.predicted.empty() ? Markup() : map_prediction(content);
+  const std::string why =
+      fmt::format("no prediction by the map: {}",
+                  content.predicted.empty() ? content.no_prediction : "nothing was measured both before and after");
+  if (by_map.empty() && !content.model) return {"prediction", "Predicted against achieved", {}, why};
+  Markup body = by_map.empty() ? absence("There is " + why + ".") : by_map;
   if (content.model) body += model_prediction(*content.model);
   return {"prediction", "Predicted against achieved", std::move(body)};
 }
 
 ReportSection effects_section(const ReportContent& content) {
+  if (!content.diagnosis && !content.model)
+    return {
+        "effects",
+        "Effects found",
+        {},
+        "no error model and no diagnosis were given: which physical causes stand behind these errors was not asked"};
   Markup body;
-  if (content.diagnosis)
-    body += diagnosis_part(*content.diagnosis);
-  else
-    body += absence(
-        "No error model and no diagnosis were given: which physical causes stand behind these errors was "
-        "not asked.");
+  if (content.diagnosis) body += diagnosis_part(*content.diagnosis);
   if (content.model) {
     body += element("h3", "The error model") +
             paragraph_of(fmt::format("Fitted to {} ({}).", counted(content.model->readings, "reading", "readings"),

@@ -73,21 +73,25 @@ Markup laid_out(const ReportSection& section) {
          Markup::literal("\n");
 }
 
+/// Sections without a body become one list before the last section.
+std::vector<ReportSection> without_absent(std::vector<ReportSection> all) {
+  std::vector<std::string> absent;
+  for (const ReportSection& section : all)
+    if (section.body.empty()) absent.push_back(fmt::format("{}: {}.", section.title, section.absent));
+  std::erase_if(all, [](const ReportSection& section) { return section.body.empty(); });
+  if (!absent.empty()) all.insert(all.end() - 1, {"absent", "Not part of this report", list_of(absent)});
+  return all;
+}
+
 }  // namespace
 
 std::string report_page(const ReportContent& content, const Judgement& judgement) {
-  std::vector<std::string> used{"summary", "machine",    "conditions", "components", "prediction",
-                                "effects", "parameters", "map",        "unit",       "sources"};
-  const std::vector<ReportSection> sections{summary_section(content, judgement),
-                                            components_section(content, used),
-                                            prediction_section(content),
-                                            effects_section(content),
-                                            machine_section(content),
-                                            conditions_section(content),
-                                            map_section(content),
-                                            parameters_section(content),
-                                            unit_section(content),
-                                            sources_section(content)};
+  std::vector<std::string> used{"summary",    "machine", "conditions", "components", "prediction", "effects",
+                                "parameters", "map",     "unit",       "sources",    "absent"};
+  const std::vector<ReportSection> sections = without_absent(
+      {summary_section(content, judgement), components_section(content, used), prediction_section(content),
+       effects_section(content), machine_section(content), conditions_section(content), map_section(content),
+       parameters_section(content), unit_section(content), sources_section(content)});
   Markup body = head_of(content) + contents_of(sections);
   for (const ReportSection& section : sections) body += laid_out(section);
   body += element("footer", fmt::format("{} · {} · {}", kVersion, machine_name(content), map_hash(content)));

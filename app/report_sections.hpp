@@ -16,6 +16,7 @@ struct ReportSection {
   std::string id;
   std::string title;
   Markup body;
+  std::string absent{};  ///< why there is no body: the section is named among those that are not part of the report
 };
 
 [[nodiscard]] ReportSection summary_section(const ReportContent& content, const Judgement& judgement);

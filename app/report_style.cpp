@@ -104,7 +104,7 @@ footer { margin-top: 8mm; border-top: .8pt solid var(--rule); padding-top: 2mm; 
 @media screen and (max-width: 720px) { table { display: block; overflow-x: auto; } body { padding: 0 3mm; } }
 @media print {
   body { max-width: none; margin: 0; padding: 0; }
-  nav { display: none; }
+  nav, footer { display: none; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";

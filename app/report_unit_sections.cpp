@@ -157,30 +157,22 @@ Markup against_map(const ReportedMap& map, bool judged) {
 }  // namespace
 
 ReportSection parameters_section(const ReportContent& content) {
-  Markup body;
-  if (!content.parameters) {
-    body += absence("No parameters were given.");
-  } else {
-    const UnitParameters& parameters = content.parameters->file.parameters;
-    body += paragraph_of("• and bold: changed from the default.", "class=\"small intro\"");
-    body += common_table(parameters) + axes_table(parameters) + findings_of(content.parameters->findings);
-  }
-  return {"parameters", "Parameters of the unit", std::move(body)};
+  if (!content.parameters) return {"parameters", "Parameters of the unit", {}, "no parameters were given"};
+  const UnitParameters& parameters = content.parameters->file.parameters;
+  return {"parameters", "Parameters of the unit",
+          paragraph_of("• and bold: changed from the default.", "class=\"small intro\"") + common_table(parameters) +
+              axes_table(parameters) + findings_of(content.parameters->findings)};
 }
 
 ReportSection map_section(const ReportContent& content) {
-  Markup body;
-  if (!content.map) {
-    body += absence("No error map was given.");
-    return {"map", "Error map", std::move(body)};
-  }
+  if (!content.map) return {"map", "Error map", {}, "no error map was given"};
   const laser::MapHeader& header = content.map->map.header;
-  body += facts_of({{"SHA-256 of the file", content.map->sha256},
-                    {"block check in the unit (CRC-32, with these parameters)",
-                     content.map->check ? fmt::format("{:08X}", *content.map->check) : ""},
-                    {"date of the map", header.date},
-                    {"configuration", header.configuration},
-                    {"squareness", squareness_text(content)}});
+  Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
+                          {"block check in the unit (CRC-32, with these parameters)",
+                           content.map->check ? fmt::format("{:08X}", *content.map->check) : ""},
+                          {"date of the map", header.date},
+                          {"configuration", header.configuration},
+                          {"squareness", squareness_text(content)}});
   body += tables_of(content.map->map) + declared_zeros(header);
   if (!header.processing.empty()) body += element("h3", "How it was made") + list_of(worded_lines(header.processing));
   body += against_map(*content.map, content.parameters.has_value());
@@ -188,24 +180,22 @@ ReportSection map_section(const ReportContent& content) {
 }
 
 ReportSection unit_section(const ReportContent& content) {
-  Markup body;
-  if (!content.status) {
-    body += absence("No state of the unit was given (ecs utility status --save FILE).");
-    return {"unit", "State of the unit", std::move(body)};
-  }
+  if (!content.status)
+    return {"unit", "State of the unit", {}, "no state of the unit was given (ecs utility status --save FILE)"};
   const StatusSnapshot& s = *content.status;
   const bool agrees = s.status.block_check_expected == s.status.block_check_found;
-  body += facts_of({{"taken", s.taken},
-                    {"serial number", s.identity.serial_number},
-                    {"name", s.identity.unit_name},
-                    {"firmware", fmt::format("{}.{}", s.identity.firmware_major, s.identity.firmware_minor)},
-                    {"mode", std::string(ecs::name_of(s.status.mode))},
-                    {"fault", s.status.fault == Fault::none ? "none" : fault_sentence(s.status)},
-                    {"block check", fmt::format("expected {:08X}, found {:08X}: {}", s.status.block_check_expected,
-                                                s.status.block_check_found, agrees ? "agree" : "differ")},
-                    {"loop", fmt::format("{} period, {} overruns, {} watchdog trips",
-                                         quantity_text(s.status.loop_period_us, 0, "us"), s.status.loop_overruns,
-                                         s.status.watchdog_trips)}});
+  Markup body =
+      facts_of({{"taken", s.taken},
+                {"serial number", s.identity.serial_number},
+                {"name", s.identity.unit_name},
+                {"firmware", fmt::format("{}.{}", s.identity.firmware_major, s.identity.firmware_minor)},
+                {"mode", std::string(ecs::name_of(s.status.mode))},
+                {"fault", s.status.fault == Fault::none ? "none" : fault_sentence(s.status)},
+                {"block check", fmt::format("expected {:08X}, found {:08X}: {}", s.status.block_check_expected,
+                                            s.status.block_check_found, agrees ? "agree" : "differ")},
+                {"loop", fmt::format("{} period, {} overruns, {} watchdog trips",
+                                     quantity_text(s.status.loop_period_us, 0, "us"), s.status.loop_overruns,
+                                     s.status.watchdog_trips)}});
   if (content.map && content.map->check && s.status.block_check_found != 0)
     body += paragraph_of(*content.map->check == s.status.block_check_found
                              ? "The unit holds this map with these parameters: its block check is theirs."

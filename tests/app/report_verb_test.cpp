@@ -24,10 +24,10 @@ TEST_CASE("a report of measurements alone says what it was not given, and holds 
   CHECK(j["absent"] == nlohmann::json::parse(R"(["machine","map","parameters","model","diagnosis","status"])"));
   const std::string html = c.html();
   CHECK(html.size() == j["bytes"]);
-  CHECK(holds(html, "No machine file was given"));
-  CHECK(holds(html, "No error map was given"));
-  CHECK(holds(html, "No error model and no diagnosis were given"));
-  CHECK(holds(html, "No state of the unit was given"));
+  CHECK(holds(html, "Machine: no machine file was given"));
+  CHECK(holds(html, "Error map: no error map was given"));
+  CHECK(holds(html, "no error model and no diagnosis were given"));
+  CHECK(holds(html, "no state of the unit was given"));
   CHECK(holds(html, "before: band 42.0\u202fµm"));
   // s = sqrt(2) each way, so R = 2 s + 2 s + B = 9.66; E = 36 + 4.
   CHECK(holds(html, "<td class=\"n\">40.0</td>"));
@@ -98,6 +98,7 @@ TEST_CASE("before compensation alone is a report too, without complaint") {
   const Ran r = c.report();
   CHECK(r.code == 0);
   CHECK(holds(r.out, "Measured before compensation only"));
+  CHECK(holds(r.out, "- Measure the same again with the unit compensating."));
   CHECK(holds(c.html(), "before only"));
 }
 
