@@ -194,7 +194,7 @@ bool ParametersScreen::on_command(const Key& key) {
   else if (is_letter(key, U'm'))
     ask_for_check();
   else if (is_letter(key, U'l'))
-    transfer_.look();
+    look_again();
   else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z'))
     report_undo(desk_.undo(), "taken back");
   else if (is_letter(key, U'y') || (key.name == Key::Name::control && key.letter == U'y'))

@@ -88,6 +88,7 @@ class ParametersScreen final : public Screen {
   void save_to(const std::string& path);
   void send();
   void receive();
+  void look_again();
   /// Does it at once, or asks first where edits would be lost.
   void unless_lost(const std::string& title, std::function<void()> what);
   void after(const Result<void>& done, const std::string& said);

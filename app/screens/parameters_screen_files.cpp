@@ -133,6 +133,14 @@ void ParametersScreen::receive() {
   if (!transfer_.running()) transfer_.receive();
 }
 
+void ParametersScreen::look_again() {
+  transfer_.look();
+  if (transfer_.line().standing().open)
+    message_.say("looking into the unit again; what differs stands on page 5");
+  else
+    message_.say("no unit answers now; it is looked into as soon as one does", Tone::warning);
+}
+
 void ParametersScreen::begin_seeking() {
   if (!on_group()) turn_page(0);
   seeking_ = Seeking{TextLine(), {}, 0, page_, place().selected};
