@@ -5,6 +5,7 @@
 namespace ecs::app {
 namespace {
 
+constexpr double kFar = 20.0;   ///< times the mean
 constexpr double kMuch = 0.01;  ///< of the requests: more than this is worth a look at the cable
 
 std::string count(std::uint64_t n) { return fmt::format("{}", n); }
@@ -28,18 +29,18 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
           trouble("time-outs", s.timeouts, s.requests, "no answer came: plugs, cable, unit off or busy"),
           trouble("CRC errors", s.crc_errors, s.requests, "garbled: shield, ground, cable length, parity"),
           trouble("stale replies", s.stale_replies, s.requests, "too late: slow converter or network"),
-          trouble("exceptions", s.exceptions, s.requests, "the unit refused a request: see LOG for its words"),
+          trouble("exceptions", s.exceptions, s.requests, "the unit refused a request: LOG has its words"),
           {"bytes sent", count(s.bytes_sent), "", Tone::plain},
           {"bytes received", count(s.bytes_received), "", Tone::plain},
           {"mean round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.mean_round_trip_ms()), "", Tone::plain},
           {"worst round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.worst_round_trip_ms),
-           s.replies > 0 && s.worst_round_trip_ms > 20.0 * s.mean_round_trip_ms() ? "far above the mean: retries, or a "
-                                                                                    "busy computer"
-                                                                                  : "",
+           s.replies > 0 && s.worst_round_trip_ms > kFar * s.mean_round_trip_ms()
+               ? "far above the mean: retries or a busy computer"
+               : "",
            Tone::plain},
           {"samples a second", fmt::format("{:.1f}", unit.per_second), "while this page is open, as fast as it goes",
            Tone::plain},
-          trouble("times lost", unit.times_lost, 0, "the line was opened again: unit off, plug pulled?")};
+          trouble("times lost", unit.times_lost, 0, "was opened again: unit off or plug pulled?")};
 }
 
 StatisticsRow judgement(const WatchedUnit& unit) {

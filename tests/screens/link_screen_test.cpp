@@ -51,7 +51,6 @@ struct LinkCase : UnitCase {
 TEST_CASE("a port that is not there is named with what to do, and nothing waits for it") {
   LinkCase one("rtu:/dev/no-such-port:9600");
   REQUIRE(shows(one.screen, "NO ANSWER"));
-  MESSAGE(picture(one.screen));
   one.try_it();
   CHECK(has(picture(one.screen), "PROBLEM  port:"));
   CHECK(has(picture(one.screen), "-> "));
@@ -92,14 +91,11 @@ TEST_CASE("the bundled emulator answers, the doctor says how well, and the stati
   if (!UnitCase::has_emulator()) return;
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
-  MESSAGE(picture(one.screen));
   one.try_it();
   CHECK(has(picture(one.screen), "20 of 20 reads answered"));
   CHECK(has(picture(one.screen), "the link works"));
-  MESSAGE(picture(one.screen));
   type(one.screen, "3");
   REQUIRE(shows(one.screen, "a clean line"));
-  MESSAGE(picture(one.screen));
   type(one.screen, "s");
   CHECK(stored_link().value().value().starts_with("emulator"));
 }
@@ -115,7 +111,6 @@ TEST_CASE("a unit with another number is found, offered and taken") {
     type(screen, has(picture(screen), "tried:") ? "" : "t");
     return has(picture(screen), "Use the setting that answers?");
   }));
-  MESSAGE(picture(screen));
   type(screen, "y");
   REQUIRE(shows(screen, "unit MCM-0107 answers"));
   CHECK(one.unit->link() == "rtu:" + emulator.pty + ":115200:8N1:3");
@@ -129,7 +124,6 @@ TEST_CASE("a line that gives back what is sent is called an echo") {
   LinkCase one("rtu:" + echo.device + ":9600");
   one.try_it();
   CHECK(has(picture(one.screen), "PROBLEM  echo: the line gives back what is sent"));
-  MESSAGE(picture(one.screen));
 }
 
 TEST_CASE("the right speed is found and offered where another was set") {
@@ -144,7 +138,6 @@ TEST_CASE("the right speed is found and offered where another was set") {
   REQUIRE(shows(screen, "Use the setting that answers?"));
   type(screen, "n");
   CHECK(has(picture(screen), "9600 baud, parity N, not at 115200"));
-  MESSAGE(picture(screen));
 }
 
 TEST_CASE("late and garbled answers are told with their causes, and the statistics judge them") {
@@ -162,7 +155,6 @@ TEST_CASE("late and garbled answers are told with their causes, and the statisti
   OwnEmulator::fault(one, "bad_crc --probability 0.3");
   type(screen, "3");
   REQUIRE(shows(screen, "many garbled answers"));
-  MESSAGE(picture(screen));
 }
 
 TEST_CASE("what the doctor tries can be given up") {
@@ -210,6 +202,15 @@ TEST_CASE("the link screen fits any size") {
       const std::string text = picture(one.screen, rows, columns, Glyphs::ascii);
       CHECK(std::count(text.begin(), text.end(), '\n') == rows);
     }
+}
+
+TEST_CASE("no word of the statistics is cut at 80 columns") {
+  WatchedUnit unit;
+  protocol::LinkStatistics& s = unit.statistics;
+  s.retries = s.timeouts = s.crc_errors = s.stale_replies = s.exceptions = unit.times_lost = 123'456'789;
+  s.replies = 1;
+  s.worst_round_trip_ms = 1e6;
+  for (const StatisticsRow& row : statistics_rows(unit)) CHECK(31 + width_of(row.meaning) <= 78);
 }
 
 TEST_CASE("the statistics say in plain words what high numbers mean") {

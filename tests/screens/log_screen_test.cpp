@@ -24,7 +24,6 @@ TEST_CASE("the log follows the newest message and shows a long one whole") {
   CHECK(has(text, "word19"));
   CHECK(has(text, "following"));
   CHECK(has(text, (one.folder / "state" / "screens.log").string()));
-  MESSAGE(text);
 }
 
 TEST_CASE("errors alone are shown on e, any message is found by a part of it, and a copy is saved") {

@@ -47,14 +47,9 @@ TEST_CASE("the unit's memory comes into view page by page with the names of what
   CHECK(has(picture(one.screen), "um ("));
   one.go("EPROM");
   REQUIRE(shows(one.screen, "PROTECTED"));
-  MESSAGE(picture(one.screen));
   type(one.screen, "gaxis");
-  MESSAGE(picture(one.screen));
   (void)press(one.screen, Key::Name::escape);
   one.go("100000");
-  MESSAGE(picture(one.screen));
-  MESSAGE(picture(one.screen, 40, 140));
-  MESSAGE(picture(one.screen, 12, 40, Glyphs::ascii));
 }
 
 TEST_CASE("writing asks with old and new bytes, is read back, and is taken back by undo") {
@@ -65,7 +60,6 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is taken back 
   const auto before = one.bytes_of_unit(0x48000, 4);
   type(one.screen, "w");
   enter(one.screen, "DE AD BE EF");
-  MESSAGE(picture(one.screen));
   CHECK(has(picture(one.screen), "Write 4 bytes of unit MCM-0107 (EMULATOR)?"));
   CHECK(has(picture(one.screen), "now 00 00 00 00"));
   CHECK(has(picture(one.screen), "new DE AD BE EF"));
@@ -78,7 +72,6 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is taken back 
   CHECK(one.bytes_of_unit(0x48000, 4) == std::vector<std::uint8_t>{0xDE, 0xAD, 0xBE, 0xEF});
   type(one.screen, "3");
   CHECK(has(picture(one.screen), "00 00 00 00 > DE AD BE EF"));
-  MESSAGE(picture(one.screen));
   type(one.screen, "1u");
   CHECK(has(picture(one.screen), "Write the old bytes back"));
   type(one.screen, "y");
@@ -170,9 +163,7 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   CHECK(has(picture(one.screen), "*"));
   type(one.screen, "2");
   CHECK(has(picture(one.screen), "table EXX at -4100 mm"));
-  MESSAGE(picture(one.screen));
   (void)press(one.screen, Key::Name::enter);
-  MESSAGE(picture(one.screen));
 
   type(one.screen, "o");
   enter(one.screen, file);
@@ -210,7 +201,6 @@ TEST_CASE("a search reads on through the unit until it finds, and can be given u
   CHECK(has(picture(one.screen), "given up: looking for CA FE 01"));
   type(one.screen, "a");
   REQUIRE(shows(one.screen, "reading axis memory bank A"));
-  MESSAGE(picture(one.screen));
   (void)press(one.screen, Key::Name::escape);
   CHECK(has(picture(one.screen), "given up: reading axis memory bank A"));
 }
