@@ -12,20 +12,19 @@ namespace ecs::app {
 
 std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitDesk>& desk) {
   return {
-      {"SET AXIS POSITION", "let the unit show another position for an axis; nothing moves",
+      {"SET AXIS POSITION", "let the unit show another position; nothing moves",
        [desk] { return std::make_unique<PositionScreen>(desk); }},
-      {"OUTPUT COMPENSATION VALUE", "a value on the D/A converter of one axis, relay open or closed; output scale",
+      {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter; the relay",
        [desk] { return std::make_unique<OutputScreen>(desk); }},
-      {"RECORD DATUM SEQUENCE", "ten seconds of an axis being referenced: speed, switch, marker",
+      {"RECORD DATUM SEQUENCE", "ten seconds of an axis being referenced",
        [desk] { return std::make_unique<DatumRecordScreen>(desk); }},
-      {"DISPLAY DATUM SEQUENCE", "such a record as velocity-time graph; two over each other",
+      {"DISPLAY DATUM SEQUENCE", "such a record as a graph; two over each other",
        [] { return std::make_unique<DatumViewScreen>(); }},
-      {"TEST DATUM ROUTINE", "the unit's datum routine, axis after axis, with the stage it stands in",
+      {"TEST DATUM ROUTINE", "the unit's datum routine, stage by stage",
        [desk] { return std::make_unique<DatumTestScreen>(desk); }},
-      {"DISPLAY ECS STATUS", "mode, fault and what to do next, memory tests, pointers; mode change",
+      {"DISPLAY ECS STATUS", "mode, fault and what to do, memory, pointers",
        [desk] { return std::make_unique<StatusScreen>(desk); }},
-      {"RUN USER SOFTWARE", "machine code in the unit's memory: address, argument, result",
-       [desk] { return std::make_unique<RunScreen>(desk); }},
+      {"RUN USER SOFTWARE", "machine code in the unit's memory", [desk] { return std::make_unique<RunScreen>(desk); }},
   };
 }
 

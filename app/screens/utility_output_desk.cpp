@@ -100,7 +100,8 @@ Result<double> OutputDesk::value_in(const std::string& typed) const {
 Question OutputDesk::question(double um) const {
   const char axis = letter_of(setting_.axis);
   const double by = um - (setting_.relay ? setting_.um : 0.0);
-  return {fmt::format("Move axis {} by {}?", axis, um_text(by)),
+  return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
+                    : fmt::format("Move axis {} by {}?", axis, um_text(by)),
           fmt::format("The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once "
                       "({}), with a wrong output scale by another amount or the other way. From then on + and - move "
                       "it without asking, at most to {:g} um either way. Keep clear of the machine.",

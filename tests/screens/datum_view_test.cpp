@@ -8,6 +8,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 namespace {
 

@@ -8,6 +8,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
   if (emulator_built().empty()) return;

@@ -18,7 +18,7 @@
 #include "app/screens/screens_program.hpp"
 #include "app/screens/unit_desk.hpp"
 
-namespace ecs::app {
+namespace ecs::app::utility_bench {
 
 inline std::string emulator_built() {
   const std::string program = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
@@ -121,4 +121,4 @@ class Bench {
   }
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::app::utility_bench

@@ -4,6 +4,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
   AxisParameters axis;

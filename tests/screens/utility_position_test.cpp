@@ -3,6 +3,7 @@
 #include "utility_bench.hpp"
 
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 TEST_CASE("a position that is no number, or too far away, is refused before the unit is asked") {
   CHECK(PositionDesk::position_in("-100.5").value() == -100.5);

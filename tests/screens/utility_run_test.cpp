@@ -4,6 +4,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 namespace {
 

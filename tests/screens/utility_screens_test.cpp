@@ -5,6 +5,7 @@
 #include "utility_bench.hpp"
 
 using namespace ecs::app;
+using namespace ecs::app::utility_bench;
 
 namespace {
 
