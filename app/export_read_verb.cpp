@@ -34,13 +34,25 @@ struct Arguments {
   std::string params_out;
 };
 
-/// By what stands in it; LinuxCNC files are nothing but numbers.
+/// The first line that says something begins with a number.
+bool is_numbers(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#' || content.front() == ';') continue;
+    return number_in(content.substr(0, content.find_first_of(" \t"))).has_value();
+  }
+  return false;
+}
+
+/// By what stands in it; empty: nothing that is known here.
 std::string format_of(const std::string& wanted, std::string_view text) {
   if (wanted != "auto") return wanted;
   const std::string plain = lower(text);
   if (plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos) return "siemens";
-  if (plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos) return "etalon";
-  return "linuxcnc";
+  const bool sections = plain.find('[') != std::string::npos;
+  if (sections && (plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos))
+    return "etalon";
+  return is_numbers(text) ? "linuxcnc" : "";
 }
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -93,6 +105,10 @@ Result<ReadFiles> read_files(const Arguments& arguments) {
     const auto text = laser::decoded(*bytes, file);
     if (!text) return tl::unexpected(text.error());
     const std::string format = format_of(arguments.format, text->text);
+    if (format.empty())
+      return problem_at(file, 0, 0,
+                        "no compensation table that is known here: expected rows of three numbers (LinuxCNC), "
+                        "$AA_ENC_COMP or $AN_CEC (SINUMERIK), or sections such as [EXX] (Etalon); --format says which");
     if (!all.format.empty() && format != all.format)
       return problem(ProblemKind::usage,
                      fmt::format("{} is of format {}, the files before it of {}: read one control at a time", file,

@@ -67,7 +67,7 @@ std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
     if (at == reasons.end()) at = reasons.insert(reasons.end(), {one.why, ""});
     at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
   }
-  if (reasons.empty()) return "everything in the map is carried\n";
+  if (reasons.empty()) return "no component of the map is left out\n";
   std::string text = "NOT CARRIED (largest values)\n";
   for (const auto& [why, what] : reasons) text += paragraph(fmt::format("{}: {}", why, what), 2, 4);
   return text;
@@ -77,11 +77,13 @@ Json json_of(const laser::LeftBehind& one) {
   return {{"what", one.what}, {"largest", number_or_null(one.largest)}, {"unit", one.unit}, {"why", one.why}};
 }
 
-Json json_of(const laser::ResidualSize& size) {
+Json json_of(const laser::ResidualSize& size, const PerAxis<bool>& present) {
   Json object = Json::object();
-  for (std::size_t d = 0; d <= kAxes; ++d)
+  for (std::size_t d = 0; d <= kAxes; ++d) {
+    if (d < kAxes && !present[d]) continue;
     object[std::string(kDirections[d])] = {{"largest_um", number_or_null(size.largest_um[d])},
                                            {"rms_um", number_or_null(size.rms_um[d])}};
+  }
   return object;
 }
 
@@ -102,6 +104,7 @@ std::string export_text(const ToldExport& told) {
 Json json_of(const ToldExport& told) {
   Json tables = Json::array(), rows = Json::array(), files = Json::array(), left = Json::array();
   for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(json_of(one));
+  const PerAxis<bool>& present = told.work.source.parameters.axis_present;
   for (const laser::ExportedTable& table : told.made.tables)
     tables.push_back({{"component", table.component},
                       {"table", table.what},
@@ -114,9 +117,9 @@ Json json_of(const ToldExport& told) {
   for (const laser::ResidualRow& row : told.residuals)
     rows.push_back({{"where", row.where},
                     {"places", row.places},
-                    {"not_compensated", json_of(row.before)},
-                    {"whole_map", json_of(row.unit)},
-                    {"this_export", json_of(row.control)}});
+                    {"not_compensated", json_of(row.before, present)},
+                    {"whole_map", json_of(row.unit, present)},
+                    {"this_export", json_of(row.control, present)}});
   for (const laser::ExportFile& file : told.made.files)
     files.push_back({{"name", file.name}, {"bytes", file.content.size()}});
   std::vector<std::string> notes = told.made.notes;

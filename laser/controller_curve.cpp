@@ -214,7 +214,8 @@ EvenGrid even_grid(const ControlCurve& curve, std::size_t most) {
   for (const std::size_t points : numbers_to_try(count, most)) {
     const EvenGrid tried = grid_with(curve, points);
     const double miss = largest_difference(resampled(curve, tried.positions()), curve);
-    if (miss < least - 1e-9) {
+    const double better = tried.points < best.points ? 0.95 * least : least;  // fewer points must be worth it
+    if (miss < better - 1e-9) {
       least = miss;
       best = tried;
     }

@@ -139,8 +139,8 @@ Result<void> check_exportable(const ErrorMap& map) {
   for (const MapTable& table : map.tables) {
     approaches[table.component] += table.approach == Approach::unknown ? 2 : 1;
     if (table.position_mm.size() < 2)
-      refuse(fmt::format("{} has a table of {} points: a table needs two", name_of(table.component),
-                         table.position_mm.size()));
+      refuse(fmt::format("{} has a table of {}: it needs two points at least", name_of(table.component),
+                         table.position_mm.empty() ? "none" : "one point"));
   }
   if (map.tables.empty()) refuse("the map has no tables");
   for (const auto& [component, count] : approaches)

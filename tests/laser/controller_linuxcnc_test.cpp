@@ -115,7 +115,7 @@ TEST_CASE("maps that cannot be a table are refused with every reason") {
   source.map.tables.push_back({Component::EXX, Approach::forward, {0}, {1}});
   made = linuxcnc_export(source, {});
   REQUIRE_FALSE(made);
-  CHECK(to_text(made.error()).find("a table of 1 points") != std::string::npos);
+  CHECK(to_text(made.error()).find("a table of one point") != std::string::npos);
   CHECK(to_text(made.error()).find("one approach only") != std::string::npos);
   source.map.tables = {{Component::EYX, Approach::unknown, {0, 1}, {1, 1}}};
   made = linuxcnc_export(source, {});

@@ -1,0 +1,213 @@
+#include <cmath>
+#include <filesystem>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "laser/map_csv.hpp"
+#include "laser_run.hpp"
+#include "model_case.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+
+const char* const kParameters = R"(
+[identity]
+machine = "small mill"
+[configuration]
+chain = "TXYZ"
+[compensation.squareness]
+C0Y_um_per_m = 40.0
+)";
+const char* const kMachine = R"(
+name = "small mill"
+configuration = "TXYZ"
+[axis.X]
+travel_mm = [-400, 0]
+[axis.Y]
+travel_mm = [-400, 0]
+[axis.Z]
+travel_mm = [-400, 0]
+)";
+
+/// EXX, EYY, EXY and ECX of 400 mm; EXX with a reversal of 2 um.
+std::string map_text() {
+  std::string text = "# configuration: TXYZ\naxis,sense,approach,p_mm,value_um\n";
+  for (int p = -400; p <= 0; p += 50) {
+    for (const int approach : {1, -1}) text += fmt::format("X,EX,{},{},{}\n", approach, p, -0.02 * p + approach);
+    text += fmt::format("Y,EY,0,{},{}\nY,EX,0,{},{}\n", p, 0.01 * p, p, 0.0001 * p * (p + 400));
+    text += fmt::format("X,EC,0,{},{}\n", p, 0.1 * p);
+  }
+  return text;
+}
+
+struct Desk {
+  Folder folder;
+  std::string map = folder.with("map.csv", map_text());
+  std::string params = folder.with("p.toml", kParameters);
+  std::string machine = folder.with("m.toml", kMachine);
+  [[nodiscard]] Ran exported(std::vector<std::string> words, std::vector<std::string> more = {}) const {
+    words.insert(words.begin(), "export");
+    words.insert(words.end(), {map, "--params", params, "--machine", machine, "--json"});
+    words.insert(words.end(), more.begin(), more.end());
+    return ran(words);
+  }
+};
+
+nlohmann::json row_of(const nlohmann::json& answer, const std::string& where) {
+  for (const auto& row : answer["residual"]["rows"])
+    if (row["where"] == where) return row;
+  return {};
+}
+
+double largest(const nlohmann::json& answer, const std::string& where, const std::string& column,
+               const std::string& direction) {
+  return row_of(answer, where)[column][direction]["largest_um"].get<double>();
+}
+
+TEST_CASE("a LinuxCNC export writes a file for each axis, names the INI lines and what stays behind") {
+  const Desk desk;
+  const Ran r = desk.exported({"linuxcnc"}, {"-o", desk.folder / "lc"});
+  CHECK(r.code == 0);
+  const auto j = r.json();
+  CHECK(content_of(desk.folder / "lc/x.comp")
+            .starts_with("-400.000000 0.009000 0.007000\n-350.000000 0.008000 0.006000\n"));
+  CHECK(std::filesystem::exists(desk.folder / "lc/y.comp"));
+  CHECK_FALSE(std::filesystem::exists(desk.folder / "lc/z.comp"));
+  CHECK(j["settings"][3] == "[JOINT_1]");
+  std::vector<std::string> left;
+  for (const auto& one : j["not_carried"]) left.push_back(one["what"]);
+  CHECK(left == std::vector<std::string>{"ECX", "EXY", "C0Y"});
+}
+
+TEST_CASE("the prediction says what a control leaves that only knows some of the map") {
+  const Desk desk;
+  const auto linuxcnc = desk.exported({"linuxcnc"}).json();
+  CHECK(linuxcnc["residual"]["from"] == "the map");
+  CHECK(largest(linuxcnc, "line of X", "not_compensated", "X") == Approx(9.0));
+  CHECK(largest(linuxcnc, "line of X", "this_export", "X") == Approx(0.0));
+  // X along Y: straightness 4 um at most, squareness −40 um/m over −400 mm: error −C0Y·Y = +16 um at Y = −400
+  CHECK(largest(linuxcnc, "line of Y", "this_export", "X") > 15.0);
+  CHECK(largest(linuxcnc, "line of Y", "whole_map", "X") == Approx(0.0));
+  const auto siemens = desk.exported({"siemens"}).json();
+  CHECK(largest(siemens, "line of Y", "this_export", "X") < 0.01);
+  // ECX is −40 um/m at X −400 (compensation), over Y −400 mm: 16 um of X that no table of one axis has
+  CHECK(largest(siemens, "volume", "this_export", "X") == Approx(16.0).epsilon(0.01));
+  const auto etalon = desk.exported({"etalon"}).json();
+  CHECK(largest(etalon, "volume", "this_export", "X") == Approx(1.0).epsilon(0.01));  // half the reversal of EXX
+}
+
+TEST_CASE("a model can say more than the map: what neither of them compensates stays") {
+  const Desk desk;
+  const std::string model = desk.folder.with("model.toml", R"([[effect]]
+id = "scale"
+axis = "X"
+sense = "EX"
+parameters = { um_per_m = 20.0 }
+[[effect]]
+id = "cyclic"
+axis = "X"
+sense = "EX"
+parameters = { period_mm = 7.3, amplitude_um = 3.0, phase_rad = 0.0 }
+)");
+  const Ran r = desk.exported({"linuxcnc"}, {"--model", model});
+  REQUIRE(r.code == 0);
+  const auto j = r.json();
+  CHECK(j["residual"]["from"] == model);
+  CHECK(largest(j, "line of X", "not_compensated", "X") > 8.0);
+  // the map takes the 20 um/m away exactly and adds its reversal of 1 um; the cycle stays
+  CHECK(largest(j, "line of X", "this_export", "X") == Approx(4.0).epsilon(0.02));
+}
+
+TEST_CASE("every format comes back as the map it was made from") {
+  const Desk desk;
+  const std::string out = desk.folder / "out", back = desk.folder / "back.csv", errors = desk.folder / "errors.txt";
+  const auto original = laser::read_map_csv(desk.map);
+  const auto same = [&](Component component, double shift, bool mean) {
+    const auto map = laser::read_map_csv(back);
+    REQUIRE(map);
+    for (const Approach approach : {Approach::forward, Approach::reverse})
+      for (const double p : {-400.0, -375.0, -110.0, 0.0}) {
+        double wanted = laser::compensation_at(*laser::table_of(*original, component, approach), p);
+        if (mean && component == Component::EXX) wanted -= static_cast<double>(approach);
+        CHECK(laser::compensation_at(*laser::table_of(*map, component, approach), p) + shift ==
+              Approx(wanted).epsilon(0.001));
+      }
+  };
+  REQUIRE(desk.exported({"linuxcnc", "--type", "0"}, {"-o", out}).code == 0);
+  REQUIRE(ran({"export", "read", out + "/x.comp", out + "/y.comp", "-o", back}).code == 0);
+  same(Component::EXX, 0.0, false);
+  same(Component::EYY, 0.0, false);
+
+  REQUIRE(desk.exported({"siemens", "--axes", "X=MX1,Y=MY1,Z=MZ1"}, {"-o", out}).code == 0);
+  const Ran siemens = ran({"export", "read", out + "/AX_EEC.INI", out + "/NC_CEC.INI", "--axes", "X=MX1,Y=MY1,Z=MZ1",
+                           "-o", back, "--json"});
+  REQUIRE(siemens.code == 0);
+  CHECK(siemens.json()["squareness"]["C0Y_um_per_m"].get<double>() == Approx(40.0).epsilon(1e-4));
+  same(Component::EXX, 0.0, false);
+  same(Component::EXY, 0.0, false);
+
+  REQUIRE(desk.exported({"etalon"}, {"-o", errors}).code == 0);
+  const Ran etalon =
+      ran({"export", "read", errors, "--params", desk.params, "--params-out", desk.folder / "q.toml", "-o", back});
+  REQUIRE(etalon.code == 0);
+  CHECK(content_of(desk.folder / "q.toml").find("C0Y_um_per_m = 40") != std::string::npos);
+  for (const Component component : {Component::EXX, Component::EYY, Component::EXY, Component::ECX})
+    same(component, 0.0, true);
+}
+
+TEST_CASE("the map of another chain is refused, one of an unknown machine is not") {
+  const Desk desk;
+  const std::string other = desk.folder.with("other.toml", "[configuration]\nchain = \"XYTZ\"\n");
+  const Ran r = ran({"export", "etalon", desk.map, "--params", other});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("made for TXYZ, the parameters say XYTZ") != std::string::npos);
+  const Ran alone = ran({"export", "linuxcnc", desk.map});
+  CHECK(alone.code == 0);
+  CHECK(alone.out.find("without --params: squareness counts as 0") != std::string::npos);
+  CHECK(alone.out.find("nothing written: give -o FOLDER") != std::string::npos);
+}
+
+TEST_CASE("exit codes: usage 2, broken file 3, cannot write 5, and inputs are spared") {
+  const Desk desk;
+  CHECK(ran({"export", "linuxcnc"}).code == 2);
+  CHECK(ran({"export", "linuxcnc", desk.map, "--model", "x.toml"}).code == 2);
+  CHECK(ran({"export", "siemens", desk.map, "--axes", "X=AX2"}).code == 2);
+  CHECK(ran({"export", "linuxcnc", desk.folder / "none.csv"}).code == 3);
+  CHECK(ran({"export", "linuxcnc", desk.folder.with("nan.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,nan\n")})
+            .code == 3);
+  CHECK(ran({"export", "linuxcnc", desk.map, "-o", desk.map}).code == 5);
+  CHECK(ran({"export", "etalon", desk.map, "-o", desk.folder / "no/such/folder.txt"}).code == 5);
+  CHECK(ran({"export", "etalon", desk.map, "-o", desk.map}).code == 2);
+  CHECK(content_of(desk.map) == map_text());
+}
+
+TEST_CASE("a LinuxCNC file with a silent stop is read with a warning, and a typing error is refused with its place") {
+  const Desk desk;
+  const std::string silent = desk.folder.with("x.comp", "0 0 0\n\n100 0.01 0.02\n");
+  const Ran r = ran({"export", "read", silent, "--type", "1", "--json"});
+  CHECK(r.code == 0);
+  CHECK(r.json()["warnings"][0]["line"] == 2);
+  CHECK(r.messages.find("x.comp:2:1: LinuxCNC stops reading at an empty line") != std::string::npos);
+  const Ran wrong = ran({"export", "read", desk.folder.with("y.comp", "0 0 0\n10 O.1 0\n"), "--json"});
+  CHECK(wrong.code == 3);
+  CHECK(wrong.json()["error"]["line"] == 2);
+  CHECK(wrong.json()["error"]["column"] == 4);
+}
+
+TEST_CASE("what is no table of a control is refused, and axes are taken from names") {
+  const Desk desk;
+  CHECK(ran({"export", "read", desk.map}).messages.find("no compensation table that is known here") !=
+        std::string::npos);
+  const std::string rows = "0 0 0\n50 0.004 0.007\n";
+  CHECK(ran({"export", "read", desk.folder.with("screwcompZ.dat", rows)}).out.find("EZZ") != std::string::npos);
+  CHECK(ran({"export", "read", desk.folder.with("mill_y.comp", rows)}).out.find("EYY") != std::string::npos);
+  CHECK(ran({"export", "read", desk.folder.with("proxy.comp", rows)}).code == 2);  // ends in y, yet is no axis
+  CHECK(ran({"export", "read", desk.folder / "proxy.comp", "--axis", "x"}).out.find("EXX") != std::string::npos);
+  CHECK(ran({"export", "read", desk.folder / "mill_y.comp", desk.folder / "mill_y.comp"}).code == 3);
+}
+
+}  // namespace
+}  // namespace ecs::app
