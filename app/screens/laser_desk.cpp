@@ -1,23 +1,42 @@
 #include "app/screens/laser_desk.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 
 namespace ecs::app {
 namespace {
 
 constexpr const char* kDraft = "laser";
-using Clock = std::chrono::steady_clock;
 
+/// A folder for this desk; those of programs that are gone are cleared away.
 std::filesystem::path new_work_folder() {
   static int count = 0;
   const auto state = state_folder();
-  const auto parent = state ? *state : std::filesystem::temp_directory_path();
-  return parent / "laser-work" / fmt::format("{}-{}", ::getpid(), ++count);
+  const auto parent = (state ? *state : std::filesystem::temp_directory_path()) / "laser-work";
+  std::error_code error;
+  for (const auto& folder : std::filesystem::directory_iterator(parent, error)) {
+    const std::string name = folder.path().filename().string();
+    const auto pid = integer_in(name.substr(0, name.find('-')));
+    if (pid && *pid > 0 && ::kill(static_cast<pid_t>(*pid), 0) != 0 && errno == ESRCH)
+      std::filesystem::remove_all(folder.path(), error);
+  }
+  return parent / fmt::format("{}-{}", ::getpid(), ++count);
+}
+
+/// As the time of a draft: "2026-05-04 14:05".
+std::string written_at(const std::string& file) {
+  struct stat facts {};
+  if (::stat(file.c_str(), &facts) != 0) return {};
+  return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(facts.st_mtime));
 }
 
 LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : LaserMark::done; }
@@ -80,6 +99,7 @@ void LaserDesk::take_up_offered() {
   if (!offered_) return;
   choices_ = choices_in(offered_->text).value_or(LaserChoices{});
   message_.say("taken up: work of " + offered_->kept);
+  warn_of_newer_files(offered_->kept);
   offered_.reset();
   changed_ = true;
   work_out(false);
@@ -90,7 +110,27 @@ void LaserDesk::drop_offered() {
   drop_draft(kDraft);
 }
 
-void LaserDesk::read_again() { work_out(false); }
+/// Single readings are known by their place in the file: a file written anew may hold others there.
+void LaserDesk::warn_of_newer_files(const std::string& than) {
+  for (const auto& [key, line] : choices_.lines) {
+    if (line.readings.empty()) continue;
+    for (const LaserFileChoice& file : choices_.files)
+      if (written_at(file.path) > than) {
+        message_.say(fmt::format("{} was written after readings were left out: look at step 3 again", file.path),
+                     Tone::warning);
+        return;
+      }
+  }
+}
+
+void LaserDesk::read_again() {
+  for (const LaserFile& file : work_->files)
+    if (file.stamp != stamp_of(file.choice.path)) {
+      warn_of_newer_files("");
+      break;
+    }
+  work_out(false);
+}
 
 void LaserDesk::work_out(bool with_map) {
   if (working_out_.running()) {

@@ -107,6 +107,7 @@ class LaserDesk {
   void take_failure(const Done& done);
   void look_after_failure();
   void say_saved(const MapFiles& files);
+  void warn_of_newer_files(const std::string& than);
 
   std::shared_ptr<UnitDesk> unit_;
   struct WorkFolder;

@@ -8,6 +8,8 @@ namespace {
 constexpr const char* kNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
                                              "Map",   "Header", "Send",      "Verify"};
 
+constexpr int kRoomForNames = 78;
+
 char sign_of(LaserMark mark) {
   if (mark == LaserMark::done) return '+';
   return mark == LaserMark::doubtful ? '!' : '.';
@@ -30,18 +32,36 @@ Area LaserScreen::body_of(const Area& area) {
   return {area.row + 1, area.column, std::max(0, area.rows - 3), area.columns};
 }
 
-void LaserScreen::draw_tabs(Canvas& canvas, const Area& area) const {
-  const bool narrow = area.columns < 78;
+std::array<LaserScreen::Tab, kLaserSteps> LaserScreen::tabs(int columns) const {
+  std::array<Tab, kLaserSteps> tabs;
   int column = 0;
-  for (int k = 0; k < kLaserSteps; ++k) {
+  for (std::size_t k = 0; k < tabs.size(); ++k) {
+    const bool here = static_cast<LaserStep>(k) == step_;
+    tabs[k] = {column, columns >= kRoomForNames || here ? kNames[k] : ""};
+    column += 3 + width_of(tabs[k].name) + (here ? 1 : 0);
+  }
+  return tabs;
+}
+
+void LaserScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  drawn_ = area;
+  const auto all = tabs(area.columns);
+  for (std::size_t k = 0; k < all.size(); ++k) {
     const LaserMark mark = host_->desk.mark(static_cast<LaserStep>(k));
     const bool here = static_cast<LaserStep>(k) == step_;
-    column += canvas.text(area, 0, column, here ? "[" : " ", Tone::strong);
-    column += canvas.text(area, 0, column, fmt::format("{}", k + 1), here ? Tone::strong : Tone::plain);
-    column += canvas.text(area, 0, column, std::string(1, sign_of(mark)), tone_of(mark));
-    if (!narrow || here) column += canvas.text(area, 0, column, kNames[k], here ? Tone::strong : Tone::plain);
-    if (here) column += canvas.text(area, 0, column, "]", Tone::strong);
+    const Tone tone = here ? Tone::strong : Tone::plain;
+    canvas.text(area, 0, all[k].column, fmt::format("{}{}", here ? '[' : ' ', k + 1), tone);
+    canvas.text(area, 0, all[k].column + 2, std::string(1, sign_of(mark)), tone_of(mark));
+    canvas.text(area, 0, all[k].column + 3, all[k].name + (here ? "]" : ""), tone);
   }
+}
+
+/// A click on a tab goes there.
+void LaserScreen::click(const Key& key) {
+  if (key.row != drawn_.row) return;
+  const auto all = tabs(drawn_.columns);
+  for (std::size_t k = all.size(); k-- > 0;)
+    if (key.column >= drawn_.column + all[k].column) return go(static_cast<int>(k));
 }
 
 void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
@@ -160,7 +180,9 @@ Step LaserScreen::on_key(const Key& key) {
     leaving_ = !desk.unsaved().empty() && !desk.offered();
     return leaving_ ? stay() : back();
   }
-  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
+  if (key.name == Key::Name::mouse) {
+    click(key);
+  } else if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
     (void)on_own_key(key);
   } else if (!page().on_key(key)) {
     (void)on_own_key(key);

@@ -33,6 +33,13 @@ class LaserScreen final : public Screen {
   [[nodiscard]] static Area body_of(const Area& area);
   void draw_tabs(Canvas& canvas, const Area& area) const;
   void draw_message(Canvas& canvas, const Area& area) const;
+  /// Where the tab of a step begins and what stands in it.
+  struct Tab {
+    int column = 0;
+    std::string name;
+  };
+  [[nodiscard]] std::array<Tab, kLaserSteps> tabs(int columns) const;
+  void click(const Key& key);
   [[nodiscard]] bool on_lying_over(const Key& key);
   [[nodiscard]] bool on_own_key(const Key& key);
   void save();
@@ -42,6 +49,7 @@ class LaserScreen final : public Screen {
   std::array<std::unique_ptr<LaserPage>, kLaserSteps> pages_;
   LaserStep step_ = LaserStep::files;
   bool leaving_ = false;
+  mutable Area drawn_;  ///< of the last picture, for clicks
 };
 
 }  // namespace ecs::app

@@ -51,10 +51,6 @@ class SendPage final : public LaserPage {
     Told told(canvas, area);
     const MapFiles files = files_of_map(d.choices().map_file);
     told.say("map file", d.choices().map_file, Tone::strong);
-    told.say("beside it",
-             fmt::format("{} (squareness in it), {} (makes the same map with `ecs map build`)", files.parameters,
-                         files.recipe),
-             Tone::faint);
     told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
     told.skip();
     told.say("map", map_text(map), map.complete() ? Tone::good : Tone::warning);
@@ -66,6 +62,11 @@ class SendPage final : public LaserPage {
     told.skip();
     if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
+    told.skip();
+    told.say("beside it",
+             fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
+                         files.parameters, files.recipe),
+             Tone::faint);
   }
 
   bool on_key(const Key& key) override {
