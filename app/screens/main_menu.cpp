@@ -1,5 +1,6 @@
 // The tree of menus: what stands where. Does not live here: how a menu looks (menu_screen.cpp).
-#include <fmt/format.h>
+#include <algorithm>
+#include <functional>
 
 #include "app/screens/laser_screen.hpp"
 #include "app/screens/link_screen.hpp"
@@ -22,59 +23,73 @@ MenuChoice choice_of(const VerbEntry& verb, const Desk& desk) {
   return {verb.name(), verb.help, [verb, desk] { return std::make_unique<VerbScreen>(verb, desk); }};
 }
 
-/// The screens of a menu, before its verbs. @param word  the first word of the menu's title
-Choices screens_of(const std::string& word, const Desk& desk) {
-  Choices choices;
-  if (word == "E.C.S. PARAMETERS")
-    choices.push_back({"PARAMETERS SCREEN", "edit in place, check, compare with file and unit, send, receive, save",
-                       [desk] { return std::make_unique<ParametersScreen>(desk); }});
-  if (word == "ECS UTILITY") choices = utility_choices(desk);
-  if (word == "MEMORY ACCESS")
-    choices.push_back({"MEMORY SCREEN", "bytes with their names; find, compare, write with undo, dump",
-                       [desk] { return std::make_unique<MemoryScreen>(desk); }});
-  if (word == "PROCESS LASER DATA")
-    choices.push_back({"FROM FILES TO THE MAP", "files, what is left out, slope, ISO 230, map, header, send, verify",
-                       [desk] { return std::make_unique<LaserScreen>(desk); }});
-  if (word == "MODEL")
-    choices.push_back({"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
-                       [] { return std::make_unique<ModelForm>(); }});
-  return choices;
+/// One entry of the first screen that opens a menu.
+struct TopMenu {
+  const char* name;
+  const char* help;
+  std::function<Choices(const Desk&)> screens;  ///< before the verbs
+};
+
+Choices parameters_choices(const Desk& desk) {
+  return {{"EDIT PARAMETERS", "edit in place, check, compare with file and unit, send, receive, save",
+           [desk] { return std::make_unique<ParametersScreen>(desk); }}};
+}
+Choices laser_choices(const Desk& desk) {
+  return {{"FROM FILES TO THE MAP", "files, what is left out, slope, ISO 230, map, header, send, verify",
+           [desk] { return std::make_unique<LaserScreen>(desk); }}};
+}
+Choices memory_choices(const Desk& desk) {
+  return {{"VIEW MEMORY", "bytes with their names; find, compare, write with undo, dump",
+           [desk] { return std::make_unique<MemoryScreen>(desk); }}};
+}
+Choices model_choices(const Desk& /*desk*/) {
+  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
+           [] { return std::make_unique<ModelForm>(); }}};
 }
 
-std::string name_of(const MenuEntry& menu) { return menu.title.substr(0, menu.title.find(':')); }
-std::string help_of(const MenuEntry& menu) {
-  const std::size_t colon = menu.title.find(": ");
-  return colon == std::string::npos ? "" : menu.title.substr(colon + 2);
+/// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.
+const std::vector<TopMenu>& top_menus() {
+  static const std::vector<TopMenu> menus{
+      {"E.C.S. PARAMETERS", "what the unit must know of the machine: edit, check, send", parameters_choices},
+      {"PROCESS LASER DATA", "from laser files to the error map in the unit", laser_choices},
+      {"ECS UTILITY", "positions, outputs, datum sequences, status and faults", utility_choices},
+      {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
+      {"MODEL", "the error model against measurements: what is missing?", model_choices},
+      {"MORE", "report, tables for other controls, many units, doctor", [](const Desk&) { return Choices{}; }},
+  };
+  return menus;
 }
 
-std::unique_ptr<Screen> menu_of(const MenuEntry& menu, const Desk& desk) {
-  Choices choices = screens_of(name_of(menu), desk);
-  for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, desk));
+/// The verbs of a menu: those of the catalogue under its name; under MORE what has no menu here.
+std::vector<VerbEntry> verbs_of(const std::string& name, const std::vector<MenuEntry>& catalogue) {
+  const auto has_menu = [](const std::string& title) {
+    return std::any_of(top_menus().begin(), top_menus().end(), [&](const TopMenu& m) { return m.name == title; });
+  };
+  std::vector<VerbEntry> verbs;
+  for (const MenuEntry& menu : catalogue) {
+    const std::string title = menu.title.substr(0, menu.title.find(':'));
+    if (title == name || (name == "MORE" && !has_menu(title)))
+      verbs.insert(verbs.end(), menu.verbs.begin(), menu.verbs.end());
+  }
+  return verbs;
+}
+
+std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Desk& desk) {
+  Choices choices = menu.screens(desk);
+  for (const VerbEntry& verb : verbs_of(menu.name, verb_catalogue())) choices.push_back(choice_of(verb, desk));
   return std::make_unique<MenuScreen>(
-      name_of(menu),
-      menu.title + ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields.",
+      menu.name,
+      std::string(menu.name) + ": " + menu.help +
+          ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields.",
       std::move(choices));
 }
 
-MenuChoice monitor_of(const Desk& desk) {
-  return {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
-          [desk] { return std::make_unique<MonitorScreen>(desk); }};
-}
-
-/// LINK and LOG, after MODEL.
-void add_link_and_log(Choices& choices, const Desk& desk) {
-  choices.push_back({"LINK", "port, speed, unit number; a doctor; statistics",
-                     [desk] { return std::make_unique<LinkScreen>(desk); }});
-  choices.push_back({"LOG", "what the screens told, errors whole, to copy",
-                     [] { return std::make_unique<LogScreen>(); }});
-}
-
 /// Found from here by their names, not shown.
-void add_sought(Choices& choices, const std::vector<MenuEntry>& menus, const Desk& desk) {
+void add_sought(Choices& choices, const Desk& desk) {
   const std::size_t shown = choices.size();
-  for (const MenuEntry& menu : menus)
-    for (MenuChoice& screen : screens_of(name_of(menu), desk)) choices.push_back(std::move(screen));
-  for (const MenuEntry& menu : menus)
+  for (const TopMenu& menu : top_menus())
+    for (MenuChoice& screen : menu.screens(desk)) choices.push_back(std::move(screen));
+  for (const MenuEntry& menu : verb_catalogue())
     for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, desk));
   for (std::size_t k = shown; k < choices.size(); ++k) choices[k].only_sought = true;
 }
@@ -82,14 +97,16 @@ void add_sought(Choices& choices, const std::vector<MenuEntry>& menus, const Des
 }  // namespace
 
 std::unique_ptr<Screen> main_menu(const Desk& desk) {
-  const auto menus = verb_catalogue();
   Choices choices;
-  for (const MenuEntry& menu : menus) {
-    if (choices.size() == 1) choices.push_back(monitor_of(desk));  // where figure 5.4 has it
-    choices.push_back({name_of(menu), help_of(menu), [menu, desk] { return menu_of(menu, desk); }});
-    if (name_of(menu) == "MODEL") add_link_and_log(choices, desk);
-  }
-  add_sought(choices, menus, desk);
+  for (const TopMenu& menu : top_menus())
+    choices.push_back({menu.name, menu.help, [menu, desk] { return menu_of(menu, desk); }});
+  choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
+                                       [desk] { return std::make_unique<MonitorScreen>(desk); }});
+  choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
+                                     [desk] { return std::make_unique<LinkScreen>(desk); }});
+  choices.insert(choices.end() - 1,
+                 {"LOG", "what the screens told, errors whole, to copy", [] { return std::make_unique<LogScreen>(); }});
+  add_sought(choices, desk);
   return std::make_unique<MenuScreen>(
       "ECS",
       "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part "

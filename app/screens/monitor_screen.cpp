@@ -43,7 +43,7 @@ double largest_compensation(const WatchedUnit& unit) {
   return most;
 }
 
-constexpr int kReferenceColumn = 27;
+constexpr int kReferenceColumn = 26;
 constexpr int kBarColumn = 58;
 
 std::string heading() {
