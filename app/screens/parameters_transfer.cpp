@@ -108,10 +108,11 @@ void ParametersTransfer::take_read(ParametersDesk& desk, MessageLine& message, R
     return;
   }
   if (purpose_ == Reading::to_receive) {
+    const char* undo = desk.loaded() ? "; u brings back what was here" : "";
     if (auto taken = desk.take_from_unit(*unit); !taken)
       message.say(taken.error());
     else
-      message.say(fmt::format("received from {}; u brings back what was here", title_of(*unit)));
+      message.say(fmt::format("received from {}{}", title_of(*unit), undo));
     return;
   }
   desk.know_unit(*unit);
