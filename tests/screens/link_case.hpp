@@ -15,7 +15,7 @@
 
 #include "memory_case.hpp"
 
-namespace ecs::app {
+namespace ecs::app::unit_case {
 
 /// `ecs-emulator serve` with these options besides machine and line.
 class OwnEmulator {
@@ -125,4 +125,4 @@ class BadLine {
   std::jthread thread_;
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::app::unit_case

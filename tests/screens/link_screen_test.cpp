@@ -9,6 +9,8 @@
 namespace ecs::app {
 namespace {
 
+using namespace unit_case;
+
 std::string form_text(const std::string& link) { return LinkForm(*parsed_link(link, "test")).text(); }
 
 TEST_CASE("every kind of link goes into the form and comes out the same") {

@@ -9,6 +9,8 @@
 namespace ecs::app {
 namespace {
 
+using namespace unit_case;
+
 TEST_CASE("the log follows the newest message and shows a long one whole") {
   const UnitCase one;
   LogScreen screen;

@@ -22,7 +22,7 @@
 #include "app/screens/screens_program.hpp"
 #include "app/screens/unit_desk.hpp"
 
-namespace ecs::app {
+namespace ecs::app::unit_case {
 
 class UnitCase {
  public:
@@ -116,4 +116,4 @@ inline int kill_emulators() {
   return killed;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::app::unit_case

@@ -9,6 +9,8 @@
 namespace ecs::app {
 namespace {
 
+using namespace unit_case;
+
 struct MemoryCase : UnitCase {
   std::shared_ptr<UnitDesk> unit = std::make_shared<UnitDesk>("emulator");
   MemoryScreen screen{unit};
