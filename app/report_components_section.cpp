@@ -107,13 +107,13 @@ Markup unmeasured(const ReportContent& content, const TableRow& row) {
   Markup out;
   for (const Problem& problem : row.problems) out += paragraph_of(to_text(problem), "class=\"problem\"");
   if (row.problems.empty() && !row.after)
-    out += absence(content.has_after ? "Measured before compensation only, as planned."
-                                     : "Measured before compensation only.");
+    out += absence(content.has_after && content.planned ? "Measured before compensation only, as planned."
+                                                        : "Measured before compensation only.");
   if (row.problems.empty() && !row.before) out += absence("Measured after compensation only.");
   return out;
 }
 
-Markup component(const ReportContent& content, const TableRow& row, std::vector<std::string>& used) {
+Markup component(const ReportContent& content, const TableRow& row, const std::string& id) {
   const RowVerdict verdict = verdict_of(row);
   Markup body =
       element("h3", element("span", row.planned.name, "class=\"code\"") + text(" " + row.planned.title) +
@@ -129,8 +129,7 @@ Markup component(const ReportContent& content, const TableRow& row, std::vector<
   } else {
     body += unmeasured(content, row);
   }
-  return element("article", body, fmt::format("id=\"{}\"", fresh_id("c-" + row.planned.name, used))) +
-         Markup::literal("\n");
+  return element("article", body, fmt::format("id=\"{}\"", id)) + Markup::literal("\n");
 }
 
 /// Conditions of the standard that are not met: each once, with the measurements.
@@ -154,14 +153,14 @@ Markup notes_of(const std::vector<TableRow>& rows) {
 
 }  // namespace
 
-ReportSection components_section(const ReportContent& content, std::vector<std::string>& used) {
+ReportSection components_section(const ReportContent& content, const std::vector<std::string>& ids) {
   Markup body = paragraph_of(
       "Grey bars: from the least to the greatest reading at each target. Before and after have the same scale. Symbols "
       "of ISO 230-2: A accuracy, E systematic deviation, M range of the mean, R repeatability, B reversal error and "
       "its mean; ↑ forward, ↓ reverse. ±3s: band of mean ± 3 standard deviations, 6s: largest 6 standard deviations "
       "(BS 4656 Part 16).",
       "class=\"small intro\"");
-  for (const TableRow& row : content.rows) body += component(content, row, used);
+  for (std::size_t i = 0; i < content.rows.size(); ++i) body += component(content, content.rows[i], ids[i]);
   body += notes_of(content.rows);
   return {"components", "Components before and after", std::move(body)};
 }

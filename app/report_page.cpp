@@ -88,8 +88,10 @@ std::vector<ReportSection> without_absent(std::vector<ReportSection> all) {
 std::string report_page(const ReportContent& content, const Judgement& judgement) {
   std::vector<std::string> used{"summary",    "machine", "conditions", "components", "prediction", "effects",
                                 "parameters", "map",     "unit",       "sources",    "absent"};
+  std::vector<std::string> ids;
+  for (const TableRow& row : content.rows) ids.push_back(fresh_id("c-" + row.planned.name, used));
   const std::vector<ReportSection> sections = without_absent(
-      {summary_section(content, judgement), components_section(content, used), prediction_section(content),
+      {summary_section(content, judgement, ids), components_section(content, ids), prediction_section(content),
        effects_section(content), machine_section(content), conditions_section(content), map_section(content),
        parameters_section(content), unit_section(content), sources_section(content)});
   Markup body = head_of(content) + contents_of(sections);

@@ -19,11 +19,12 @@ struct ReportSection {
   std::string absent{};  ///< why there is no body: the section is named among those that are not part of the report
 };
 
-[[nodiscard]] ReportSection summary_section(const ReportContent& content, const Judgement& judgement);
+/// @param ids  of the component of each row
+[[nodiscard]] ReportSection summary_section(const ReportContent& content, const Judgement& judgement,
+                                            const std::vector<std::string>& ids);
 [[nodiscard]] ReportSection machine_section(const ReportContent& content);
 [[nodiscard]] ReportSection conditions_section(const ReportContent& content);
-/// @param used  ids that stand on the page already
-[[nodiscard]] ReportSection components_section(const ReportContent& content, std::vector<std::string>& used);
+[[nodiscard]] ReportSection components_section(const ReportContent& content, const std::vector<std::string>& ids);
 [[nodiscard]] ReportSection prediction_section(const ReportContent& content);
 [[nodiscard]] ReportSection effects_section(const ReportContent& content);
 [[nodiscard]] ReportSection parameters_section(const ReportContent& content);

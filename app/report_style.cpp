@@ -58,6 +58,7 @@ th:first-child, td:first-child { padding-left: 0; }
 th:last-child, td:last-child { padding-right: 0; }
 th.n, td.n { text-align: right; white-space: nowrap; }
 th.n { white-space: normal; }
+td a { color: inherit; text-decoration-color: var(--rule); }
 td.n strong { white-space: nowrap; }
 td:first-child, td:nth-child(2) { overflow-wrap: anywhere; }
 tr.open td { background: var(--faint); font-weight: 600; }
@@ -105,6 +106,7 @@ footer { margin-top: 8mm; border-top: .8pt solid var(--rule); padding-top: 2mm; 
 @media print {
   body { max-width: none; margin: 0; padding: 0; }
   nav, footer { display: none; }
+  td a { text-decoration: none; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )css";

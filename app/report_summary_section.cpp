@@ -12,7 +12,7 @@ Markup verdict_cell(const TableRow& row) {
   return text(fmt::format("{}{}", sign, word_for(verdict)));
 }
 
-Markup summary_table(const std::vector<TableRow>& rows) {
+Markup summary_table(const std::vector<TableRow>& rows, const std::vector<std::string>& ids) {
   TableMarkup table({{"measurement"},
                      {""},
                      {"before", true},
@@ -24,14 +24,16 @@ Markup summary_table(const std::vector<TableRow>& rows) {
                      {"R after", true},
                      {"verdict"}},
                     "summary");
-  for (const TableRow& row : rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TableRow& row = rows[i];
     const int decimals = decimals_of(row);
     const auto band = [](const auto& phase) {
       return phase ? std::optional(phase->readings.band) : std::optional<double>();
     };
     const auto& limit = row.planned.published_after;
     const RowVerdict verdict = verdict_of(row);
-    table.row({element("strong", row.planned.name), text(row.planned.title), cell(band(row.before), decimals),
+    table.row({element("strong", element("a", row.planned.name, fmt::format("href=\"#{}\"", ids[i]))),
+               text(row.planned.title), cell(band(row.before), decimals),
                element("strong", cell(band(row.after), decimals)), cell(row.ratio(), 1),
                text(limit ? plain_number(*limit) : "\u2013"), text(unit_text(laser::unit_of(row.planned.sense))),
                cell(row.after ? row.after->iso.E : std::nullopt, decimals),
@@ -48,12 +50,13 @@ std::string_view tone_of(const Judgement& j) {
 
 }  // namespace
 
-ReportSection summary_section(const ReportContent& content, const Judgement& judgement) {
+ReportSection summary_section(const ReportContent& content, const Judgement& judgement,
+                              const std::vector<std::string>& ids) {
   Markup body = element("div",
                         element("strong", judgement.sentence) +
                             (judgement.worst_sentence.empty() ? Markup() : element("p", judgement.worst_sentence)),
                         tone_of(judgement));
-  body += Markup::literal("\n") + summary_table(content.rows);
+  body += Markup::literal("\n") + summary_table(content.rows, ids);
   body += paragraph_of(
       "Before, after: error band, the largest minus the smallest of all readings, both approaches and all runs, after "
       "the slope named with each component is removed. Ratio: before over after. E, R: systematic deviation and "

@@ -171,7 +171,12 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   const double lead = rough / power;
   const double step = power * (lead < 1.5 ? 1.0 : lead < 3.5 ? 2.0 : lead < 7.5 ? 5.0 : 10.0);
-  for (double k = std::ceil(least / step - 1e-9); k * step <= most + 1e-9 * step; k += 1.0) ticks.push_back(k * step);
+  const double first = std::ceil(least / step - 1e-9);
+  for (int i = 0; i <= 3 * wanted; ++i) {
+    const double tick = (first + i) * step;
+    if (!(tick <= most + 1e-9 * step)) break;
+    ticks.push_back(tick);
+  }
   return ticks;
 }
 

@@ -90,20 +90,25 @@ std::string text_of(const Judgement& j, const std::string& output, std::size_t b
   return text + fmt::format("report written to {} ({} kB)\n", output, (bytes + 500) / 1000);
 }
 
-Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles& files) {
+Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles& files, const ReportContent& content) {
   std::vector<std::string> inputs = arguments.data;
   for (const auto* path :
        {&files.plan, &files.machine, &files.map, &files.params, &files.model, &files.diagnosis, &files.status})
     if (!path->empty()) inputs.push_back(path->string());
+  for (const TableRow& row : content.rows)
+    for (const auto* phase : {&row.before, &row.after})
+      if (*phase) inputs.push_back((*phase)->file.string());
   return spares_inputs(arguments.output, inputs);
 }
 
 Result<Outcome> report(Session& session, const ReportArguments& arguments) {
   const auto files = report_files(arguments);
   if (!files) return tl::unexpected(files.error());
-  if (auto spared = spares_sources(arguments, *files); !spared) return tl::unexpected(spared.error());
+  if (!arguments.data.empty() && files->model.empty())
+    return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
   const auto content = report_content(session, arguments);
   if (!content) return tl::unexpected(content.error());
+  if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
   const Judgement judgement = judgement_of(*content);
   const std::string page = report_page(*content, judgement);
   if (auto written = write_file(arguments.output, page); !written) return tl::unexpected(written.error());

@@ -43,6 +43,8 @@ TEST_CASE("the page is whole, stands alone and runs nothing") {
   CHECK(fault_of(html) == "");
   for (const char* outside : {"http", "<script", "<link", "src=", "url(", "@import", "<iframe", "onload"})
     CHECK_FALSE(holds(html, outside));
+  CHECK(holds(html, "href=\"#c-EXX\""));
+  CHECK(holds(html, "<article id=\"c-EXX\">"));
   CHECK(holds(html, "size: A4"));
   CHECK(holds(html, "charset=\"utf-8\""));
 }
@@ -156,6 +158,9 @@ TEST_CASE("a page that cannot be written, inputs as output, wrong words and no m
   CHECK(ran({"report", c.folder / "", "-o", c.folder / "none/report.html"}).code == 5);
   CHECK(ran({"report", c.folder / "", "-o", c.folder / "plan.toml"}).code == 2);
   CHECK(content_of(c.folder / "plan.toml") == kReportPlan);
+  CHECK(ran({"report", c.folder / "", "-o", c.folder / "before/EXX.csv"}).code == 2);
+  CHECK(holds(content_of(c.folder / "before/EXX.csv"), "axis,sense"));
+  CHECK(c.report({"--data", c.folder / "before/EXX.csv"}).code == 2);
   CHECK(c.report({"--header", "customer"}).code == 2);
   CHECK(ran({"report", c.folder / "nowhere", "-o", c.page}).code == 3);
   CHECK(ran({"report", "-o", c.page}).code == 3);
