@@ -1,5 +1,7 @@
 #include "app/screens/menu_screen.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -28,7 +30,10 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
   }
   const auto list = seen();
   std::vector<ListRow> rows;
-  for (const std::size_t k : list) rows.push_back({fmt::format("{:<26} {}", choices_[k].name, choices_[k].help)});
+  int names = 0;
+  for (const std::size_t k : list) names = std::max(names, std::min(26, width_of(choices_[k].name)));
+  for (const std::size_t k : list)
+    rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, choices_[k].help)});
   if (rows.empty()) canvas.text(inside, row, 2, "no entry has that in its name", Tone::warning);
   constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
   draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);

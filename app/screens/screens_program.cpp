@@ -1,6 +1,7 @@
 #include "app/screens/screens_program.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -42,16 +43,27 @@ void draw_header(Canvas& canvas, const std::string& path, const Standing& standi
                     standing.bad ? Tone::bad : Tone::selected);
 }
 
-void draw_help(Canvas& canvas, const Screen& screen) {
-  std::vector<std::string> lines = wrapped(screen.help(), std::max(20, canvas.columns() - 8));
+std::vector<std::string> help_lines(const Screen& screen, int columns) {
+  std::vector<std::string> lines = wrapped(screen.help(), std::max(20, columns - 8));
   lines.emplace_back();
   for (const KeyHelp& key : screen.keys()) lines.push_back(fmt::format("{:<14} {}", key.keys, key.does));
   lines.push_back(fmt::format("{:<14} {}", "Esc", "back; on the first screen: leave"));
-  const int rows = std::min(static_cast<int>(lines.size()) + 2, canvas.rows() - 2);
-  const Area box{(canvas.rows() - rows) / 2, 2, rows, canvas.columns() - 4};
+  lines.push_back(fmt::format("{:<14} {}", "Ctrl-L, Ctrl-C", "draw everything anew; leave the program"));
+  return lines;
+}
+
+int help_rows(const Canvas& canvas) { return std::max(1, canvas.rows() - 4); }
+
+/// The lines of the help from `first` on, as many as fit.
+void draw_help(Canvas& canvas, const Screen& screen, int first) {
+  const auto lines = help_lines(screen, canvas.columns());
+  const int left = static_cast<int>(lines.size()) - first;
+  const int rows = std::min(left, help_rows(canvas));
+  const Area box{(canvas.rows() - rows - 2) / 2, 2, rows + 2, canvas.columns() - 4};
   canvas.fill(box);
-  canvas.frame(box, screen.title() + ": help, any key goes on", Tone::plain);
-  for (int r = 0; r < rows - 2; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(r)]);
+  canvas.frame(box, screen.title() + (left > rows ? ": help, any key shows more" : ": help, any key goes on"),
+               Tone::plain);
+  for (int r = 0; r < rows; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(first + r)]);
 }
 
 void draw_leaving(Canvas& canvas, const std::string& unsaved) {
@@ -94,7 +106,7 @@ Canvas picture_of(const Screen& screen, const std::string& path, const Standing&
   draw_header(canvas, path, standing, !screen.unsaved().empty());
   screen.draw(canvas, screen_area(canvas));
   draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys());
-  if (with_help) draw_help(canvas, screen);
+  if (with_help) draw_help(canvas, screen, 0);
   return canvas;
 }
 
@@ -102,10 +114,10 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
   catch_signals();
   Stack stack(std::move(first));
   Standing standing;
-  bool help = false;
-  bool changed = true;  ///< since the last picture
-  bool urgent = true;   ///< by a key
-  bool sure = false;    ///< asked once about unsaved work
+  std::optional<int> help;  ///< the first line of it that is shown
+  bool changed = true;      ///< since the last picture
+  bool urgent = true;       ///< by a key
+  bool sure = false;        ///< asked once about unsaved work
   while (!stack.empty() && interrupting_signal() == 0) {
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
@@ -119,7 +131,8 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
       changed = true;
     }
     if (changed) {
-      Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), help);
+      Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), false);
+      if (help) draw_help(canvas, screen, *help);
       if (sure) draw_leaving(canvas, stack.unsaved());
       changed = !terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
     }
@@ -133,14 +146,16 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
       if (reply == Reply::yes) return 0;
       sure = reply == Reply::none;
     } else if (help) {
-      help = key.name == Key::Name::resized;
+      const int next = *help + help_rows(terminal.canvas());
+      const bool more = next < static_cast<int>(help_lines(screen, terminal.canvas().columns()).size());
+      if (key.name != Key::Name::resized) help = more ? std::optional(next) : std::nullopt;
     } else if (key.name == Key::Name::control && key.letter == U'l') {
       terminal.redraw();
     } else if (key.name == Key::Name::control && key.letter == U'c') {
       if (stack.unsaved().empty()) return 0;
       sure = true;
     } else if (is_letter(key, U'?') && !screen.typing()) {
-      help = true;
+      help = 0;
     } else {
       Step step = screen.on_key(key);
       if (step.kind == Step::Kind::back && stack.is_last())

@@ -20,8 +20,8 @@ struct Standing {
 };
 using StandingNow = std::function<Standing()>;
 
-/// The picture of a screen at a size: header, screen, key line. Pure; used by the loop, by tests and by `docs`
-/// pictures.
+/// The picture of a screen at a size: header, screen, key line, its help over it. Pure; used by the loop, by tests and
+/// by `docs` pictures.
 [[nodiscard]] Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
                                 bool with_help);
 /// Where the screen itself is drawn on a canvas of that size.

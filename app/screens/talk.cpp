@@ -40,8 +40,12 @@ void draw_question(Canvas& canvas, const Area& area, const Question& question) {
   canvas.frame(box, {}, Tone::warning);
   const Area inside{box.row + 1, box.column + 2, box.rows - 2, box.columns - 4};
   int row = 0;
-  for (const std::string& line : title) canvas.text(inside, row++, 0, line, Tone::strong);
-  for (const std::string& line : detail) canvas.text(inside, row++, 0, line);
+  const auto put = [&](const std::vector<std::string>& lines, Tone tone) {  // the answers keep the last row
+    for (const std::string& line : lines)
+      if (row < inside.rows - 1) canvas.text(inside, row++, 0, line, tone);
+  };
+  put(title, Tone::strong);
+  put(detail, Tone::plain);
   canvas.text(inside, inside.rows - 1, 0, fmt::format("y {}    n {}", question.yes, question.no), Tone::strong);
 }
 
