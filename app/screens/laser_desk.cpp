@@ -72,6 +72,7 @@ void LaserDesk::change(const std::string& what, const std::function<void(LaserCh
   if (next == choices_) return;
   past_.emplace_back(what, choices_);
   if (past_.size() > 200) past_.erase(past_.begin());
+  future_.clear();
   choices_ = std::move(next);
   keep();
   work_out(false);
@@ -83,8 +84,23 @@ void LaserDesk::undo() {
     return;
   }
   message_.say("taken back: " + past_.back().first);
-  choices_ = std::move(past_.back().second);
-  past_.pop_back();
+  step_over(past_, future_);
+}
+
+void LaserDesk::redo() {
+  if (future_.empty()) {
+    message_.say("nothing to do again", Tone::warning);
+    return;
+  }
+  message_.say("done again: " + future_.back().first);
+  step_over(future_, past_);
+}
+
+/// The newest of `from` becomes what is chosen, what was chosen goes onto `to`.
+void LaserDesk::step_over(History& from, History& to) {
+  to.emplace_back(from.back().first, std::move(choices_));
+  choices_ = std::move(from.back().second);
+  from.pop_back();
   keep();
   work_out(false);
 }

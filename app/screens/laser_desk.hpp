@@ -43,6 +43,7 @@ class LaserDesk {
   /// Keeps the draft, works out what follows. @param what  for undo: "run 3 left out"
   void change(const std::string& what, const std::function<void(LaserChoices&)>& how);
   void undo();
+  void redo();
   /// Of an earlier sitting; nothing: there is none, or it was answered.
   [[nodiscard]] const std::optional<Draft>& offered() const { return offered_; }
   void take_up_offered();
@@ -98,6 +99,8 @@ class LaserDesk {
   };
   using Piece = std::function<void(JobSigns&, SendSigns&, Done&)>;
 
+  using History = std::vector<std::pair<std::string, LaserChoices>>;
+  void step_over(History& from, History& to);
   void work_out(bool with_map);
   void keep();
   [[nodiscard]] bool idle();
@@ -113,7 +116,7 @@ class LaserDesk {
   struct WorkFolder;
   std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;
-  std::vector<std::pair<std::string, LaserChoices>> past_;
+  History past_, future_;  ///< what each step was, and the choices beyond it
   std::optional<Draft> offered_;
   bool changed_ = false;  ///< since the map was saved last
   LaserWorkPtr work_;

@@ -142,15 +142,18 @@ class MapPage final : public LaserPage {
     row += canvas.paragraph(area, row, detail);
     if (map.built)
       for (const laser::ComponentOutcome& outcome : map.built->outcomes)
-        if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), outcome);
+        if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), *map.built, outcome);
     if (const auto panel = panel_of_component(map, one.component)) draw_chart(canvas, area.below(row), *panel, view_);
   }
 
-  static int draw_outcome(Canvas& canvas, const Area& area, const laser::ComponentOutcome& outcome) {
-    const auto unit = unit_of(outcome.component);
-    std::string text = is_squareness(outcome.component)
-                           ? fmt::format("{:.2f} {} into the parameters", outcome.slope_um_per_m, unit)
-                           : fmt::format("largest {:.2f} {}, {} points a table", outcome.largest, unit, outcome.points);
+  static int draw_outcome(Canvas& canvas, const Area& area, const laser::BuiltMap& built,
+                          const laser::ComponentOutcome& outcome) {
+    const auto name = name_of(outcome.component);
+    std::string text = fmt::format("largest {:.2f} {}, {} points a table", outcome.largest, unit_of(outcome.component),
+                                   outcome.points);
+    if (is_squareness(outcome.component))
+      for (const std::string& step : built.map.header.processing)
+        if (step.starts_with(name)) text = step;
     for (const std::string& note : outcome.notes) text += "; " + note;
     return canvas.paragraph(area, 0, text);
   }

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
+
 namespace ecs::app {
 
 LaserHalves laser_halves(const Area& area) {
@@ -42,17 +44,18 @@ std::size_t place_within(const ListPlace& place, std::size_t count) {
 
 void LaserHost::ask_parameters() {
   const LaserChoices& now = desk.choices();
-  const std::string unit_file = "unit-parameters.toml";
-  std::vector<LaserField> fields{
-      {"parameters",
-       "the unit's parameter file; leave it empty to take what the unit holds (written beside)",
-       now.params_file,
-       {},
-       true},
-      {"scope",
-       "what the unit shall correct; empty: as the parameters say",
-       now.scope,
-       {"", "linear", "planar", "volumetric"}}};
+  const auto state = state_folder();
+  const std::string unit_file =
+      ((state ? *state : std::filesystem::temp_directory_path()) / "unit-parameters.toml").string();
+  std::vector<LaserField> fields{{"parameters",
+                                  "the unit's parameter file; leave it empty to take what the unit holds",
+                                  now.params_file,
+                                  {},
+                                  true},
+                                 {"scope",
+                                  "what the unit shall correct; empty: as the parameters say",
+                                  now.scope,
+                                  {"", "linear", "planar", "volumetric"}}};
   fill(LaserForm("parameters of the unit", std::move(fields), [this, unit_file](const std::vector<std::string>& v) {
     if (v[0].empty()) {
       desk.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });

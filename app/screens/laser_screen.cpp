@@ -20,6 +20,37 @@ Tone tone_of(LaserMark mark) {
   return mark == LaserMark::doubtful ? Tone::warning : Tone::faint;
 }
 
+/// What the header lacks: "customer, engineer".
+std::string not_stated(const laser::MapHeader& header) {
+  std::string names;
+  for (const auto& [name, value] : {std::pair{"customer", header.customer},
+                                    {"machine", header.machine},
+                                    {"serial number", header.serial_number},
+                                    {"engineer", header.engineer}})
+    if (value.empty()) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+/// What to do next, in one line; empty: everything is done.
+std::string next_to_do(const LaserDesk& desk) {
+  const auto is = [&](LaserStep step, LaserMark mark) { return desk.mark(step) == mark; };
+  const LaserMapWork& map = desk.work().map;
+  if (is(LaserStep::files, LaserMark::open)) return {};
+  if (is(LaserStep::files, LaserMark::doubtful))
+    return "Step 1: a file was not read; Enter answers what it does not say, x takes it off.";
+  if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
+  if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings stand out from their repeats (o).";
+  if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
+  if (map.missing() > 0)
+    return fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what stands against this map.";
+  if (is(LaserStep::header, LaserMark::doubtful))
+    return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
+  if (!desk.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
+  if (!is(LaserStep::verify, LaserMark::done)) return "Next: step 9 reads the map back from the unit and compares.";
+  return {};
+}
+
 }  // namespace
 
 LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
@@ -73,6 +104,8 @@ void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
     desk.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
   else if (desk.working())
     canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
+  else
+    canvas.text(area, 0, 1, next_to_do(desk), Tone::faint);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {
@@ -151,6 +184,8 @@ bool LaserScreen::on_own_key(const Key& key) {
     go(now - 1);
   } else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) {
     host_->desk.undo();
+  } else if (is_letter(key, U'y')) {
+    host_->desk.redo();
   } else if (is_letter(key, U's')) {
     save();
   } else {
@@ -208,6 +243,7 @@ std::vector<KeyHelp> LaserScreen::keys() const {
   else
     keys.push_back({"1-9", "step"});
   keys.push_back({"n", "next step"});
+  keys.push_back({"y", "redo"});
   keys.push_back({"s", "save the map"});
   return keys;
 }

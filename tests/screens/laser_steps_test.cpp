@@ -159,6 +159,9 @@ TEST_CASE("a run left out changes every later step at once, and undo brings the 
   REQUIRE(sitting.settled());
   CHECK(result_of(sitting.desk().work(), kExx).iso->R_forward.value() == before);
   CHECK(result_of(sitting.desk().work(), kExx).curve->points.front().forward == mean);
+  sitting.type("y");
+  REQUIRE(sitting.settled());
+  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 36);
 }
 
 TEST_CASE("a reading far from its repeats is suggested, never left out by itself") {

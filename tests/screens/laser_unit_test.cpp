@@ -182,13 +182,10 @@ TEST_CASE("parameters are received from the unit where no file is given") {
   PacedUnit unit(folder, "115200");
   REQUIRE(ran_text({"params", "send", "samples/mill/parameters.toml", "--link", unit.link()}).starts_with("0 "));
   LaserSitting sitting(unit.link());
-  const auto before = std::filesystem::current_path();
-  std::filesystem::current_path(folder.path);
   sitting.type("6p\n");
   const bool there = sitting.until([&] { return sitting.desk().work().map.parameters.has_value(); });
-  std::filesystem::current_path(before);
   REQUIRE(there);
-  CHECK(sitting.desk().choices().params_file == "unit-parameters.toml");
+  CHECK(sitting.desk().choices().params_file == (folder.path / "state/unit-parameters.toml").string());
   CHECK(sitting.seen().find("volumetric") != std::string::npos);
 }
 
