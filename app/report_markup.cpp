@@ -103,8 +103,8 @@ std::string plain_number(double value) {
 
 int decimals_for(double value) {
   const double size = std::abs(value);
-  if (size >= 5.0) return 1;
-  if (size >= 0.5) return 2;
+  if (size >= 2.0) return 1;
+  if (size >= 0.2) return 2;
   return size > 0.0 ? 3 : 1;
 }
 

@@ -43,6 +43,13 @@ TEST_CASE("numbers have a real minus sign, and no zero is negative") {
   CHECK(plain_number(-1e-9) == "0");
 }
 
+TEST_CASE("small values get the decimals that they need") {
+  CHECK(decimals_for(40.0) == 1);
+  CHECK(decimals_for(-1.5) == 2);
+  CHECK(decimals_for(0.031) == 3);
+  CHECK(decimals_for(0.0) == 1);
+}
+
 TEST_CASE("units are written as people write them") {
   CHECK(unit_text("um/count") == "µm/count");
   CHECK(unit_text("us") == "µs");
