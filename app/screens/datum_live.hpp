@@ -17,8 +17,10 @@ class DatumLive {
     std::optional<protocol::UnitStatus> status;
     std::string workshop;  ///< socket; empty: no emulator
     std::optional<Axis> axis;
-    bool running = false;  ///< the unit has answered that it is at it
-    double part = 0.0;     ///< of the command under way, 0 … 1
+    bool running = false;      ///< the unit has answered that it is at it
+    bool fetching = false;     ///< the command is done, its result is read out of the memory
+    double part = 0.0;         ///< of the command under way, or of what is fetched, 0 … 1
+    double seconds_left = -1;  ///< of what is fetched; negative: not known
     std::uint64_t changes = 0;
   };
   /// Begins work on an axis.
@@ -27,7 +29,9 @@ class DatumLive {
     seen_.workshop = line.workshop();
     seen_.axis = axis;
     seen_.running = false;
+    seen_.fetching = false;
     seen_.part = 0.0;
+    seen_.seconds_left = -1;
     ++seen_.changes;
   }
   /// One look over the line; what fails is left to the command that is under way.
@@ -41,6 +45,14 @@ class DatumLive {
     if (status) seen_.status = *status;
     seen_.running = true;
     seen_.part = busy.per_mille / 1000.0;
+    ++seen_.changes;
+  }
+  void fetch(const protocol::Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    seen_.fetching = true;
+    if (progress.bytes_total > 0)
+      seen_.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+    seen_.seconds_left = progress.seconds_left;
     ++seen_.changes;
   }
   void end() {

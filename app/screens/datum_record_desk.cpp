@@ -10,18 +10,16 @@ namespace {
 
 constexpr std::chrono::milliseconds kRecordLimit{30'000};
 
-Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live, JobSigns& signs) {
+Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live) {
   const auto identity = line.client().identity();
   if (!identity) return tl::unexpected(identity.error());
   live.begin(line, axis);
   const auto result = line.client().record_datum(
       axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(line, busy, false); });
-  live.end();
   if (!result) return tl::unexpected(result.error());
-  auto recording = read_recording(line.client(), result->value, [&signs](const protocol::Progress& progress) {
-    signs.part =
-        static_cast<double>(progress.bytes_done) / static_cast<double>(std::max<std::size_t>(1, progress.bytes_total));
-  });
+  auto recording = read_recording(line.client(), result->value,
+                                  [&live](const protocol::Progress& progress) { live.fetch(progress); });
+  live.end();
   if (!recording) return recording;
   recording->taken = now_utc();
   recording->serial_number = identity->serial_number;
@@ -52,7 +50,7 @@ void DatumRecordDesk::start(Axis axis) {
   switch_seen_ = false;
   marker_seen_ = false;
   job_.start([desk = desk_, live = live_, axis](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) { return recorded(line, axis, *live, signs); });
+    return desk->on_line(signs, [&](UnitLink& line) { return recorded(line, axis, *live); });
   });
 }
 
@@ -74,11 +72,17 @@ void DatumRecordDesk::cancel() {
 
 DatumRecordDesk::Phase DatumRecordDesk::phase() const {
   if (!busy()) return Phase::ready;
-  if (job_.part() > 0.0) return Phase::fetching;
-  return live_->now().running ? Phase::recording : Phase::starting;
+  const auto seen = live_->now();
+  if (seen.fetching) return Phase::fetching;
+  return seen.running ? Phase::recording : Phase::starting;
 }
 
-double DatumRecordDesk::part() const { return phase() == Phase::fetching ? job_.part() : live_->now().part; }
+double DatumRecordDesk::part() const { return live_->now().part; }
+
+double DatumRecordDesk::seconds_left() const {
+  const auto seen = live_->now();
+  return seen.fetching ? seen.seconds_left : (1.0 - seen.part) * kDatumRecord_s;
+}
 
 void DatumRecordDesk::follow_live() {
   const auto seen = live_->now();

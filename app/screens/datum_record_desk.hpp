@@ -33,6 +33,7 @@ class DatumRecordDesk {
   [[nodiscard]] const UnitView& unit() const { return unit_; }
   [[nodiscard]] Axis axis() const { return axis_; }  ///< recorded now or last
   [[nodiscard]] double part() const;                 ///< of the phase, 0 … 1
+  [[nodiscard]] double seconds_left() const;         ///< of the phase; negative: not known
   [[nodiscard]] bool switch_seen() const { return switch_seen_; }
   [[nodiscard]] bool marker_seen() const { return marker_seen_; }
   [[nodiscard]] bool emulator() const { return unit_.standing.emulator; }

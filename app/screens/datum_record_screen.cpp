@@ -35,7 +35,7 @@ void DatumRecordScreen::draw(Canvas& canvas, const Area& area) const {
   int row = kProgressRow + 2;
   if (desk_.phase() == DatumRecordDesk::Phase::recording) {
     draw_progress(canvas, inside, kProgressRow, fmt::format("recording axis {}", axis), desk_.part(),
-                  (1.0 - desk_.part()) * kDatumRecord_s);
+                  desk_.seconds_left());
     canvas.text(inside, kProgressRow + 1, 0,
                 fmt::format("so far: switch {}, marker {}", desk_.switch_seen() ? "reached" : "not reached",
                             desk_.marker_seen() ? "seen" : "not seen"));
@@ -49,7 +49,7 @@ void DatumRecordScreen::draw(Canvas& canvas, const Area& area) const {
   } else if (desk_.phase() == DatumRecordDesk::Phase::starting) {
     canvas.text(inside, kProgressRow, 0, "The unit is told ...");
   } else if (busy) {
-    draw_progress(canvas, inside, kProgressRow, "fetching the record", desk_.part());
+    draw_progress(canvas, inside, kProgressRow, "fetching the record", desk_.part(), desk_.seconds_left());
   } else {
     canvas.text(inside, kProgressRow, 0, fmt::format("Enter records axis {}.", axis));
   }
@@ -73,6 +73,7 @@ Step DatumRecordScreen::on_key(const Key& key) {
   if (const auto axis = axis_of_key(key))
     for (std::size_t k = 0; k < axes.size(); ++k)
       if (axes[k] == *axis) place_.selected = static_cast<int>(k);
+  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size()))) place_.selected = *k;
   if (key.name == Key::Name::enter)
     asking_.ask(desk_.question(chosen()), [this, axis = chosen()] { desk_.start(axis); });
   return stay();

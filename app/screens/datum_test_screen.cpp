@@ -8,6 +8,7 @@ namespace ecs::app {
 namespace {
 
 using Standing = DatumTestDesk::Standing;
+constexpr int kRowsRow = 2;
 constexpr int kCallRow = 7;
 constexpr const char* kExplained =
     "The unit goes through its datum routine, axis after axis, while the machine is referenced by its own control: it "
@@ -77,7 +78,7 @@ std::string DatumTestScreen::call() const {
 void DatumTestScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
   draw_unit_row(canvas, inside, 0, desk_.unit());
-  draw_rows(canvas, inside.below(2));
+  draw_rows(canvas, inside.below(kRowsRow));
   canvas.text(inside, kCallRow, 0, call(), desk_.busy() ? Tone::warning : Tone::plain);
   int row = kCallRow + 2;
   for (const auto& axis : desk_.rows())
@@ -104,6 +105,7 @@ Step DatumTestScreen::on_key(const Key& key) {
   if (is_letter(key, U' ') && !rows.empty())
     desk_.toggle(
         rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
+  if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
   if (key.name == Key::Name::enter) asking_.ask(desk_.question(), [this] { desk_.start(); });
   return stay();
 }

@@ -124,6 +124,9 @@ Step OutputScreen::leave() {
 void OutputScreen::on_command(const Key& key) {
   if (key.name == Key::Name::up || key.name == Key::Name::down) choose_next(key.name == Key::Name::down ? 1 : -1);
   if (const auto axis = axis_of_key(key)) desk_.choose(*axis);
+  const auto axes = desk_.unit().axes();
+  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size())))
+    desk_.choose(axes[static_cast<std::size_t>(*k)]);
   if (key.name == Key::Name::enter) type_value();
   if (is_letter(key, U'+') || is_letter(key, U'=')) desk_.step(1);
   if (is_letter(key, U'-')) desk_.step(-1);

@@ -184,6 +184,12 @@ std::string file_name_now(const std::string& stem, const std::string& extension)
   return fmt::format("{}-{:%Y%m%d-%H%M%S}{}", stem, fmt::localtime(std::time(nullptr)), extension);
 }
 
+std::optional<int> axis_clicked(const Key& key, int first_row, int count) {
+  const int k = key.row - first_row;
+  if (key.name != Key::Name::mouse || k < 0 || k >= count) return std::nullopt;
+  return k;
+}
+
 bool file_is_there(const std::string& path) {
   std::error_code error;
   return std::filesystem::exists(path, error);

@@ -85,6 +85,9 @@ void say_failed(MessageLine& message, const Problem& problem, bool& given_up);
 /// A stem with the local time, "datum-x-20260504-140509.csv".
 [[nodiscard]] std::string file_name_now(const std::string& stem, const std::string& extension);
 
+/// Which of `count` axes was clicked whose first stands on this row of the canvas.
+[[nodiscard]] std::optional<int> axis_clicked(const Key& key, int first_row, int count);
+
 /// A file or folder is there already.
 [[nodiscard]] bool file_is_there(const std::string& path);
 

@@ -71,8 +71,7 @@ Step PositionScreen::on_key(const Key& key) {
   if (const auto axis = axis_of_key(key))
     for (std::size_t k = 0; k < axes.size(); ++k)
       if (axes[k] == *axis) place_.selected = static_cast<int>(k);
-  if (key.name == Key::Name::mouse && key.row > kAxisRow + 1 && key.row <= kAxisRow + 1 + static_cast<int>(axes.size()))
-    place_.selected = key.row - kAxisRow - 2;
+  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size()))) place_.selected = *k;
   if (key.name == Key::Name::enter && !desk_.busy()) type();
   if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) desk_.undo();
   return stay();

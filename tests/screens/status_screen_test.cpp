@@ -1,7 +1,10 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
 #include "app/screens/status_screen.hpp"
 
+#include <sstream>
+
 #include "app/memory_dump.hpp"
+#include "app/program.hpp"
 #include "app/transfer.hpp"
 #include "base/file.hpp"
 #include "utility_bench.hpp"
@@ -46,6 +49,44 @@ TEST_CASE("compensation mode without a map: the fault in plain words, and cleare
   (void)letter(screen, 'y');
   REQUIRE(comes(screen, "The fault is cleared."));
   REQUIRE(comes(screen, "fault        none"));
+}
+
+TEST_CASE("with a map: datuming with its stages, g references, the unit compensates; back says what moves") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  const std::string params = bench.folder / "p.toml", map = bench.folder / "map.csv";
+  REQUIRE(write_file(params, "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"));
+  REQUIRE(write_file(map,
+                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\nY,EY,0,0,2\n"
+                     "Z,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
+  {
+    const auto lent = bench.desk->lend();
+    std::ostringstream out, messages;
+    REQUIRE(run_program({"map", "send", map, "--params", params}, out, messages) == 0);
+  }
+  StatusScreen screen(bench.desk);
+  REQUIRE(comes(screen, "unit MCM-0107"));
+  (void)letter(screen, 'm');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "X: waiting"));
+  REQUIRE(comes(screen, "g lets the emulated machine do it"));
+  (void)letter(screen, 'g');
+  REQUIRE(comes(screen, "compensating: relays closed"));
+  REQUIRE(comes(screen, "The emulated machine has referenced its axes."));
+  (void)press(screen, Key::Name::tab);
+  const std::string pointers = picture(screen);
+  CHECK(has(pointers, "EXX"));
+  CHECK(has(pointers, "5.00 um"));
+  const auto adds = [&] {  // the desk looks at the unit once a second
+    const auto sample = bench.desk->newest();
+    return sample && sample->axes[0].compensation_um > 4.9;
+  };
+  for (int k = 0; k < 1000 && !adds(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  (void)letter(screen, 'm');
+  CHECK(has(picture(screen), "about X -5.0 um, Y -2.0 um, Z -3.0 um."));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "Integration mode: every relay is open."));
 }
 
 TEST_CASE("a state that was saved opens again without a unit; so does a memory dump") {

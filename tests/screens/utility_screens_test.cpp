@@ -43,6 +43,26 @@ TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, s
   }
 }
 
+TEST_CASE("a click chooses the axis on that row") {
+  const BenchFolder folder;
+  const auto desk = std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(desk)) {
+    if (choice.name.find("AXIS") != 4 && choice.name != "OUTPUT COMPENSATION VALUE" &&
+        choice.name != "RECORD DATUM SEQUENCE")
+      continue;
+    const auto screen = choice.opens();
+    const std::string before = picture(*screen);
+    std::vector<std::string> rows;
+    std::istringstream text(before);
+    for (std::string row; std::getline(text, row);) rows.push_back(row);
+    const auto z =
+        std::find_if(rows.begin(), rows.end(), [](const std::string& row) { return row.starts_with("   Z"); });
+    REQUIRE_MESSAGE(z != rows.end(), choice.name);
+    (void)screen->on_key({Key::Name::mouse, 0, 0, static_cast<int>(z - rows.begin()), 3});
+    CHECK_MESSAGE(has(picture(*screen), "\n > Z "), choice.name);
+  }
+}
+
 TEST_CASE("a picture of a screen takes no time to speak of") {
   if (emulator_built().empty()) return;
   const Bench bench;
