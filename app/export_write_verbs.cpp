@@ -44,6 +44,17 @@ Result<std::vector<std::string>> write_all(const laser::ControllerExport& made, 
   return paths;
 }
 
+/// Directions of which a model says nothing: what stands there is what the compensation adds by itself.
+void note_silent_directions(ExportWork& work, const std::vector<laser::ResidualRow>& residuals) {
+  for (const Axis axis : kAllAxes) {
+    const std::size_t d = index_of(axis);
+    const laser::ResidualRow& volume = residuals.back();
+    if (volume.before.largest_um[d] == 0.0 && volume.unit.largest_um[d] > 0.0)
+      work.notes.push_back(fmt::format("{} has no error along {}: what is left there is what the compensation adds",
+                                       work.errors_from, letter_of(axis)));
+  }
+}
+
 struct Target {
   std::string control;
   bool folder = true;  ///< several files
@@ -51,7 +62,7 @@ struct Target {
 };
 
 Result<Outcome> exported(Session& session, const ExportArguments& arguments, const Target& target, const Maker& make) {
-  const auto work = export_work(session, arguments);
+  auto work = export_work(session, arguments);
   if (!work) return tl::unexpected(work.error());
   const auto errors = errors_for(session, arguments, *work);
   if (!errors) return tl::unexpected(errors.error());
@@ -65,6 +76,7 @@ Result<Outcome> exported(Session& session, const ExportArguments& arguments, con
       target.levers_from_line ? work->source.parameters.measurement_lines_mm : MeasurementLines{};
   const auto residuals = laser::residuals(work->source, made->applied, lines, *errors);
   if (!residuals) return tl::unexpected(residuals.error());
+  note_silent_directions(*work, *residuals);
   auto written = write_all(*made, arguments.output, target.folder, work->inputs);
   if (!written) return tl::unexpected(written.error());
   const ToldExport told{

@@ -1,10 +1,6 @@
-// SINUMERIK 840D: which tables a map becomes. Does not live here: their text (controller_siemens_text.cpp), reading
-// (controller_siemens_reader.cpp).
-#include "laser/controller_siemens.hpp"
-
+// SINUMERIK 840D: what a map becomes within the tables that the control has. Does not live here: the tables
+// (controller_siemens_groups.cpp), their text (controller_siemens_text.cpp), reading (controller_siemens_reader.cpp).
 #include <algorithm>
-#include <cmath>
-#include <functional>
 
 #include <fmt/format.h>
 
@@ -14,210 +10,87 @@ namespace ecs::laser {
 namespace {
 
 constexpr double kUmPerMm = 1000.0;
-constexpr double kNothing_um = 0.0005;  ///< below the last digit written
 
-/// Tables that only make sense together: the two directions of one component.
-struct Group {
-  std::vector<SiemensTable> tables;
-  ExportedTable report;
-  [[nodiscard]] double largest() const {
-    double most = 0.0;
-    for (const SiemensTable& table : tables) most = std::max(most, table.largest());
-    return most;
-  }
-};
-
-double reference_mm(const ExportSource& source, Axis axis) {
-  return source.parameters.axes[index_of(axis)].datum.reference_position_mm;
-}
-
-bool has_axis(const ExportSource& source, Axis axis) { return source.parameters.axis_present[index_of(axis)]; }
-
-double largest_reversal(const ControlCurve& curve) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
-    most = std::max(most, std::abs(curve.forward[i] - curve.reverse[i]));
-  return most;
-}
-
-/// A curve of the map on an even grid, zero (mean of both approaches) at the reference position.
-struct Gridded {
-  EvenGrid grid;
-  ControlCurve curve;
-  double shift_um = 0.0;
-  double deviation_um = 0.0;
-  std::size_t map_points = 0;
-};
-std::optional<Gridded> gridded(const ExportSource& source, Component component, std::size_t most_points) {
-  const auto curve = curve_of(source.map, component);
-  if (!curve) return std::nullopt;
-  Gridded made;
-  made.map_points = curve->position_mm.size();
-  made.grid = even_grid(*curve, most_points);
-  made.curve = resampled(*curve, made.grid.positions());
-  made.deviation_um = deviation_from_unit(made.curve, source.map, component, source.parameters.interpolation);
-  made.shift_um = mean_at(made.curve, reference_mm(source, moving_axis(component)));
-  for (auto* side : {&made.curve.forward, &made.curve.reverse})
-    for (double& value : *side) value -= made.shift_um;
-  return made;
-}
-
-Group group_of(Component component, const Gridded& from, std::vector<SiemensTable> tables, std::string what) {
-  Group group{std::move(tables), {}};
-  group.report = {std::string(name_of(component)),
-                  std::move(what),
-                  from.map_points,
-                  from.grid.points,
-                  0.0,
-                  from.deviation_um,
-                  from.shift_um};
-  group.report.largest = group.largest();
-  return group;
-}
-
-SiemensTable table_on(const Gridded& from, Component component, int direction,
-                      const std::function<double(std::size_t)>& value, std::string comment) {
-  SiemensTable table{component,
-                     std::string(name_of(component)),
-                     moving_axis(component),
-                     direction_of(sense_of(component)),
-                     direction,
-                     from.grid,
-                     {},
-                     std::move(comment)};
-  for (std::size_t i = 0; i < from.grid.points; ++i) table.compensation_um.push_back(value(i));
-  return table;
-}
-
-/// Positioning: the mean for the encoder table, half the difference for each direction of the reversal.
-struct Positioning {
-  std::vector<SiemensTable> encoder;
-  std::vector<Group> reversal;
-  std::vector<ExportedTable> reports;
-};
-Positioning positioning_of(const ExportSource& source, const SiemensOptions& options) {
-  Positioning all;
-  for (const Axis axis : kAllAxes) {
-    const Component component = curve_of(static_cast<Sense>(axis), axis);
-    const auto from = has_axis(source, axis) ? gridded(source, component, options.most_points) : std::nullopt;
-    if (!from) continue;
-    const auto& c = from->curve;
-    const auto mean = [&](std::size_t i) { return 0.5 * (c.forward[i] + c.reverse[i]); };
-    const auto half = [&](std::size_t i) { return 0.5 * (c.forward[i] - c.reverse[i]); };
-    all.encoder.push_back(table_on(*from, component, 0, mean, "mean of both approaches"));
-    Group report = group_of(component, *from, {all.encoder.back()}, fmt::format("ENC_COMP of {}", letter_of(axis)));
-    all.reports.push_back(report.report);
-    if (largest_reversal(c) < kNothing_um) continue;
-    Group pair = group_of(component, *from,
-                          {table_on(*from, component, 1, half, "reversal, forward"),
-                           table_on(
-                               *from, component, -1, [&](std::size_t i) { return -half(i); }, "reversal, reverse")},
-                          fmt::format("CEC {0} to {0}, reversal, two directions", letter_of(axis)));
-    pair.report.shift = 0.0;
-    all.reversal.push_back(std::move(pair));
-  }
-  return all;
-}
-
-std::vector<Group> straightness_of(const ExportSource& source, const SiemensOptions& options, bool both_ways) {
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < kCurves; ++i) {
-    const auto component = static_cast<Component>(i);
-    if (!is_straightness(component)) continue;
-    const Axis input = moving_axis(component), output = direction_of(sense_of(component));
-    if (!has_axis(source, input) || !has_axis(source, output)) continue;
-    const auto from = gridded(source, component, options.most_points);
-    if (!from) continue;
-    const auto& c = from->curve;
-    const std::string pair = fmt::format("CEC {} to {}", letter_of(input), letter_of(output));
-    if (both_ways && largest_reversal(c) >= kNothing_um) {
-      groups.push_back(
-          group_of(component, *from,
-                   {table_on(
-                        *from, component, 1, [&](std::size_t k) { return c.forward[k]; }, "straightness, forward"),
-                    table_on(
-                        *from, component, -1, [&](std::size_t k) { return c.reverse[k]; }, "straightness, reverse")},
-                   pair + ", two directions"));
-      continue;
-    }
-    const auto mean = [&](std::size_t k) { return 0.5 * (c.forward[k] + c.reverse[k]); };
-    groups.push_back(group_of(component, *from, {table_on(*from, component, 0, mean, "straightness")}, pair));
-    if (groups.back().largest() < kNothing_um) groups.pop_back();
-  }
-  return groups;
-}
-
-/// Squareness is a line over the travel of its lever axis.
-std::vector<Group> squareness_lines(const ExportSource& source) {
-  std::vector<Group> groups;
-  const auto values = squareness_of(source.parameters);
-  const auto chain = chain_of(source.parameters);
-  const auto terms = chain ? terms_of(*chain, source.parameters.convention, CurveKind::measured) : std::nullopt;
-  if (!terms) return groups;
-  for (const Term& term : *terms) {
-    if (!is_squareness(term.component) || values[index_of(term.component)] == 0.0) continue;
-    const auto& travel = source.travel_mm[index_of(term.lever)];
-    if (!travel || !has_axis(source, term.observed)) continue;
-    const double per_mm = -term.sign * values[index_of(term.component)] / 1000.0;
-    const double step_mm = std::ceil(((*travel)[1] - (*travel)[0]) * 1e6 - 1e-3) * 1e-6;
-    const Component curve = curve_of(static_cast<Sense>(term.observed), term.lever);
-    SiemensTable line{
-        curve, std::string(name_of(term.component)), term.lever, term.observed,
-        0,     {(*travel)[0], step_mm, 2},           {},         fmt::format("squareness {}", name_of(term.component))};
-    const double reference = reference_mm(source, term.lever);
-    for (const double p : line.grid.positions()) line.compensation_um.push_back(per_mm * (p - reference));
-    Group group{{line}, {}};
-    group.report = {line.name,
-                    fmt::format("CEC {} to {}, a line", letter_of(term.lever), letter_of(term.observed)),
-                    0,
-                    2,
-                    group.largest(),
-                    0.0,
-                    per_mm * reference};
-    groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
-std::size_t tables_in(const std::vector<Group>& groups) {
+std::size_t tables_in(const std::vector<SiemensGroup>& groups) {
   std::size_t count = 0;
-  for (const Group& group : groups) count += group.tables.size();
+  for (const SiemensGroup& group : groups) count += group.tables.size();
   return count;
 }
 
-/// Within the number of tables that the control has; what had to go is told.
-std::vector<Group> chosen(const ExportSource& source, const SiemensOptions& options, std::vector<Group> reversal,
-                          ControllerExport& made) {
-  const auto all_with = [&](bool both_ways) {
-    std::vector<Group> all = squareness_lines(source);
-    for (Group& group : straightness_of(source, options, both_ways)) all.push_back(std::move(group));
-    all.insert(all.end(), reversal.begin(), reversal.end());
-    return all;
-  };
-  std::vector<Group> groups = all_with(true);
-  if (tables_in(groups) > options.most_tables) {
-    made.notes.push_back(
-        fmt::format("{} CEC tables would be needed, the control has {}: straightness keeps the mean of "
-                    "both approaches",
-                    tables_in(groups), options.most_tables));
-    groups = all_with(false);
+const char* const kTooFew = "more cross tables would be needed than the control has";
+
+void leave_reversal_behind(ControllerExport& made, std::string_view component, double half_um) {
+  if (half_um >= kNothing_um)
+    made.not_carried.push_back({fmt::format("half the reversal of {}", component), half_um, "um", kTooFew});
+}
+
+/// Tables that know the direction, instead of one by the mean, or beside the encoder table.
+struct Upgrade {
+  SiemensGroup with;
+  std::size_t cost = 0;  ///< tables more
+  double gain_um = 0.0;  ///< half the reversal
+};
+
+std::vector<Upgrade> upgrades_of(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal) {
+  std::vector<Upgrade> all;
+  for (SiemensGroup& group : straightness_of(source, options, {true, false})) {
+    const auto curve = curve_of(source.map, group.tables.front().component);
+    if (group.tables.size() > 1) all.push_back({std::move(group), 1, 0.5 * largest_reversal(*curve)});
   }
-  while (tables_in(groups) > options.most_tables) {
-    const auto least = std::min_element(groups.begin(), groups.end(),
-                                        [](const Group& a, const Group& b) { return a.largest() < b.largest(); });
-    if (least->tables.front().input == least->tables.front().output)  // the encoder table still carries the mean
-      made.not_carried.push_back({fmt::format("half the reversal of {}", least->report.component), least->largest(),
-                                  "um", "more cross tables would be needed than the control has"});
-    groups.erase(least);
+  for (const SiemensGroup& pair : reversal) all.push_back({pair, 2, pair.largest()});
+  std::stable_sort(all.begin(), all.end(), [](const Upgrade& a, const Upgrade& b) {
+    return a.gain_um * static_cast<double>(b.cost) > b.gain_um * static_cast<double>(a.cost);
+  });
+  return all;
+}
+
+/// Means first, then both directions where a table more brings most; what has to go is told.
+std::vector<SiemensGroup> spared(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal, ControllerExport& made) {
+  std::vector<SiemensGroup> groups = straightness_of(source, options, {true, true});
+  for (SiemensGroup& line : squareness_groups(source, groups)) groups.push_back(std::move(line));
+  while (tables_in(groups) > options.most_tables)
+    groups.erase(std::min_element(groups.begin(), groups.end(), [](const SiemensGroup& a, const SiemensGroup& b) {
+      return a.largest() < b.largest();
+    }));
+  for (Upgrade& upgrade : upgrades_of(source, options, reversal)) {
+    const bool beside = upgrade.cost == 2;
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const SiemensGroup& group) {
+      return group.report.component == upgrade.with.report.component;
+    });
+    const bool fits = tables_in(groups) + upgrade.cost <= options.most_tables && (beside || same != groups.end());
+    if (!fits) {
+      if (beside || same != groups.end()) leave_reversal_behind(made, upgrade.with.report.component, upgrade.gain_um);
+    } else if (beside) {
+      groups.push_back(std::move(upgrade.with));
+    } else {
+      *same = std::move(upgrade.with);
+    }
   }
   return groups;
+}
+
+/// Within the number of tables that the control has.
+std::vector<SiemensGroup> chosen(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal, ControllerExport& made) {
+  const auto straightness = straightness_of(source, options, {});
+  std::vector<SiemensGroup> groups = squareness_groups(source, straightness);
+  groups.insert(groups.end(), straightness.begin(), straightness.end());
+  groups.insert(groups.end(), reversal.begin(), reversal.end());
+  if (tables_in(groups) <= options.most_tables) return groups;
+  made.notes.push_back(fmt::format(
+      "{} cross tables would be needed, the control has {}: squareness stands inside the straightness tables "
+      "of the same axes, and only the largest reversals have their two directions",
+      tables_in(groups), options.most_tables));
+  return spared(source, options, reversal, made);
 }
 
 // --- what to set
 
-std::vector<SiemensTable> all_tables(const std::vector<Group>& groups) {
+std::vector<SiemensTable> all_tables(const std::vector<SiemensGroup>& groups) {
   std::vector<SiemensTable> all;
-  for (const Group& group : groups) all.insert(all.end(), group.tables.begin(), group.tables.end());
+  for (const SiemensGroup& group : groups) all.insert(all.end(), group.tables.begin(), group.tables.end());
   return all;
 }
 
@@ -232,15 +105,15 @@ void add_cross_points(ControllerExport& made, const std::vector<SiemensTable>& t
   }
 }
 
-void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encoder, const std::vector<Group>& groups,
-                  const SiemensOptions& options) {
+void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encoder,
+                  const std::vector<SiemensGroup>& groups, const SiemensOptions& options) {
   for (const SiemensTable& table : encoder)
     made.settings.push_back(fmt::format("MD38000 $MA_MM_ENC_COMP_MAX_POINTS[{},{}] = {}", options.encoder,
                                         options.axis_name[index_of(table.input)], table.grid.points));
   int t = 0;
   PerAxis<double> sum_um{};
   add_cross_points(made, all_tables(groups));
-  for (const Group& group : groups)
+  for (const SiemensGroup& group : groups)
     for (const SiemensTable& table : group.tables) {
       ++t;
       if (table.direction >= 0) sum_um[index_of(table.output)] += table.largest();
@@ -273,23 +146,23 @@ Result<void> take_back(ControllerExport& made, const SiemensOptions& options) {
 Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options) {
   if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
   ControllerExport made;
-  Positioning positioning = positioning_of(source, options);
-  const std::vector<Group> groups = chosen(source, options, std::move(positioning.reversal), made);
+  SiemensPositioning positioning = positioning_of(source, options);
+  const std::vector<SiemensGroup> groups = chosen(source, options, positioning.reversal, made);
   if (positioning.encoder.empty() && groups.empty())
     return problem(ProblemKind::refused,
                    "the map has no positioning, straightness or squareness of the machine's axes");
   std::vector<Component> carried;
   made.tables = positioning.reports;
   for (const SiemensTable& table : positioning.encoder) carried.push_back(table.component);
-  for (const Group& group : groups) {
+  for (const SiemensGroup& group : groups) {
     carried.push_back(*component_of(group.report.component));
+    if (group.square) carried.push_back(*group.square);
     made.tables.push_back(group.report);
   }
   if (!positioning.encoder.empty()) made.files.push_back({"AX_EEC.INI", encoder_text(positioning.encoder, options)});
   if (!groups.empty()) made.files.push_back({"NC_CEC.INI", cross_text(all_tables(groups), options)});
   add_settings(made, positioning.encoder, groups, options);
-  leave_behind(made, source, carried, "a table has no lever arm",
-               "more cross tables would be needed than the control has");
+  leave_behind(made, source, carried, "a table has no lever arm", kTooFew);
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
       "signs: the manual prints that of ENC_COMP; that of CEC is taken to be the same. Check one CEC "

@@ -25,7 +25,8 @@ struct SiemensOptions {
 /// `AX_EEC.INI` with the mean positioning error of each axis, and `NC_CEC.INI` with two one-direction tables for the
 /// reversal of each axis, straightness and squareness. Every table has an even grid and is zero at the reference
 /// position of its input axis, but for the reversal, which cannot be. Where there are more tables than the control
-/// has: straightness first loses its reversal, then the smallest tables stay behind, and the answer says so.
+/// has: squareness goes into the straightness tables, two directions are kept where they bring most, and if even the
+/// means are too many the smallest stay behind; the answer says so.
 [[nodiscard]] Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options);
 
 /// Reads either kind of file, also of a whole-control backup: `N10` numbers, `%_N_…`, `CHANDATA`, M0, M02, M17, M30,
