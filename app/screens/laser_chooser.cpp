@@ -45,7 +45,7 @@ FolderEntry looked_at(const fs::path& path) {
   else if (!file.format.empty())
     entry.what = file.format + ": no readings";
   else
-    entry.what = file.wants_answers ? "with answers to what it does not say" : "not known";
+    entry.what = file.wants_answers ? "does not say enough: take it, then Enter answers" : "not read";
   return entry;
 }
 

@@ -139,13 +139,16 @@ class FilesPage final : public LaserPage {
     canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
     const LaserFileChoice& choice = choices.files[place_within(place_, choices.files.size())];
     const Area text{area.row, area.column, area.rows - 1, area.columns};
-    int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
     const LaserFile* file = read(desk().work(), choice);
+    if (file != nullptr && !file->problem.empty()) {
+      canvas.paragraph(text, 0, file->problem, Tone::bad);
+      return;
+    }
+    const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
     if (file == nullptr) return;
-    std::string told = file->problem;
-    if (told.empty())
-      for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
-    if (!told.empty()) canvas.paragraph(text, row, told, file->problem.empty() ? Tone::plain : Tone::bad);
+    std::string told;
+    for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
+    if (!told.empty()) canvas.paragraph(text, row, told);
   }
 
   bool on_chooser_key(const Key& key) {

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.hpp"
+
 namespace ecs::app {
 
 LaserForm::LaserForm(std::string title, std::vector<LaserField> fields, Take take)
@@ -47,7 +49,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
     canvas.put(at.box.row + at.fields, at.box.column + at.box.columns - 1, U'↓', Tone::strong);
   const LaserField& field = fields_[static_cast<std::size_t>(place_.selected)];
   std::string hint = hint_.empty() ? field.help : hint_;
-  if (hint_.empty() && !field.choices.empty()) hint += " (Space changes it)";
+  if (hint_.empty() && !field.choices.empty()) hint += " (Space or a letter chooses)";
   if (hint_.empty() && field.path) hint += " (Tab completes)";
   const Area help{at.inside.row + at.fields, at.inside.column + 1, std::max(0, at.inside.rows - at.fields - 1),
                   at.inside.columns - 2};
@@ -73,12 +75,24 @@ void LaserForm::next_choice(int by) {
   lines_[k].set(choices[static_cast<std::size_t>((now + by + count) % count)]);
 }
 
+/// The next word that holds this letter: C for EC.
+void LaserForm::next_choice_with(char32_t letter) {
+  const auto k = static_cast<std::size_t>(place_.selected);
+  const std::string wanted = lower(utf8_of(letter));
+  for (std::size_t tries = 0; tries < fields_[k].choices.size(); ++tries) {
+    next_choice(1);
+    if (lower(lines_[k].text()).find(wanted) != std::string::npos) return;
+  }
+}
+
 void LaserForm::type(const Key& key) {
   const auto k = static_cast<std::size_t>(place_.selected);
   const LaserField& field = fields_[k];
   if (!field.choices.empty()) {
     if (is_letter(key, U' ') || key.name == Key::Name::right) next_choice(1);
     if (key.name == Key::Name::left) next_choice(-1);
+    if (key.name == Key::Name::letter && key.letter != U' ') next_choice_with(key.letter);
+    if (key.name == Key::Name::backspace) lines_[k].set("");
     return;
   }
   if (key.name == Key::Name::tab && field.path) {

@@ -41,6 +41,7 @@ class LaserForm {
   [[nodiscard]] Layout layout(const Area& area) const;
   void type(const Key& key);
   void next_choice(int by);
+  void next_choice_with(char32_t letter);
 
   std::string title_;
   std::vector<LaserField> fields_;

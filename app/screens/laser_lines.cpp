@@ -134,6 +134,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     return file;
   }
   file.format = laser::name_of(imported->format);
+  file.format = file.format.substr(0, file.format.find(" ("));
   if (imported->set.readings.empty()) {
     file.problem = "it holds no readings";
     return file;
@@ -143,7 +144,9 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;
     names.emplace_back(name_of(square.value_or(curve_of(group.sense, group.axis))));
   }
-  file.summary = names.size() > 4 ? fmt::format("{} lines", names.size()) : fmt::format("{}", fmt::join(names, " "));
+  const std::set<std::string> different(names.begin(), names.end());
+  file.summary =
+      names.size() > 4 ? fmt::format("{} lines", names.size()) : fmt::format("{}", fmt::join(different, " "));
   file.summary += fmt::format(", {} readings", imported->set.readings.size());
   file.set = std::make_shared<const laser::MeasurementSet>(std::move(imported->set));
   return file;

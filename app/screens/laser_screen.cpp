@@ -37,7 +37,7 @@ std::string next_to_do(const LaserDesk& desk) {
   const LaserMapWork& map = desk.work().map;
   if (is(LaserStep::files, LaserMark::open)) return {};
   if (is(LaserStep::files, LaserMark::doubtful))
-    return "Step 1: a file was not read; Enter answers what it does not say, x takes it off.";
+    return "Step 1: a file was not read: Enter answers for it, x takes it off.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
   if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings stand out from their repeats (o).";
   if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";

@@ -51,7 +51,7 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
   CHECK(sitting.seen().find("EYX, 54 readings") != std::string::npos);
   sitting.press(Key::Name::down, 2);
   CHECK(sitting.seen().find("notes.txt") != std::string::npos);
-  CHECK(sitting.seen().find("not known") != std::string::npos);
+  CHECK(sitting.seen().find("not read") != std::string::npos);
   sitting.press(Key::Name::home);
   sitting.press(Key::Name::down);
   sitting.type("\n");
@@ -96,7 +96,7 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     sitting.type("\n");
     CHECK(sitting.seen().find("what pitch.rta does not say") != std::string::npos);
     sitting.press(Key::Name::down);
-    for (int k = 0; k < 6; ++k) sitting.type(" ");
+    sitting.type("c");  // the next word with this letter
     CHECK(sitting.seen().find("EC") != std::string::npos);
     sitting.type("\n");
     REQUIRE(sitting.settled());
@@ -387,6 +387,22 @@ TEST_CASE("every step is drawn whole at every size, in unicode and in ASCII") {
             for (const char c : seen) REQUIRE(static_cast<unsigned char>(c) < 0x80);
           if (rows == 24) CHECK(seen.find("[" + std::string(1, step)) != std::string::npos);
         }
+}
+
+TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
+  CHECK(sitting.seen().find("Next: the parameters of the unit, p in step 1, 4 or 6.") != std::string::npos);
+  sitting.desk().change("parameters", [](LaserChoices& c) { c.params_file = "samples/mill/parameters.toml"; });
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("Step 6: 16 of 17 components are missing.") != std::string::npos);
+  const std::string tabs = sitting.seen().substr(sitting.seen().find("[1"), 80);
+  Key click{Key::Name::mouse};
+  click.row = 1;
+  click.column = static_cast<int>(tabs.find("6!"));
+  (void)sitting.screen->on_key(click);
+  CHECK(sitting.screen->step() == LaserStep::map);
 }
 
 TEST_CASE("escape asks before work is left that is not saved, and goes at once where there is none") {
