@@ -43,17 +43,26 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
                    choices_[list[chosen]].help, Tone::faint);
 }
 
+/// The whole menu again, the entry under the cursor if it is shown there.
+void MenuScreen::stop_seeking(std::size_t entry) {
+  seeking_ = false;
+  sought_.set("");
+  const auto list = seen();
+  const auto at = std::find(list.begin(), list.end(), entry);
+  place_.selected = at == list.end() ? 0 : static_cast<int>(at - list.begin());
+}
+
 Step MenuScreen::on_key(const Key& key) {
   const auto list = seen();
   if (key.name == Key::Name::enter || (key.name == Key::Name::right && !seeking_)) {
     if (list.empty()) return stay();
-    return opened(
-        choices_[list[static_cast<std::size_t>(std::min(place_.selected, static_cast<int>(list.size()) - 1))]].opens());
+    const auto chosen = list[static_cast<std::size_t>(std::min(place_.selected, static_cast<int>(list.size()) - 1))];
+    stop_seeking(chosen);
+    return opened(choices_[chosen].opens());
   }
   if (key.name == Key::Name::escape || (!seeking_ && (is_letter(key, U'q') || key.name == Key::Name::left))) {
     if (!seeking_) return back();
-    seeking_ = false;
-    sought_.set("");
+    stop_seeking(0);
     return stay();
   }
   if (place_.on_key(key, static_cast<int>(list.size()))) return stay();

@@ -31,6 +31,7 @@ class MenuScreen final : public Screen {
 
  private:
   [[nodiscard]] std::vector<std::size_t> seen() const;
+  void stop_seeking(std::size_t entry);
   std::string title_;
   std::string help_;
   std::vector<MenuChoice> choices_;

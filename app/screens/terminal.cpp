@@ -68,6 +68,23 @@ Look look_of(Tone tone) {
 
 constexpr std::size_t kTones = 9;
 
+/// Sequences that most terminals send, also where the terminal's description does not know them (a vt100 has no Page
+/// Up, but whoever calls itself one often does).
+void name_common_keys() {
+  struct Sequence {
+    const char* sent;
+    int key;
+  };
+  constexpr Sequence kSequences[] = {
+      {"\033[A", KEY_UP},     {"\033[B", KEY_DOWN},   {"\033[C", KEY_RIGHT}, {"\033[D", KEY_LEFT},
+      {"\033OA", KEY_UP},     {"\033OB", KEY_DOWN},   {"\033OC", KEY_RIGHT}, {"\033OD", KEY_LEFT},
+      {"\033[5~", KEY_PPAGE}, {"\033[6~", KEY_NPAGE}, {"\033[H", KEY_HOME},  {"\033[F", KEY_END},
+      {"\033OH", KEY_HOME},   {"\033OF", KEY_END},    {"\033[1~", KEY_HOME}, {"\033[4~", KEY_END},
+      {"\033[7~", KEY_HOME},  {"\033[8~", KEY_END},   {"\033[3~", KEY_DC},   {"\033[Z", KEY_BTAB}};
+  for (const Sequence& sequence : kSequences)
+    if (::key_defined(sequence.sent) == 0) ::define_key(sequence.sent, sequence.key);
+}
+
 Key named(Key::Name name) { return {name, 0, 0, 0, 0}; }
 
 Key key_of_code(wint_t code) {
@@ -219,6 +236,7 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
   ::nonl();
   ::keypad(stdscr, TRUE);
   ::set_escdelay(50);
+  name_common_keys();
   if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED, nullptr);
   screen->bytes_per_s = line_speed();
   screen->slow = screen->bytes_per_s < 3840.0;

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "app/screens/event_log.hpp"
+
 namespace ecs::app {
 namespace {
 
@@ -174,6 +178,7 @@ Result<void> UnitDesk::opened() {
   state_.emulator = line_->is_emulator();
   state_.identity = *identity;
   state_.opened_at = Clock::now();
+  if (!state_.problem.empty()) log_event(Tone::plain, fmt::format("{} answers again", state_.link));
   state_.problem.clear();
   ++changes_;
   return {};
@@ -216,6 +221,7 @@ void UnitDesk::take(const protocol::MonitorSample& sample) {
 
 void UnitDesk::lost(const Problem& why) {
   const std::lock_guard lock(mutex_);
+  if (state_.problem.empty() && !leaving_) log_event(Tone::bad, to_text(why));  // once, not at every look
   state_.problem = to_text(why);
   ++state_.failed;
   ++changes_;
