@@ -170,6 +170,8 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
                                configuration_of(source.parameters)),
                    "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y, Z as they were measured"};
   made.notes = {"values are errors; a control that adds them must be told to negate (TwinCAT: negate)"};
+  if (source.parameters.tool_offset_mm != Vector3{})
+    made.notes.push_back("the tool offset of the parameters is not in the file: the control adds that of its tool");
   return made;
 }
 

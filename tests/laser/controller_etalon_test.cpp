@@ -1,5 +1,7 @@
 #include "laser/controller_etalon.hpp"
 
+#include <cmath>
+#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -83,6 +85,42 @@ TEST_CASE("the control does over the whole volume what the unit does, but for th
     // three translations of half a um each, and 0.5 um/m over less than half a metre
     CHECK(volume.control.largest_um[axis] < 2.2);
     CHECK(volume.control.largest_um[axis] > 1.4);
+  }
+}
+
+/// A function of the file by straight lines, end values held [um, um/m].
+double at(const Plain& file, const std::string& name, double p, double unit) {
+  const auto& points = file.function.at(name);
+  const auto above = points.lower_bound(p);
+  if (above == points.begin()) return above->second / unit;
+  if (above == points.end()) return points.rbegin()->second / unit;
+  const auto below = std::prev(above);
+  return std::lerp(below->second, above->second, (p - below->first) / (above->first - below->first)) / unit;
+}
+
+TEST_CASE(
+    "the errors of a TXYZ machine, worked out from the file by the formulas of the rigid body, are those of the map") {
+  ExportSource source = whole_machine();
+  source.parameters.configuration = {'T', 'X', 'Y', 'Z', 0};
+  const auto made = etalon_export(source, {});
+  REQUIRE(made);
+  const Plain file = plain(made->files.front().content);
+  for (const Vector3& p : {Vector3{0, 0, 0}, Vector3{200, 0, 0}, Vector3{75, 130, 20}, Vector3{200, 200, 200}}) {
+    const auto um = [&](const char* name, std::size_t axis) { return at(file, name, p[axis], 1e-3); };
+    const auto um_per_mm = [&](const char* name, std::size_t axis) { return at(file, name, p[axis], 1e-3); };  // rad
+    const auto square = [&](const char* name) { return file.value.at(name) * 1e3; };
+    const double x = um("EXX", 0) + um("EXY", 1) + um("EXZ", 2) + um_per_mm("EBX", 0) * p[2] +
+                     um_per_mm("EBY", 1) * p[2] - um_per_mm("ECX", 0) * p[1] - square("C0Y") * p[1] +
+                     square("B0Z") * p[2];
+    const double y = um("EYX", 0) + um("EYY", 1) + um("EYZ", 2) - um_per_mm("EAX", 0) * p[2] -
+                     um_per_mm("EAY", 1) * p[2] - square("A0Z") * p[2];
+    const double z = um("EZX", 0) + um("EZY", 1) + um("EZZ", 2) + um_per_mm("EAX", 0) * p[1];
+    const PerAxis<Approach> parked{Approach::unknown, Approach::unknown, Approach::unknown};
+    const auto error = errors_of_map(source)({{p, parked}});
+    REQUIRE(error);
+    CHECK(x == Approx((*error)[0][0]).epsilon(1e-4));
+    CHECK(y == Approx((*error)[0][1]).epsilon(1e-4));
+    CHECK(z == Approx((*error)[0][2]).epsilon(1e-4));
   }
 }
 
