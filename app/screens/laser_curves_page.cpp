@@ -67,6 +67,8 @@ class CurvesPage final : public LaserPage {
       });
     } else if (key.name == Key::Name::enter) {
       host().fill(form_for(curve));
+    } else if (is_letter(key, U'v')) {
+      shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3);
     } else if (is_letter(key, U'e')) {
       host().pictures.start(
           {fmt::format("{}  {}", code, laser::description_of(curve.component)), {curve.before, curve.after}, 1, false},
@@ -78,9 +80,13 @@ class CurvesPage final : public LaserPage {
   }
 
   std::vector<KeyHelp> keys() const override {
-    return {{"Space", "slope"},   {"Enter", "smoothing, slope, grid"},
-            {"up/down", "curve"}, {"u", "undo"},
-            {"+ - 0", "zoom"},    {"left/right", "cursor"},
+    return {{"Space", "slope"},
+            {"Enter", "smoothing, slope, grid"},
+            {"up/down", "curve"},
+            {"v", "before, after, both"},
+            {"u", "undo"},
+            {"+ - 0", "zoom"},
+            {"left/right", "cursor"},
             {"e", "picture"}};
   }
   std::string help() const override {
@@ -133,6 +139,8 @@ class CurvesPage final : public LaserPage {
                      !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
     const Area charts = area.below(1 + text_rows);
     if (curve.before.series.empty()) return;
+    if (shown_ == Shown::before) return draw_chart(canvas, charts, curve.before, view_);
+    if (shown_ == Shown::after) return draw_chart(canvas, charts, curve.after, view_);
     const int upper = (charts.rows + 1) / 2;
     draw_chart(canvas, charts.top(upper), curve.before, view_);
     if (!curve.after.series.empty()) draw_chart(canvas, charts.below(upper), curve.after, view_);
@@ -168,8 +176,10 @@ class CurvesPage final : public LaserPage {
     return {};
   }
 
+  enum class Shown { both, before, after };
   ListPlace place_;
   ChartView view_;
+  Shown shown_ = Shown::both;
 };
 
 }  // namespace

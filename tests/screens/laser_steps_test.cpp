@@ -202,6 +202,11 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
   sitting.type("4");
   sitting.press(Key::Name::down);
   CHECK(sitting.seen().find("slope by least squares 30.") != std::string::npos);
+  CHECK(sitting.seen().find("before ") != std::string::npos);
+  CHECK(sitting.seen().find("after ") != std::string::npos);
+  sitting.type("v");
+  CHECK(sitting.seen().find("after ") == std::string::npos);
+  sitting.type("vv");
   sitting.type("    ");  // once round and one on: none
   REQUIRE(sitting.settled());
   CHECK(curve_of_component(sitting.desk().work(), Component::EYX).slope == laser::SlopeMethod::none);
