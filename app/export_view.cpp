@@ -15,16 +15,16 @@ namespace {
 constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "length"};
 
 std::string tables_text(const ToldExport& told) {
-  std::string text = fmt::format("{:<4} {:<38} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
+  std::string text = fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
                                  "off unit", "unit");
   for (const laser::ExportedTable& table : told.made.tables) {
-    text += fmt::format("{:<4} {:<38} {:>6} {:>6} {:>8.2f} {:>8.2f}  {}\n", table.component, table.what, table.points,
+    text += fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8.2f} {:>8.2f}  {}\n", table.component, table.what, table.points,
                         table.map_points == 0 ? std::string("-") : std::to_string(table.map_points), table.largest,
                         table.deviation, table.unit);
     if (std::abs(table.shift) >= 0.005)
       text += fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n", table.shift, table.unit);
   }
-  return text + "of: points in the map; off unit: largest difference from what the unit would put out\n";
+  return text + "of: points in the map; off unit: largest difference from what our unit does\n";
 }
 
 std::string cell(const laser::ResidualSize& size, std::size_t direction) {
