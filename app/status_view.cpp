@@ -113,14 +113,14 @@ std::string pointers_text(const StatusSnapshot& snapshot) {
     if (!in_use(pointer)) continue;
     const auto component = static_cast<Component>(i);
     const auto& selected = snapshot.selected[i];
-    rows += fmt::format("{}   {:>6}  {}  {:>10} {:<5} {}\n", name_of(component), pointer.index,
+    rows += fmt::format("{}   {:>5}  {}  {:>9} {:<5}{}\n", name_of(component), pointer.index,
                         hex_address(pointer.address), selected ? fmt::format("{:.2f}", selected->value) : "unknown",
                         unit_of(component), laser::description_of(component));
   }
   if (rows.empty()) return "address pointers: none in use\n";
   return fmt::format(
       "address pointers at tick {}: the values selected last (with linear\ninterpolation the value at or below the "
-      "position)\ncurve   index  address        value\n{}",
+      "position)\ncurve  index  address       value\n{}",
       snapshot.status.pointers_at_tick, rows);
 }
 

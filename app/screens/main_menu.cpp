@@ -50,11 +50,11 @@ Choices model_choices(const Desk& /*desk*/) {
 /// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.
 const std::vector<TopMenu>& top_menus() {
   static const std::vector<TopMenu> menus{
-      {"E.C.S. PARAMETERS", "what the unit must know of the machine: edit, check, send", parameters_choices},
+      {"E.C.S. PARAMETERS", "what the unit must know of its machine", parameters_choices},
       {"PROCESS LASER DATA", "from laser files to the error map in the unit", laser_choices},
-      {"ECS UTILITY", "positions, outputs, datum sequences, status and faults", utility_choices},
+      {"ECS UTILITY", "positions, outputs, datum sequences, status, faults", utility_choices},
       {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
-      {"MODEL", "the error model against measurements: what is missing?", model_choices},
+      {"MODEL", "the error model beside measurements: what is missing", model_choices},
       {"MORE", "report, tables for other controls, many units, doctor", [](const Desk&) { return Choices{}; }},
   };
   return menus;

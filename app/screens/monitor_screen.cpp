@@ -20,6 +20,7 @@ using protocol::MonitorSample;
 
 constexpr double kOld_s = 1.0;  ///< what is older is called old
 constexpr int kBarColumns = 11;
+constexpr double kStrip_s = 40.0;  ///< of the unit's time
 constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
 constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the line
 
@@ -118,6 +119,7 @@ PlotPanel MonitorScreen::strip_panel() const {
   panel.y_label = units[static_cast<int>(strip_)];
   PlotSeries series{"", Mark::forward, {}};
   for (const MonitorSample& sample : seen_.samples) {
+    if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
     const AxisSample& a = sample.axes[index_of(axis_)];
     const double value =
         strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);

@@ -48,7 +48,7 @@ class Screen {
   [[nodiscard]] virtual bool advance() { return false; }
   /// A screen that is ready to be opened in front of this one, once; asked after advance().
   [[nodiscard]] virtual std::unique_ptr<Screen> opens_by_itself() { return nullptr; }
-  /// Letters are text now, not commands.
+  /// Letters are text now, not commands: F1 helps, not ?.
   [[nodiscard]] virtual bool typing() const { return false; }
   /// Where the terminal's cursor belongs; row −1: nowhere.
   [[nodiscard]] virtual Place cursor(const Area& /*area*/) const { return {-1, -1}; }

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kWait_ms = 40;  ///< between two looks at running work
 
-void draw_key_line(Canvas& canvas, const Area& line, const std::vector<KeyHelp>& keys) {
+void draw_key_line(Canvas& canvas, const Area& line, const std::vector<KeyHelp>& keys, bool typing) {
   canvas.fill(line, U' ', Tone::faint);
   int column = 0;
-  const std::string more = "? help ";  // the last cell of a terminal stays empty
+  const std::string more = typing ? "F1 help " : "? help ";  // the last cell of a terminal stays empty
   for (const KeyHelp& key : keys) {
     const std::string text = key.keys + " " + key.does;
     if (column + width_of(text) + 2 > line.columns - width_of(more)) break;
@@ -105,7 +105,7 @@ Canvas picture_of(const Screen& screen, const std::string& path, const Standing&
                   bool with_help) {
   draw_header(canvas, path, standing, !screen.unsaved().empty());
   screen.draw(canvas, screen_area(canvas));
-  draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys());
+  draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys(), screen.typing());
   if (with_help) draw_help(canvas, screen, 0);
   return canvas;
 }
@@ -154,7 +154,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
     } else if (key.name == Key::Name::control && key.letter == U'c') {
       if (stack.unsaved().empty()) return 0;
       sure = true;
-    } else if (is_letter(key, U'?') && !screen.typing()) {
+    } else if ((is_letter(key, U'?') && !screen.typing()) || (key.name == Key::Name::function && key.number == 1)) {
       help = 0;
     } else {
       Step step = screen.on_key(key);

@@ -2,7 +2,7 @@
 # Says nothing by itself; the first thing that is not as it should be ends the test with the screen as it was.
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 export ECS_SAMPLES=$source/samples
-work=$(mktemp -d)
+work=${ECS_TEST_FOLDER:-$(mktemp -d)}
 export ECS_STATE_DIR=$work/state HOME=$work XDG_CONFIG_HOME=$work/config
 name=ecs-screens-$$
 t() { tmux -L "$name" -f /dev/null "$@"; }
