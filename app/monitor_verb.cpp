@@ -1,9 +1,11 @@
 // `ecs monitor`: what the unit sees of the axes, sample by sample.
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "app/environment_watch.hpp"
 #include "app/json.hpp"
 #include "app/menus.hpp"
 #include "app/monitor_record.hpp"
@@ -18,10 +20,13 @@ namespace {
 using protocol::AxisSample;
 using protocol::MonitorSample;
 
+constexpr double kEnvironment_s = 1.0;  ///< between two readings of the surroundings
+
 struct MonitorArguments {
   int count = 0;  ///< 0: until stopped
   int interval_ms = 500;
   std::string record;
+  std::string environment;  ///< a device; empty: none
 };
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
@@ -36,6 +41,13 @@ Json json_of(const AxisSample& axis) {
               {"compensation_um", number_or_null(axis.compensation_um)},
               {"output_counts", axis.output_counts},
               {"relay_closed", axis.relay_closed}};
+}
+
+Json json_of(const Surroundings& surroundings) {
+  Json object{{"device", text_or_null(surroundings.device)}, {"problem", text_or_null(surroundings.problem)}};
+  for (const auto& [quantity, value] : surroundings.values)
+    object[std::string(laser::name_of(quantity))] = number_or_null(value);
+  return object;
 }
 
 Json json_of(const MonitorSample& sample, const std::string& link) {
@@ -69,12 +81,21 @@ std::string text_of(const MonitorSample& sample) {
 
 /// Samples until the count is reached, a signal comes or the line is lost.
 Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments, std::string& rows) {
+  std::optional<EnvironmentWatch> environment;
+  if (!arguments.environment.empty()) environment.emplace(arguments.environment, kEnvironment_s);
   for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(arguments.interval_ms))) return {};
     const auto sample = unit.client().monitor();
     if (!sample) return tl::unexpected(sample.error());
-    session.face.print(text_of(*sample));
-    session.face.print_json(one_line(json_of(*sample, unit.name())));
+    Json object = json_of(*sample, unit.name());
+    std::string text = text_of(*sample);
+    if (environment) {
+      const Surroundings surroundings = environment->now();
+      object["environment"] = json_of(surroundings);
+      text += to_text(surroundings) + "\n";
+    }
+    session.face.print(text);
+    session.face.print_json(one_line(object));
     if (!arguments.record.empty()) rows += monitor_rows(*sample);
     if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
   }
@@ -104,6 +125,8 @@ void add_monitor_verb(Menu& root) {
             "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1")
       .integer("--count", arguments->count, "samples to show; 0: until stopped", 0, 100'000'000)
       .integer("--interval", arguments->interval_ms, "milliseconds between samples", 1, 3'600'000)
+      .text("--environment", arguments->environment,
+            "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
       .text("--record", arguments->record, "CSV file to write, one row for each axis and sample")
       .uses_link()
       .runs([arguments](Session& session) { return monitor(session, *arguments); });

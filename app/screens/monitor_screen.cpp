@@ -20,7 +20,7 @@ using protocol::MonitorSample;
 
 constexpr double kOld_s = 1.0;  ///< what is older is called old
 constexpr int kBarColumns = 11;
-constexpr double kStrip_s = 40.0;  ///< of the unit's time
+constexpr double kStrip_s = 40.0;                      ///< of the unit's time
 constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
 constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the line
 
@@ -94,6 +94,7 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
   const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
   draw_monitor(canvas, area, seen_, age_s);
   constexpr int kAbove = 8;
+  canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, surroundings_, Tone::strong);
   const auto now = std::chrono::steady_clock::now();
   if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
     strip_panel_ = strip_panel();
@@ -130,13 +131,16 @@ PlotPanel MonitorScreen::strip_panel() const {
 }
 
 bool MonitorScreen::advance() {
+  const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
+  const bool weather = surroundings != surroundings_;
+  surroundings_ = surroundings;
   const std::uint64_t changes = desk_->changes();
   const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
-  if (changes == changes_ && (!old || frozen_)) return false;
+  if (changes == changes_ && (!old || frozen_)) return weather;
   changes_ = changes;
   WatchedUnit now = desk_->now();
   record(now);
-  if (frozen_) return recording_.is_open();
+  if (frozen_) return recording_.is_open() || weather;
   seen_ = std::move(now);
   (void)picture_.advance(message_);
   return true;
@@ -176,6 +180,7 @@ Step MonitorScreen::on_key(const Key& key) {
   if (key.name == Key::Name::escape || is_letter(key, U'q')) return back();
   if (is_letter(key, U'f')) frozen_ = !frozen_;
   if (is_letter(key, U'r')) toggle_recording();
+  if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
   if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
   if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor");
   for (const Axis axis : kAllAxes)
@@ -188,6 +193,7 @@ std::vector<KeyHelp> MonitorScreen::keys() const {
           {"r", recording_.is_open() ? "end recording" : "record to CSV"},
           {"x y z", "axis of the strip"},
           {"v", "position, speed, um"},
+          {"t", environment_ ? "no thermometer" : "thermometer"},
           {"e", "picture"},
           {"Esc", "back"}};
 }
@@ -198,7 +204,8 @@ std::string MonitorScreen::help() const {
          "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
          "the "
          "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
-         "pressed again; f freezes the picture, not the recording.";
+         "pressed again; f freezes the picture, not the recording. t shows air and material temperature of a USB "
+         "thermometer (TEMPer).";
 }
 
 }  // namespace ecs::app

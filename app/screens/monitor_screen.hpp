@@ -4,6 +4,7 @@
 #include <chrono>
 #include <fstream>
 
+#include "app/environment_watch.hpp"
 #include "app/plot_figure.hpp"
 #include "app/screens/picture_export.hpp"
 #include "app/screens/screen.hpp"
@@ -33,6 +34,8 @@ class MonitorScreen final : public Screen {
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
   MessageLine message_;
+  std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
+  std::string surroundings_;
   PictureExport picture_;
   std::ofstream recording_;
   std::string record_name_;
