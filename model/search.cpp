@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "model/candidates.hpp"
 #include "model/gains.hpp"
@@ -33,6 +35,15 @@ double mean_step(const Observations& data, const Family& family) {
   for (const std::size_t k : family.acting.rows) p.push_back(data.p_mm(k, *family.effect.axis));
   p = distinct(std::move(p), 1e-6);
   return p.size() < 2 ? 0.0 : (p.back() - p.front()) / static_cast<double>(p.size() - 1);
+}
+
+/// Least and greatest value of the nonlinear parameter that is tried; 0 and 0: none.
+std::pair<double, double> range_of(const Family& family) {
+  std::vector<double> tried = family.grid;
+  tried.insert(tried.end(), family.facts.begin(), family.facts.end());
+  if (tried.empty()) return {0.0, 0.0};
+  const auto [least, greatest] = std::minmax_element(tried.begin(), tried.end());
+  return {*least, *greatest};
 }
 
 }  // namespace
@@ -182,12 +193,14 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
     width *= 1.2;
   }
   const double centre = to(nonlinear);
-  // shorter time constants than those tried pass for a constant
-  const double shortest = family.grid.empty() ? 0.0 : *std::min_element(family.grid.begin(), family.grid.end());
-  const double floor = inverse ? 0.05 * centre : shortest;
+  // Shorter time constants than those tried pass for a constant; longer periods than those tried for a curve, shorter
+  // ones for anything. However often it is refined, a value stays among those that were tried.
+  const auto [shortest, longest] = range_of(family);
+  const double floor = inverse ? std::min(centre, 0.8 / longest) : shortest;
+  const double ceiling = inverse ? std::max(centre, 1.25 / shortest) : std::numeric_limits<double>::max();
   const auto at = [&](double v) { return exactly(to(v)); };
   constexpr double kGolden = 0.6180339887498949;
-  double low = std::max(floor, centre - width), high = centre + width;
+  double low = std::max(floor, centre - width), high = std::min(ceiling, centre + width);
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   Choice at_a = at(a), at_b = at(b);
   for (int i = 0; i < 14; ++i) {

@@ -146,6 +146,7 @@ class Search {
   [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
                                               const Eigen::VectorXd& y) const;
   /// A period refined, its double and other peaks tried as well.
+  [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
 
   const Regressors& regressors_;

@@ -2,8 +2,10 @@
 // Does not live here: the bank (search_bank.cpp).
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "model/gains.hpp"
+#include "model/held_out.hpp"
 #include "model/search.hpp"
 
 namespace ecs::model {
@@ -60,15 +62,30 @@ std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, con
 Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks) const {
   const std::size_t f = peaks.front().family;
   Choice best = refined_choice(space, f, peaks.front().nonlinear);
+  bool fits = !too_steep(space, best);
   // the period may be twice the one found (its second harmonic stronger), or another peak
   std::vector<double> tries{2.0 * best.nonlinear};
   for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 3; ++j)
     if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) > 0.02) tries.push_back(peaks[j].nonlinear);
   for (const double value : tries) {
     const Choice other = refined_choice(space, f, value);
-    if (other.score() > best.score()) best = other;
+    if ((fits && other.score() <= best.score()) || too_steep(space, other)) continue;
+    best = other;
+    fits = true;
   }
+  if (!fits) best.gain = 0.0;
   return best;
+}
+
+/// Whether a periodic error of that size would make the reading run backwards within its period: short periods seen at
+/// far targets pass for slow shapes, but not at any size.
+bool Search::too_steep(const Space& space, const Choice& choice) const {
+  const EffectInstance& effect = families_[choice.family].effect;
+  if (effect.sense && is_rotation(*effect.sense)) return false;
+  MatrixXd white = whitener_(columns_of(choice).of);
+  white -= space.q * (space.q.transpose() * white);
+  const double amplitude_um = least_squares(white, space.y).norm();
+  return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
@@ -88,6 +105,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
     list[i] = families_[f].effect.id == EffectId::cyclic ? best_period(space, peaks[f])
                                                          : refined_choice(space, f, list[i].nonlinear);
   }
+  std::erase_if(list, [](const Choice& choice) { return choice.gain <= 0.0; });
   std::stable_sort(list.begin(), list.end(), by_score);
   return list;
 }
