@@ -102,8 +102,6 @@ VerifyReport compared(std::span<const std::uint8_t> expected, const Image& found
 
 }  // namespace
 
-Address address_of(Bank bank) { return bank == Bank::B ? kBankB.first : kBankA.first; }
-
 Result<std::optional<Image>> read_active_image(protocol::UnitClient& client,
                                                const protocol::ProgressCallback& progress) {
   const auto before = client.status();

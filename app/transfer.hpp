@@ -16,9 +16,6 @@
 
 namespace ecs::app {
 
-/// First address of a bank. @pre bank is A or B
-[[nodiscard]] Address address_of(protocol::Bank bank);
-
 /// The active image of the unit, byte for byte; nothing if it holds none. Refused if another map becomes active
 /// meanwhile. Its block check is not judged here.
 [[nodiscard]] Result<std::optional<std::vector<std::uint8_t>>> read_active_image(

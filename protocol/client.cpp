@@ -66,6 +66,8 @@ Problem UnitClient::given_up(Problem why) {
   return why;
 }
 
+Address address_of(Bank bank) { return bank == Bank::B ? kBankB.first : kBankA.first; }
+
 Result<void> UnitClient::upload_image(std::span<const std::uint8_t> image, const UploadOptions& options,
                                       const ProgressCallback& progress) {
   const auto address = begin_staging(options.copy_active);

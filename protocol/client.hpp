@@ -22,6 +22,9 @@ struct Progress {
 using ProgressCallback = std::function<void(const Progress&)>;
 using CommandCallback = std::function<void(const CommandResult&)>;  ///< while a command is busy
 
+/// Where the bank of a map begins. @pre the unit holds one
+[[nodiscard]] Address address_of(Bank bank);
+
 struct UploadOptions {
   bool copy_active = false;  ///< the bank to write starts as a copy of the active one, not cleared
   bool read_back = false;    ///< besides the CRC that the unit computes over its memory, read every byte back
@@ -88,6 +91,8 @@ class UnitClient {
 
  private:
   [[nodiscard]] Result<CommandResult> result_now();
+  [[nodiscard]] std::uint16_t next_sequence();
+  [[nodiscard]] Result<void> confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);

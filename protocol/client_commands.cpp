@@ -1,5 +1,6 @@
 // Commands of the host: given once, followed until they end.
 #include <algorithm>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -62,15 +63,23 @@ Result<CommandResult> UnitClient::exchange(const Command& command) {
   return link_.ask(kCommand, registers_of(command, 0), kCommandResult).and_then(command_result_in);
 }
 
+/// By chance: two hosts that counted would meet at the same number, and each take the other's result for its own.
+std::uint16_t UnitClient::next_sequence() {
+  std::random_device chance;
+  const std::uint16_t last = sequence_;
+  while (sequence_ == last || sequence_ == 0) sequence_ = static_cast<std::uint16_t>(chance() & 0xFFFFu);
+  return sequence_;
+}
+
 Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
   if (sequence_ == 0) {
     const auto before = result_now();
     if (!before) return before;
     sequence_ = before->sequence;
   }
-  if (++sequence_ == 0) ++sequence_;
-  command.sequence = sequence_;
+  command.sequence = next_sequence();
   auto first = exchange(command);
+  if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
   if (!first) return first;
   return wait_for(command, std::move(*first), limit, busy);
 }
@@ -102,8 +111,7 @@ Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult
 Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
   link_.heed_cancel(false);
   Command stop = command_of(CommandCode::stop);
-  if (++sequence_ == 0) ++sequence_;
-  stop.sequence = sequence_;
+  stop.sequence = next_sequence();
   const auto taken = exchange(stop);
   link_.heed_cancel(true);
   return problem(ProblemKind::link,
@@ -186,7 +194,24 @@ Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) 
   command.length = length;
   command.crc = crc;
   auto done = run_plain(command, kStagingLimit);
-  return done ? done : settled(*before, std::move(done.error()));
+  return done ? confirmed(*before, length, crc) : settled(*before, std::move(done.error()));
+}
+
+/// Whether the unit at the end of the line now holds, active, what was committed: another host or another unit on the
+/// same line may have come between.
+Result<void> UnitClient::confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
+  const auto now = status_when_idle();
+  if (!now) return tl::unexpected(now.error());
+  const bool advanced = now->commit_sequence != before.commit_sequence && now->image_length_bytes == length;
+  const auto found = advanced ? check_memory(address_of(now->active_bank), length) : Result<std::uint32_t>(~crc);
+  if (!found) return tl::unexpected(found.error());
+  if (*found == crc) return {};
+  return problem(
+      ProblemKind::link,
+      fmt::format("the commit was answered as done, but the active map is another one ({} bytes, commit {}): "
+                  "another host uses the unit, or another unit is on this line now; compare before "
+                  "compensating",
+                  now->image_length_bytes, now->commit_sequence));
 }
 
 Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }

@@ -34,6 +34,7 @@ class UnitModel : public UnitPort {
   std::uint32_t samples = 0;
   std::function<void()> on_commit;  ///< called before the commit is carried out
   bool takes_commits = true;        ///< false: a commit fails
+  bool spoils_commits = false;      ///< another host changes the map as soon as it is active
   int replies_to_lose = 0;          ///< carried out, but not answered
 
   Identity identity() override {
@@ -148,6 +149,7 @@ class UnitModel : public UnitPort {
     ++commits;
     active = active == Bank::A ? Bank::B : Bank::A;
     image_length = command.length;
+    if (spoils_commits) spare.front() ^= 0xFF;
     return done();
   }
 };

@@ -245,3 +245,25 @@ TEST_CASE("of an image that differs from the active one at its beginning only th
   CHECK(active_image(shop) == image);
   CHECK(unit.link().statistics().bytes_sent < 3000);
 }
+
+TEST_CASE("of two hosts on one unit each has its own command done, not the other's taken for it") {
+  auto shop = Workshop::on_tcp();
+  auto one = shop.client();
+  auto other = shop.client();
+  for (int k = 0; k < 20; ++k) {
+    REQUIRE(one.clear_fault());
+    REQUIRE(other.abandon_staged().has_value() == false);  // nothing is staged: refused, but a command
+    REQUIRE(one.output_off());
+    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log.back(); }) == CommandCode::output_off);
+  }
+}
+
+TEST_CASE("a commit after which the active map is another one is told as such") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  auto unit = shop.client();
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.spoils_commits = true; });
+  const auto sent = unit.upload_image(noise_image(3000, 2));
+  REQUIRE(!sent);
+  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+}
