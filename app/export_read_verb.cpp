@@ -193,8 +193,13 @@ Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Take
 Result<Outcome> read(Session& session, const Arguments& arguments) {
   if (!arguments.params_out.empty() && arguments.params.empty())
     return problem(ProblemKind::usage, "--params-out needs --params: the rest of the parameters is taken from there");
+  std::vector<std::string> inputs = arguments.files;
+  inputs.push_back(arguments.params);
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
+    if (const auto spared = spares_inputs(output, inputs); !spared) return tl::unexpected(spared.error());
+  if (!arguments.params_out.empty())
+    if (const auto spared = spares_inputs(arguments.params_out, {arguments.output}); !spared)
+      return tl::unexpected(spared.error());
   auto files = read_files(arguments);
   if (!files) return tl::unexpected(files.error());
   const std::vector<Problem> warnings = files->tables.warnings;

@@ -112,8 +112,15 @@ class Reader {
     const std::string_view content = after_number(line);
     const int shift = static_cast<int>(line.size() - content.size());
     const std::string plain = without_blanks(content);
+    if (plain.starts_with("%")) ended_ = 0;  // another program in the same file
+    if (plain == "m17" || plain == "m30" || plain == "m02" || plain == "m2") ended_ = ended_ == 0 ? number : ended_;
     if (plain.empty() || is_frame(plain)) return;
     auto assignment = assignment_in(content);
+    if (assignment && ended_ != 0)
+      return findings.add(number, 1,
+                          fmt::format("it stands behind the end of the program in line {}: a control does not read it; "
+                                      "take it out, or take that end out",
+                                      ended_));
     if (!assignment) {
       const std::size_t first = line.find_first_not_of(" \t");
       findings.add(number, static_cast<int>(first) + 1,
@@ -182,7 +189,9 @@ class Reader {
       if (!k || *k < 0 || *k > kMostIndex)
         return findings.add(line, 1, fmt::format("expected a point from 0, found {}", in_quotes(point)));
       if (std::abs(*value) * kUmPerMm > kLargest_um) return wrong(a, line, "a value in mm within ±32");
-      draft.value[*k] = *value;
+      const auto [before, first] = draft.value.emplace(*k, *value);
+      if (!first && before->second != *value)
+        return findings.add(line, 1, fmt::format("point {} has another value before in this file: keep one", *k));
     } else if (a.field == "step") {
       draft.step = *value;
     } else if (a.field == "min") {
@@ -266,6 +275,7 @@ class Reader {
   const SiemensOptions& options_;
   double cec_sign_ = -1.0;
   Drafts drafts_;
+  int ended_ = 0;  ///< line of M17 or M30; 0: not there yet
 };
 
 }  // namespace

@@ -314,4 +314,18 @@ TEST_CASE("axes of other names, and the second measuring system, are told by opt
 }
 
 }  // namespace
+
+TEST_CASE("what stands behind the end of a program, and a point that is given twice, are refused with their lines") {
+  const std::string begin =
+      "CHANDATA(1)\n$AA_ENC_COMP_STEP[0,AX1]=100.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=100.0\n"
+      "$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0014\n";
+  CHECK(parse_siemens(begin + "M17\n", "x.ini", {}));
+  const auto behind = parse_siemens(begin + "M17\n$AA_ENC_COMP[0,1,AX1]=0.9\n", "x.ini", {});
+  REQUIRE(!behind);
+  CHECK(behind.error().line == 8);
+  const auto twice = parse_siemens(begin + "$AA_ENC_COMP[0,1,AX1]=0.9\nM17\n", "x.ini", {});
+  REQUIRE(!twice);
+  CHECK(twice.error().line == 7);
+}
+
 }  // namespace ecs::laser
