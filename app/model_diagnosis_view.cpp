@@ -38,7 +38,7 @@ std::string named_effects(const Diagnosis& diagnosis) {
 }
 
 std::string structure_sentence(const Diagnosis& diagnosis) {
-  std::string text = "The residual is not noise, and no effect of the library explains it";
+  std::string text = "The residual is not noise, and no effects of the library, alone or together, explain all of it";
   std::vector<std::string> variables;
   for (const model::Dependence& one : diagnosis.where)
     if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);

@@ -105,8 +105,10 @@ std::string verdict_text(const ReportedDiagnosis& d) {
   std::vector<std::string> variables;
   for (const ReportedDependence& one : d.where)
     if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);
-  return fmt::format("What the error model leaves is not noise, and no effect of the library explains it{}{}.",
-                     variables.empty() ? "" : "; it depends on ", fmt::join(variables, ", "));
+  return fmt::format(
+      "What the error model leaves is not noise, and no effects of the library, alone or together, explain all of "
+      "it{}{}.",
+      variables.empty() ? "" : "; it depends on ", fmt::join(variables, ", "));
 }
 
 std::string false_naming_text(const ReportedEffect& effect, std::size_t blanks) {

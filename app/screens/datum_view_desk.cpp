@@ -45,6 +45,15 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
   const auto first_switch = first_switch_s(record);
   if (!first_switch)
     return {"The switch did not change: the axis did not reach it, or it is not connected. Begin nearer to it."};
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    changes += samples[i].switch_closed != samples[i - 1].switch_closed ? 1U : 0U;
+  constexpr std::size_t kOneApproach = 2;  // reached and left again
+  if (changes > kOneApproach)
+    return {
+        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off "
+                    "first. Nothing is read from that. Move the axis well away from the switch and record again.",
+                    changes)};
   const std::size_t at = record.at(*first_switch + record.shift_s).value_or(0);
   const double speed = record.speeds_mm_min[at];
   hints.push_back(

@@ -1,5 +1,6 @@
 #include "app/screens/drafts.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 
@@ -7,10 +8,13 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "app/screens/event_log.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app {
 namespace {
+
+std::atomic<bool> failed{false};
 
 std::filesystem::path file_of(const std::string& name) {
   const auto folder = state_folder();
@@ -21,11 +25,15 @@ std::filesystem::path file_of(const std::string& name) {
 
 Result<void> keep_draft(const std::string& name, const std::string& text) {
   const auto folder = state_folder();
-  if (!folder) return tl::unexpected(folder.error());
   std::error_code error;
-  std::filesystem::create_directories(*folder / "drafts", error);
-  return write_file(file_of(name), text);
+  if (folder) std::filesystem::create_directories(*folder / "drafts", error);
+  auto kept = folder ? write_file(file_of(name), text) : tl::unexpected(folder.error());
+  failed = !kept;
+  if (!kept) log_event(Tone::bad, "unsaved work cannot be kept: " + to_text(kept.error()));
+  return kept;
 }
+
+bool drafts_fail() { return failed; }
 
 std::optional<Draft> draft_of(const std::string& name) {
   const std::filesystem::path path = file_of(name);

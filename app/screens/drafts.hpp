@@ -16,6 +16,8 @@ struct Draft {
 
 /// @param name  of the screen: "parameters"; one draft each, in state_folder()/drafts
 [[nodiscard]] Result<void> keep_draft(const std::string& name, const std::string& text);
+/// Whether the draft kept last could not be written: what is not saved would be lost.
+[[nodiscard]] bool drafts_fail();
 /// Nothing: there is none, or it cannot be read.
 [[nodiscard]] std::optional<Draft> draft_of(const std::string& name);
 void drop_draft(const std::string& name);

@@ -18,6 +18,7 @@ constexpr std::uintmax_t kMostBytes = 1 << 20;
 
 std::mutex mutex;
 std::deque<LogEntry> entries;
+std::vector<std::string> left;
 
 void append(const std::string& line) {
   const std::filesystem::path path = log_file();
@@ -43,6 +44,17 @@ void log_event(Tone tone, const std::string& text) {
   if (entries.size() > kKept) entries.pop_front();
   const char* kind = tone == Tone::bad ? "error" : (tone == Tone::warning ? "warning" : "note");
   append(fmt::format("{:%Y-%m-%d %H:%M:%S} {}: {}\n", now, kind, text));
+}
+
+void leave_word(const std::string& text) {
+  log_event(Tone::bad, text);
+  const std::lock_guard lock(mutex);
+  left.push_back(text);
+}
+
+std::vector<std::string> words_left() {
+  const std::lock_guard lock(mutex);
+  return left;
 }
 
 std::vector<LogEntry> logged() {

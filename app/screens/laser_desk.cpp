@@ -223,7 +223,9 @@ std::string LaserDesk::unsaved() const {
 
 bool LaserDesk::would_overwrite() const {
   std::error_code error;
-  return saved_file_ != choices_.map_file && std::filesystem::exists(choices_.map_file, error);
+  const MapFiles files = files_of_map(choices_.map_file);
+  const auto there = [&](const std::filesystem::path& file) { return std::filesystem::exists(file, error); };
+  return saved_file_ != choices_.map_file && (there(files.map) || there(files.parameters) || there(files.recipe));
 }
 
 bool LaserDesk::idle() {
@@ -325,8 +327,10 @@ void LaserDesk::verify() {
 
 void LaserDesk::compensate() {
   if (!idle()) return;
-  start(Doing::switching, "compensation mode", [unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
-    if (const auto switched = switch_to_compensation(*unit, signs); !switched) done.problem = switched.error();
+  const auto expected = sent_ ? std::optional(sent_->check) : std::nullopt;
+  start(Doing::switching, "compensation mode", [expected, unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
+    const auto switched = switch_to_compensation(*unit, signs, expected);
+    if (!switched) done.problem = switched.error();
   });
 }
 

@@ -68,7 +68,9 @@ void LaserDesk::take(const Done& done) {
       read_again();
       break;
     case Doing::switching:
-      message_.say("the unit watches: reference every axis at the control now; ON LINE MONITOR shows how far it is");
+      message_.say(
+          "the unit watches: reference every axis at the control now; ECS UTILITY, DISPLAY ECS STATUS shows how far it "
+          "is (emulator: g there)");
       break;
     case Doing::looking: {
       const std::string now = done.active ? fmt::format("block check {:08X}", *done.active) : "none";

@@ -2,6 +2,7 @@
 // (laser_lines.cpp), the means without them (laser_curves.cpp).
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -94,6 +95,8 @@ class LeaveOutPage final : public LaserPage {
     }
     return on_chart_key(key, work.results[at()]->panel, view_);
   }
+
+  bool on_escape() override { return std::exchange(in_tree_, false); }
 
   std::vector<KeyHelp> keys() const override {
     if (!in_tree_)

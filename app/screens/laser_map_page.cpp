@@ -81,7 +81,14 @@ class MapPage final : public LaserPage {
       return true;
     }
     if (is_letter(key, U'z') || key.name == Key::Name::enter) {
-      host().fill(zero_form(map.components[at()]));
+      const LaserComponent one = map.components[at()];
+      if (one.state != ComponentState::present) {
+        host().fill(zero_form(one));
+        return true;
+      }
+      host().ask({fmt::format("{} is measured. Declare it zero all the same?", name_of(one.component)),
+                  "Its measurement then stays out of the map.", "declare it zero", "keep the measurement"},
+                 [this, one] { host().fill(zero_form(one)); });
       return true;
     }
     const auto panel = panel_of_component(map, map.components[at()].component);

@@ -52,6 +52,8 @@ class LaserPage {
   [[nodiscard]] virtual std::string help() const = 0;
   [[nodiscard]] virtual bool advance() { return false; }
   [[nodiscard]] virtual bool typing() const { return false; }
+  /// One level back within the step. @return whether there was one
+  [[nodiscard]] virtual bool on_escape() { return false; }
   /// Escape, Tab and digits belong to the step now, not to the screen.
   [[nodiscard]] virtual bool holds_keys() const { return false; }
   [[nodiscard]] virtual Place cursor(const Area& /*area*/) const { return {-1, -1}; }

@@ -117,7 +117,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
     draw_question(canvas, area,
                   {fmt::format("Work of {} found", draft->kept),
                    "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
-                   "drop it (or d)"});
+                   "not now    d drop it"});
   if (host_->form_) host_->form_->draw(canvas, area);
   if (host_->question_) draw_question(canvas, area, *host_->question_);
   if (leaving_)
@@ -138,8 +138,7 @@ bool LaserScreen::on_lying_over(const Key& key) {
     const Reply reply = reply_to(key);
     if (reply == Reply::yes || key.name == Key::Name::enter) {
       desk.take_up_offered();
-    } else if (reply == Reply::no || is_letter(key, U'd')) {
-      if (key.name == Key::Name::escape) return false;
+    } else if (is_letter(key, U'd')) {
       desk.drop_offered();
     }
     return true;
@@ -201,6 +200,7 @@ Step LaserScreen::on_key(const Key& key) {
     if (reply != Reply::none) leaving_ = false;
     return reply == Reply::yes ? back() : stay();
   }
+  if (desk.offered() && reply_to(key) == Reply::no) return back();
   if (on_lying_over(key)) return stay();
   if (desk.busy() && key.name == Key::Name::escape) {
     desk.cancel();
@@ -211,6 +211,7 @@ Step LaserScreen::on_key(const Key& key) {
     (void)page().on_key(key);
     return stay();
   }
+  if (key.name == Key::Name::escape && page().on_escape()) return stay();
   if (key.name == Key::Name::escape) {
     leaving_ = !desk.unsaved().empty() && !desk.offered();
     return leaving_ ? stay() : back();

@@ -15,7 +15,7 @@ class LaserScreen final : public Screen {
  public:
   explicit LaserScreen(std::shared_ptr<UnitDesk> unit);
 
-  [[nodiscard]] std::string title() const override { return "PROCESS LASER DATA"; }
+  [[nodiscard]] std::string title() const override { return "FROM FILES TO THE MAP"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;

@@ -175,10 +175,11 @@ class VerifyPage final : public LaserPage {
       told.say("map", fmt::format("{}, commit {}", check_text(d.sent()->check), d.sent()->report.commit_sequence));
     told.skip();
     if (verdict.same()) {
-      told.say("next", "1. the first time: check polarity and scale of every axis (ECS UTILITY, utility output)");
+      told.say("next",
+               "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
       told.say("", "2. c switches the unit to compensation; reference every axis at the control");
       told.say("", "3. measure the same lines again, compensated, into another folder");
-      told.say("", "4. compare: `ecs laser table PLAN.toml --before DIR --after DIR`");
+      told.say("", "4. compare before and after: / laser table on the first screen, or the report");
       return;
     }
     const Area rest = told.rest();

@@ -34,7 +34,13 @@ Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& file
 }
 
 Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready, SendSigns& seen) {
-  return unit.on_line(signs, [&](UnitLink& line) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<SentMap> {
+    const auto active = active_check(line.client());
+    if (!active) return tl::unexpected(active.error());
+    if (*active != ready.active)
+      return problem(ProblemKind::refused,
+                     "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
+                     "was sent; Enter asks again");
     const auto before = [&seen](std::optional<std::uint32_t> check) {
       seen.had_map = check.has_value();
       seen.check_before = check.value_or(0);
@@ -66,8 +72,16 @@ Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std:
   });
 }
 
-Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs) {
-  return unit.on_line(signs, [](UnitLink& line) -> Result<void> { return line.client().enter_compensation(); });
+Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, std::optional<std::uint32_t> expected) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
+    const auto active = active_check(line.client());
+    if (!active) return tl::unexpected(active.error());
+    if (expected && *active != expected)
+      return problem(ProblemKind::refused,
+                     "the unit no longer holds the map that was sent from here: another host has changed it. Enter "
+                     "compares again, step 8 sends again");
+    return line.client().enter_compensation();
+  });
 }
 
 }  // namespace ecs::app

@@ -45,6 +45,8 @@ struct ReadyMap {
 /// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
 [[nodiscard]] Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file);
 /// Compensation mode: the unit tests its memory, then waits for the axes to be referenced.
-[[nodiscard]] Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs);
+/// @param expected  block check of the map that was sent from here; refused if the unit holds another one by now
+[[nodiscard]] Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs,
+                                                  std::optional<std::uint32_t> expected);
 
 }  // namespace ecs::app

@@ -186,10 +186,19 @@ void ModelDesk::undo() {
 
 void ModelDesk::save() {
   if (busy()) return;
+  std::string beside;
+  if (!saved_) {  // what people wrote into the file by hand, comments too, is not lost
+    const auto before = read_file(files_.model);
+    if (before && !before->empty()) {
+      beside = files_.model + ".before";
+      if (const auto kept = write_file(beside, *before); !kept) return message_.say(kept.error());
+    }
+  }
   if (const auto kept = keep_model(files_.model, model_, files_.model); !kept) return message_.say(kept.error());
+  saved_ = true;
   changed_ = false;
   drop_draft();
-  message_.say("written to " + files_.model);
+  message_.say("written to " + files_.model + (beside.empty() ? "" : "; as it was: " + beside));
 }
 
 void ModelDesk::start_after(const std::vector<std::string>& measured_again) {

@@ -106,6 +106,7 @@ class ModelDesk {
   std::optional<model::NextMeasurement> next_;
   Lines after_;
   bool changed_ = false;
+  bool saved_ = false;  ///< since it was opened
   bool cancelled_ = false;
   int generation_ = 0;
   std::string working_on_;

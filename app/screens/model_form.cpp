@@ -74,10 +74,8 @@ Step ModelForm::on_key(const Key& key) {
   } else if (key.name == Key::Name::down) {
     field_ = std::min(2, field_ + 1);
   } else if (key.name == Key::Name::tab) {
-    const std::string text = field.text();
-    const std::size_t blank = text.rfind(' ');
-    const PathCompletion found = completed_path(blank == std::string::npos ? text : text.substr(blank + 1));
-    field.set((blank == std::string::npos ? "" : text.substr(0, blank + 1)) + found.completed);
+    const PathCompletion found = field_ == 1 ? completed_paths(field.text()) : completed_path(field.text());
+    field.set(found.completed);
     hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
     problem_ = false;
   } else {

@@ -65,7 +65,7 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
         canvas, area,
         {"Unsaved work on this model was found. Take it up?",
          fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept, desk_->model_file()),
-         "take it up", "drop it"});
+         "take it up", "not now    d drop it"});
   else if (leaving_)
     draw_question(canvas, area,
                   {"Leave without saving the model?", desk_->model_file() + " stays as it was.", "leave", "stay"});
@@ -245,15 +245,14 @@ bool ModelScreen::on_curve_key(const Key& key) {
 
 Step ModelScreen::on_question(const Key& key) {
   const Reply reply = reply_to(key);
-  if (reply == Reply::none) return stay();
   if (draft_) {
-    if (reply == Reply::yes)
-      desk_->take_draft();
-    else
-      desk_->drop_draft();
-    draft_.reset();
+    if (reply == Reply::no) return back();
+    if (reply == Reply::yes) desk_->take_draft();
+    if (is_letter(key, U'd')) desk_->drop_draft();
+    if (reply == Reply::yes || is_letter(key, U'd')) draft_.reset();
     return stay();
   }
+  if (reply == Reply::none) return stay();
   leaving_ = false;
   if (reply == Reply::no) return stay();
   desk_->drop_draft();
@@ -265,9 +264,7 @@ void ModelScreen::on_asked(const Key& key) {
     asked_.reset();
   } else if (key.name == Key::Name::tab) {
     const std::string text = asked_->line.text();
-    const std::size_t blank = text.rfind(' ');
-    const std::string before = blank == std::string::npos ? "" : text.substr(0, blank + 1);
-    asked_->line.set(before + completed_path(text.substr(before.size())).completed);
+    asked_->line.set((asked_->purpose == Asked::For::map ? completed_path(text) : completed_paths(text)).completed);
   } else if (key.name == Key::Name::enter) {
     const Asked asked = *asked_;
     asked_.reset();

@@ -177,7 +177,11 @@ void MonitorScreen::toggle_recording() {
 Step MonitorScreen::on_key(const Key& key) {
   message_.clear();
   strip_at_ = {};
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) return back();
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (!recording_.is_open()) return back();
+    toggle_recording();
+    return stay();
+  }
   if (is_letter(key, U'f')) frozen_ = !frozen_;
   if (is_letter(key, U'r')) toggle_recording();
   if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);

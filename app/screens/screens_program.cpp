@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/interrupt.hpp"
+#include "app/screens/drafts.hpp"
 #include "app/screens/talk.hpp"
 #include "app/screens/widgets.hpp"
 
@@ -61,13 +62,21 @@ void draw_help(Canvas& canvas, const Screen& screen, int first) {
   const int rows = std::min(left, help_rows(canvas));
   const Area box{(canvas.rows() - rows - 2) / 2, 2, rows + 2, canvas.columns() - 4};
   canvas.fill(box);
-  canvas.frame(box, screen.title() + (left > rows ? ": help, any key shows more" : ": help, any key goes on"),
+  canvas.frame(box,
+               screen.title() + (left > rows ? ": help, any key shows more, Esc goes on" : ": help, any key goes on"),
                Tone::plain);
   for (int r = 0; r < rows; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(first + r)]);
 }
 
 void draw_leaving(Canvas& canvas, const std::string& unsaved) {
-  draw_question(canvas, canvas.whole(), {"Leave the program?", unsaved, "leave", "stay"});
+  draw_question(
+      canvas, canvas.whole(),
+      {"Leave the program?",
+       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WOULD BE LOST: no draft can be written, see LOG." : ""),
+       "leave", "stay"});
+  const Area line{canvas.rows() - 1, 0, 1, canvas.columns()};
+  canvas.fill(line);
+  canvas.text(line, 0, 0, "y leave  n stay", Tone::strong);
 }
 
 /// The screens one behind the other.
@@ -148,7 +157,8 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
     } else if (help) {
       const int next = *help + help_rows(terminal.canvas());
       const bool more = next < static_cast<int>(help_lines(screen, terminal.canvas().columns()).size());
-      if (key.name != Key::Name::resized) help = more ? std::optional(next) : std::nullopt;
+      if (key.name != Key::Name::resized)
+        help = more && key.name != Key::Name::escape ? std::optional(next) : std::nullopt;
     } else if (key.name == Key::Name::control && key.letter == U'l') {
       terminal.redraw();
     } else if (key.name == Key::Name::control && key.letter == U'c') {

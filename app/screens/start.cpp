@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "app/outcome.hpp"
+#include "app/screens/event_log.hpp"
 #include "app/screens/menu_screen.hpp"
 #include "app/screens/screens_program.hpp"
 #include "app/screens/unit_desk.hpp"
@@ -40,10 +41,14 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   if (!asked || ::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return std::nullopt;
   TerminalOptions options;
   options.ascii = asked->ascii;
-  const auto terminal = Terminal::open(options);
+  auto terminal = Terminal::open(options);
   if (terminal) {
-    const auto desk = std::make_shared<UnitDesk>(asked->link);
-    return run_screens(**terminal, main_menu(desk), [desk] { return standing_of(desk->standing(), desk->newest()); });
+    auto desk = std::make_shared<UnitDesk>(asked->link);
+    const int code =
+        run_screens(**terminal, main_menu(desk), [desk] { return standing_of(desk->standing(), desk->newest()); });
+    terminal->reset();  // the screens are gone: what matters still is said to the shell
+    for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
+    return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;
   }
   fmt::print(stderr, "{}\n", to_text(terminal.error()));
   return exit_code_of(ProblemKind::usage);

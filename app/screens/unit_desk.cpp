@@ -165,7 +165,7 @@ Result<void> UnitDesk::opened() {
   auto identity = line ? line->client().identity() : tl::unexpected(line.error());
   next_try_ = Clock::now() + kBeforeNextTry;
   if (!identity) {
-    lost(identity.error());
+    if (!cancelled_) lost(identity.error());
     return tl::unexpected(identity.error());
   }
   emulator_ = line->emulator();
@@ -182,6 +182,31 @@ Result<void> UnitDesk::opened() {
   state_.problem.clear();
   ++changes_;
   return {};
+}
+
+/// A gateway, or a cable put elsewhere, may lead to another unit than the one that the screens speak of.
+Result<void> UnitDesk::same_unit() {
+  const std::string shown = standing().identity->serial_number;
+  const auto now = line_->client().identity();
+  if (!now) {
+    ++failures_;
+    if (!cancelled_) lost(now.error());
+    settle();
+    return tl::unexpected(now.error());
+  }
+  if (now->serial_number == shown) return {};
+  const auto other = problem(ProblemKind::refused,
+                             fmt::format("another unit answers on this line: {} in place of {}; nothing was done. Look "
+                                         "what it is and holds, then ask again",
+                                         now->serial_number, shown));
+  log_event(Tone::bad, other.value().message);
+  close();  // whoever shows the unit takes it for a new line, and reads everything anew
+  next_try_ = {};
+  const std::lock_guard lock(mutex_);
+  state_.identity = *now;
+  ++state_.times_lost;
+  ++changes_;
+  return other;
 }
 
 void UnitDesk::close() {

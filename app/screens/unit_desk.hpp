@@ -63,11 +63,13 @@ class UnitDesk {
   void choose(const std::string& link);
 
   /// Does `work(UnitLink&)`, which returns a Result, with the line to itself; for the thread of a Job, whose cancel
-  /// ends what is under way. Opens the line first where there is none.
+  /// ends what is under way. Opens the line first where there is none. Refused if another unit answers than the one
+  /// that is shown: it is shown from then on.
   template <class Work>
   [[nodiscard]] auto on_line(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, signs);
     if (auto line = opened(); !line) return tl::unexpected(line.error());
+    if (auto same = same_unit(); !same) return tl::unexpected(same.error());
     auto result = work(*line_);
     settle();
     return result;
@@ -116,6 +118,7 @@ class UnitDesk {
   void run(const std::stop_token& stop);
   void look();
   [[nodiscard]] Result<void> opened();
+  [[nodiscard]] Result<void> same_unit();
   void close();
   void settle();
   void take(const protocol::MonitorSample& sample);

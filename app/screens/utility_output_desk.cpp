@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/event_log.hpp"
 #include "app/transfer.hpp"
 #include "base/text.hpp"
 
@@ -55,9 +56,15 @@ OutputDesk::OutputDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(
 OutputDesk::~OutputDesk() {
   job_.cancel();
   while (job_.running() && !job_.take()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  if (setting_.at_rest() || !desk_->standing().open) return;
+  if (setting_.at_rest()) return;
   JobSigns signs;
-  (void)desk_->on_line(signs, [](UnitLink& line) { return line.client().output_off(); });
+  const bool off = desk_->standing().open &&
+                   desk_->on_line(signs, [](UnitLink& line) { return line.client().output_off(); }).has_value();
+  if (!off && setting_.relay)
+    leave_word(
+        fmt::format("axis {}: the unit could not be told to open its relay. It opens it by itself 60 s after it "
+                    "was asked last; until then {:+g} um may act on the axis",
+                    letter_of(setting_.axis), setting_.um));
 }
 
 /// What another host, or this one before, left switched on; what the unit has ended by itself.
@@ -166,6 +173,14 @@ void OutputDesk::off() {
   job_.start([desk = desk_, axis = setting_.axis](JobSigns& signs) {
     return desk->on_line(signs, [&](UnitLink& line) -> Result<Taken> {
       if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
+      const auto seen = line.client().monitor();
+      if (!seen) return tl::unexpected(seen.error());
+      for (const Axis a : kAllAxes)
+        if (seen->axes[index_of(a)].relay_closed)
+          return problem(ProblemKind::link,
+                         fmt::format("the unit answers that all is off, but shows the relay of {} closed: press o "
+                                     "again; if it stays, use the emergency stop",
+                                     letter_of(a)));
       return Taken{{axis, 0.0, false}, std::nullopt};
     });
   });

@@ -64,7 +64,7 @@ void VerbScreen::draw_fields(Canvas& canvas, const Area& area) const {
     const VerbOption& option = verb_.options[k];
     const bool here = !reading_ && field_.first + r == field_.selected;
     canvas.text(area, r, 0, here ? ">" : " ", Tone::strong);
-    canvas.text({area.row, area.column, area.rows, names}, r, 2, option.name + (option.required ? " *" : ""),
+    canvas.text({area.row, area.column, area.rows, names - 1}, r, 2, option.name + (option.required ? " *" : ""),
                 here ? Tone::strong : Tone::plain);
     values_[k].draw(canvas, area, r, names, std::max(8, area.columns - names - 1), here);
   }
@@ -106,7 +106,7 @@ void VerbScreen::draw(Canvas& canvas, const Area& area) const {
   for (std::size_t k = 0; k < std::min<std::size_t>(2, lines.size()); ++k)
     canvas.text(inside, row + static_cast<int>(k), 0, lines[k], Tone::faint);
   row += 2;
-  draw_answer(canvas, {inside.row + row, inside.column, inside.rows - row, inside.columns});
+  draw_answer(canvas, {area.row + row, area.column, area.rows - row, area.columns});  // answers have 80 columns
 }
 
 Place VerbScreen::cursor(const Area& area) const {
@@ -147,11 +147,9 @@ Step VerbScreen::run() {
 
 void VerbScreen::complete() {
   TextLine& value = values_[static_cast<std::size_t>(field_.selected)];
-  const std::string text = value.text();
-  const std::size_t blank = text.rfind(' ');
-  const std::string before = blank == std::string::npos ? "" : text.substr(0, blank + 1);
-  const PathCompletion found = completed_path(blank == std::string::npos ? text : text.substr(blank + 1));
-  value.set(before + found.completed);
+  const bool many = verb_.options[static_cast<std::size_t>(field_.selected)].many;
+  const PathCompletion found = many ? completed_paths(value.text()) : completed_path(value.text());
+  value.set(found.completed);
   hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
 }
 

@@ -161,4 +161,22 @@ PathCompletion completed_path(const std::string& typed) {
   return completion;
 }
 
+PathCompletion completed_paths(const std::string& typed) {
+  std::size_t start = 0;
+  bool quoted = false;
+  for (std::size_t k = 0; k < typed.size(); ++k) {
+    if (typed[k] == '"') quoted = !quoted;
+    if (typed[k] == ' ' && !quoted) start = k + 1;
+  }
+  std::string word = typed.substr(start);
+  if (word.starts_with('"')) word.erase(0, 1);
+  PathCompletion found = completed_path(word);
+  if (found.completed.find(' ') != std::string::npos) {
+    const bool whole = found.choices.empty() && !found.completed.ends_with('/');
+    found.completed = '"' + found.completed + (whole ? "\"" : "");
+  }
+  found.completed = typed.substr(0, start) + found.completed;
+  return found;
+}
+
 }  // namespace ecs::app

@@ -60,5 +60,7 @@ struct PathCompletion {
   std::vector<std::string> choices;
 };
 [[nodiscard]] PathCompletion completed_path(const std::string& typed);
+/// The same for the last of several paths, separated by blanks; one with blanks in it is put in quotes.
+[[nodiscard]] PathCompletion completed_paths(const std::string& typed);
 
 }  // namespace ecs::app

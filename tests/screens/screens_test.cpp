@@ -173,6 +173,10 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
     (void)screen.on_key({Key::Name::letter, U'a'});
     finish(screen);
   }
+  {
+    ModelScreen later = one.screen();
+    CHECK(later.on_key({Key::Name::letter, U'n'}).kind == Step::Kind::back);  // not now: it stays
+  }
   ModelScreen again = one.screen();
   CHECK(has(seen(again), "Unsaved work on this model was found"));
   (void)again.on_key({Key::Name::letter, U'y'});
@@ -226,4 +230,26 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
   CHECK(has(text, "no_model.toml"));
   CHECK(has(text, "no_data.csv"));
   CHECK(form.opens_by_itself() == nullptr);
+}
+
+TEST_CASE("saving a model for the first time keeps the file as it was beside it") {
+  const Case one;
+  const std::string by_hand = "# my own note\n" + ecs::read_file(one.files.model).value();
+  REQUIRE(ecs::write_file(one.files.model, by_hand));
+  ModelScreen screen = one.screen();
+  (void)screen.on_key({Key::Name::letter, U's'});
+  CHECK(ecs::read_file(one.files.model + ".before").value() == by_hand);
+}
+
+TEST_CASE("paths with blanks are completed in quotes, among several too") {
+  const fs::path folder = fs::temp_directory_path() / "ecsblanktest here";
+  fs::create_directories(folder);
+  REQUIRE(ecs::write_file(folder / "a b.csv", "x"));
+  const std::string begun = (fs::temp_directory_path() / "ecsblankt").string();
+  const std::string folder_found = completed_paths("first.csv " + begun).completed;
+  CHECK(folder_found == "first.csv \"" + folder.string() + "/");
+  const std::string file_found = completed_paths(folder_found + "a").completed;
+  CHECK(file_found == "first.csv \"" + (folder / "a b.csv").string() + "\"");
+  CHECK(split_words(file_found) == std::vector<std::string>{"first.csv", (folder / "a b.csv").string()});
+  fs::remove_all(folder);
 }
