@@ -158,8 +158,15 @@ void draw_signs(Canvas& canvas, const Area& plot, const PlotSeries& series, cons
   }
 }
 
+/// One tick alone is no scale: finer steps until there are two, as far as there is room.
+std::vector<double> two_at_least(double from, double to, int most, int room) {
+  auto ticks = ticks_between(from, to, most);
+  for (int more = most + 1; ticks.size() < 2 && more <= room; ++more) ticks = ticks_between(from, to, more);
+  return ticks;
+}
+
 void draw_y_axis(Canvas& canvas, const Area& axis, const Scale& scale, int rows) {
-  const auto ticks = ticks_between(scale.y.from, scale.y.to, std::max(2, rows / 3));
+  const auto ticks = two_at_least(scale.y.from, scale.y.to, std::max(2, rows / 3), rows / 2);
   const double apart = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   for (int r = 0; r < rows; ++r) canvas.put(axis.row + r, axis.column + axis.columns - 1, U'│', Tone::faint);
   for (const double tick : ticks) {
@@ -172,7 +179,7 @@ void draw_y_axis(Canvas& canvas, const Area& axis, const Scale& scale, int rows)
 
 void draw_x_axis(Canvas& canvas, const Area& axis, const Scale& scale) {
   for (int c = 0; c < axis.columns; ++c) canvas.put(axis.row, axis.column + c, U'─', Tone::faint);
-  const auto ticks = ticks_between(scale.x.from, scale.x.to, std::max(2, axis.columns / 12));
+  const auto ticks = two_at_least(scale.x.from, scale.x.to, std::max(2, axis.columns / 12), axis.columns / 8);
   const double apart = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   for (const double tick : ticks) {
     const int c = static_cast<int>(scale.across(tick) / scale.width * axis.columns);

@@ -185,8 +185,7 @@ Result<void> UnitDesk::opened() {
 }
 
 /// A gateway, or a cable put elsewhere, may lead to another unit than the one that the screens speak of.
-Result<void> UnitDesk::same_unit() {
-  const std::string shown = standing().identity->serial_number;
+Result<void> UnitDesk::same_unit(const std::optional<protocol::Identity>& shown) {
   const auto now = line_->client().identity();
   if (!now) {
     ++failures_;
@@ -194,11 +193,11 @@ Result<void> UnitDesk::same_unit() {
     settle();
     return tl::unexpected(now.error());
   }
-  if (now->serial_number == shown) return {};
+  if (!shown || now->serial_number == shown->serial_number) return {};
   const auto other = problem(ProblemKind::refused,
                              fmt::format("another unit answers on this line: {} in place of {}; nothing was done. Look "
                                          "what it is and holds, then ask again",
-                                         now->serial_number, shown));
+                                         now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
   close();  // whoever shows the unit takes it for a new line, and reads everything anew
   next_try_ = {};

@@ -68,8 +68,9 @@ class UnitDesk {
   template <class Work>
   [[nodiscard]] auto on_line(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, signs);
+    const auto shown = standing().identity;
     if (auto line = opened(); !line) return tl::unexpected(line.error());
-    if (auto same = same_unit(); !same) return tl::unexpected(same.error());
+    if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
     auto result = work(*line_);
     settle();
     return result;
@@ -118,7 +119,7 @@ class UnitDesk {
   void run(const std::stop_token& stop);
   void look();
   [[nodiscard]] Result<void> opened();
-  [[nodiscard]] Result<void> same_unit();
+  [[nodiscard]] Result<void> same_unit(const std::optional<protocol::Identity>& shown);
   void close();
   void settle();
   void take(const protocol::MonitorSample& sample);

@@ -31,6 +31,7 @@ class UnitModel : public UnitPort {
   int busy_polls_left = 0;  ///< test_datum stays busy for so many questions
   bool busy = false;
   std::vector<CommandCode> log;
+  std::string serial_number = "ECS-0042";
   std::uint32_t samples = 0;
   std::function<void()> on_commit;  ///< called before the commit is carried out
   bool takes_commits = true;        ///< false: a commit fails
@@ -38,7 +39,7 @@ class UnitModel : public UnitPort {
   int replies_to_lose = 0;          ///< carried out, but not answered
 
   Identity identity() override {
-    return {kProtocolVersion, 2, 7, "ECS-0042", "small mill", 1, {true, true, false}, 32'000};
+    return {kProtocolVersion, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
   }
   UnitStatus status() override {
     UnitStatus status;

@@ -1,0 +1,60 @@
+// The one line to the unit that all screens share.
+#include "app/screens/unit_desk.hpp"
+
+#include <doctest/doctest.h>
+
+#include "../protocol/unit_model.hpp"
+
+namespace ecs::app {
+namespace {
+
+Result<int> work_on(UnitDesk& desk, int& done) {
+  JobSigns signs;
+  return desk.on_line(signs, [&](UnitLink& line) -> Result<int> {
+    if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
+    return ++done;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("another unit on the same line is told before anything is done, and works once it is shown") {
+  auto shop = protocol::Workshop::on_tcp();
+  UnitDesk desk(protocol::to_text(shop.address()));
+  int done = 0;
+  REQUIRE(work_on(desk, done));
+  CHECK(desk.standing().identity->serial_number == "ECS-0042");
+  shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.serial_number = "OTHER-9"; });
+  const auto refused = work_on(desk, done);
+  REQUIRE(!refused);
+  CHECK(refused.error().kind == ProblemKind::refused);
+  CHECK(refused.error().message.find("OTHER-9 in place of ECS-0042") != std::string::npos);
+  CHECK(done == 1);
+  CHECK(desk.standing().identity->serial_number == "OTHER-9");
+  CHECK(work_on(desk, done));
+  CHECK(done == 2);
+}
+
+TEST_CASE("work that is cancelled ends soon, and the line serves the next") {
+  auto shop = protocol::Workshop::on_tcp();
+  UnitDesk desk(protocol::to_text(shop.address()));
+  Job<Result<int>> job;
+  job.start([&desk](JobSigns& signs) {
+    return desk.on_line(signs, [](UnitLink& line) -> Result<int> {
+      const auto result = line.client().test_datum(Axis::X, std::chrono::minutes(1));
+      if (!result) return tl::unexpected(result.error());
+      return 1;
+    });
+  });
+  shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  job.cancel();
+  std::optional<Result<int>> result;
+  for (int k = 0; k < 300 && !(result = job.take()); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  REQUIRE(result);
+  CHECK_FALSE(result->has_value());
+  int done = 0;
+  CHECK(work_on(desk, done));
+}
+
+}  // namespace ecs::app
