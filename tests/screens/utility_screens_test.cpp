@@ -62,17 +62,3 @@ TEST_CASE("a click chooses the axis on that row") {
     CHECK_MESSAGE(has(picture(*screen), "\n > Z "), choice.name);
   }
 }
-
-TEST_CASE("a picture of a screen takes no time to speak of") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
-  bench.wait_for_unit();
-  for (const MenuChoice& choice : utility_choices(bench.desk)) {
-    const auto screen = choice.opens();
-    for (int k = 0; k < 20; ++k) (void)screen->advance();
-    const auto since = std::chrono::steady_clock::now();
-    for (int k = 0; k < 50; ++k) (void)picture_of(*screen, "", {}, Canvas(24, 80), false);
-    const auto each = (std::chrono::steady_clock::now() - since) / 50;
-    CHECK_MESSAGE(each < std::chrono::milliseconds(10), choice.name);  // half a millisecond on an idle machine
-  }
-}
