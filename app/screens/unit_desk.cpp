@@ -226,7 +226,9 @@ void UnitDesk::settle() {
       ++changes_;
     }
   }
-  if (gone || failures_ >= kFailuresToLose) close();
+  if (!gone && failures_ < kFailuresToLose) return;
+  close();
+  next_try_ = Clock::now() + kBeforeNextTry;
 }
 
 void UnitDesk::take(const protocol::MonitorSample& sample) {

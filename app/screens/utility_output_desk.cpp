@@ -49,6 +49,7 @@ Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double u
 OutputDesk::OutputDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
   (void)unit_.look(*desk_);
   restarts_ = unit_.restarts;
+  times_lost_ = unit_.standing.times_lost;
   setting_.axis = unit_.axes().empty() ? Axis::X : unit_.axes().front();
   follow_unit();
 }
@@ -72,7 +73,8 @@ void OutputDesk::follow_unit() {
   if (busy() || !unit_.fresh || unit_.standing.newest_at < told_at_ + kSettling) return;
   if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {
     setting_ = {setting_.axis, 0.0, false};
-    message_.say("The unit has opened the relay by itself: another mode, a fault, or another host.", Tone::warning);
+    message_.say("The unit has opened the relay by itself: a restart, another mode, a fault, or another host.",
+                 Tone::warning);
   }
   if (!setting_.at_rest() || !unit_.integrating()) return;
   for (const Axis a : unit_.axes())
@@ -212,15 +214,16 @@ void OutputDesk::start_reading_parameters() {
 
 bool OutputDesk::advance() {
   bool changed = unit_.look(*desk_);
-  if (!setting_.at_rest() && was_fresh_ && !unit_.fresh)
+  if (!setting_.at_rest() && unit_.standing.times_lost != times_lost_)
     message_.say(
         "The line is lost: nobody could tell the unit to open its relay. By itself it opens every relay when "
         "nothing was asked of it for 60 s; the emergency stop is quicker.",
         Tone::bad);
-  was_fresh_ = unit_.fresh;
+  times_lost_ = unit_.standing.times_lost;
   if (unit_.restarts != restarts_) {
     restarts_ = unit_.restarts;
-    if (!setting_.at_rest())
+    const auto* seen = unit_.axis(setting_.axis);
+    if (!setting_.at_rest() && seen != nullptr && !seen->relay_closed)
       message_.say("The unit was restarted: every output is 0, every relay is open.", Tone::warning);
     setting_ = {setting_.axis, 0.0, false};
     rest_mm_.reset();

@@ -2,6 +2,7 @@
 // leaves the unit at rest as far as the line allows. Does not live here: drawing (utility_output_screen.hpp).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -87,7 +88,7 @@ class OutputDesk {
   std::chrono::steady_clock::time_point parameters_of_{};  ///< the line that they were asked on
   int restarts_ = 0;
   std::chrono::steady_clock::time_point told_at_{};  ///< when the unit took `setting_`
-  bool was_fresh_ = false;
+  std::uint64_t times_lost_ = 0;                     ///< lines, as far as it was told
   bool off_wanted_ = false;
   MessageLine message_;
   Job<Result<Taken>> job_;

@@ -29,10 +29,7 @@ bool UnitView::look(const UnitDesk& desk) {
     standing = desk.standing();
     const auto newest = desk.newest();
     fresh = newest.has_value();
-    if (newest && standing.newest_at >= taken_at_) {
-      take(*newest);
-      taken_at_ = standing.newest_at;
-    }
+    if (newest && standing.newest_at >= taken_at_) take(*newest, standing.newest_at);
   }
   age_s = sample ? seconds_since(taken_at_) : 0.0;
   const bool changed = now != changes || fresh != fresh_before || shown_age(age_s) != age_before;
@@ -40,12 +37,21 @@ bool UnitView::look(const UnitDesk& desk) {
   return changed;
 }
 
-void UnitView::take(const protocol::MonitorSample& seen) {
-  if (sample && seen.unit_time_us < sample->unit_time_us) ++restarts;
+void UnitView::take(const protocol::MonitorSample& seen) { take(seen, Clock::now()); }
+
+void UnitView::take(const protocol::MonitorSample& seen, Clock::time_point at) {
+  if (sample && began_anew(*sample, seen, at - taken_at_)) ++restarts;
   sample = seen;
   fresh = true;
-  taken_at_ = Clock::now();
+  taken_at_ = at;
   age_s = 0.0;
+}
+
+bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after, Clock::duration passed) {
+  const auto had_run_us = static_cast<double>(before.unit_time_us);
+  const auto now_us = static_cast<double>(after.unit_time_us);
+  const double passed_us = std::chrono::duration<double, std::micro>(passed).count();
+  return now_us < had_run_us || had_run_us + passed_us - now_us > had_run_us / 2.0;
 }
 
 std::vector<Axis> UnitView::axes() const {

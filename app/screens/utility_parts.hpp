@@ -31,8 +31,14 @@ struct UnitView {
   [[nodiscard]] bool integrating() const { return sample && sample->mode == UnitMode::integration; }
 
  private:
+  void take(const protocol::MonitorSample& seen, std::chrono::steady_clock::time_point at);
   std::chrono::steady_clock::time_point taken_at_{};
 };
+
+/// Whether the unit was started again between two samples: it then shows less than it had run, or lacks, of the time
+/// that passed, at least all it had run before; half of that is the limit, for samples that came late.
+[[nodiscard]] bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after,
+                              std::chrono::steady_clock::duration passed);
 
 /// "seen 4 s ago", coarse; empty below one second.
 [[nodiscard]] std::string age_text(double age_s);

@@ -92,6 +92,15 @@ class Bench {
     for (int k = 0; k < 3000 && !desk->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     REQUIRE(desk->newest());
   }
+  /// Until the unit's own clock shows that time: a restart is seen by it.
+  void wait_until_it_ran(std::chrono::microseconds time) const {
+    const auto ran = [&] {
+      const auto newest = desk->newest();
+      return newest && newest->unit_time_us >= static_cast<std::uint64_t>(time.count());
+    };
+    for (int k = 0; k < 3000 && !ran(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    REQUIRE(ran());
+  }
   /// Does work on the line as a screen would, without a screen.
   template <class Work>
   auto on_line(Work work) const {

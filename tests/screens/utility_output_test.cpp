@@ -91,6 +91,21 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   CHECK(has(picture(screen), "RELAY OPEN       nothing is put out"));
 }
 
+TEST_CASE("a unit that lacks what it had run was started again; one that is as much later as time passed was not") {
+  using std::chrono::milliseconds;
+  const auto at = [](double s) {
+    protocol::MonitorSample sample;
+    sample.unit_time_us = static_cast<std::uint64_t>(1e6 * s);
+    return sample;
+  };
+  CHECK_FALSE(began_anew(at(5.0), at(5.1), milliseconds(100)));
+  CHECK_FALSE(began_anew(at(5.0), at(65.0), milliseconds(60'000)));
+  CHECK_FALSE(began_anew(at(5.0), at(5.1), milliseconds(900)));  // the answer waited in a buffer
+  CHECK(began_anew(at(5.0), at(0.4), milliseconds(2'000)));      // its clock stands lower
+  CHECK(began_anew(at(0.5), at(7.0), milliseconds(8'000)));      // or higher: it was away for longer than it had run
+  CHECK_FALSE(began_anew(at(0.5), at(8.5), milliseconds(8'000)));
+}
+
 TEST_CASE("leaving by any way opens the relay") {
   if (emulator_built().empty()) return;
   const Bench bench;
@@ -116,6 +131,7 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
   REQUIRE(comes(screen, "RELAY CLOSED"));
+  bench.wait_until_it_ran(std::chrono::seconds(1));
   Bench::kill_emulator();
   REQUIRE(comes(screen, "The line is lost"));
   REQUIRE(comes(screen, "The unit was restarted: every output is 0"));
