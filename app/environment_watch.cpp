@@ -78,7 +78,7 @@ void EnvironmentWatch::run(const std::stop_token& stop, const std::string& devic
       (void)sensor.look(steady_s());
       sensor.attend(steady_s());
       Surroundings now{name, sensor.values(steady_s(), std::max(kOldest_s, 3.0 * every_s)), {}};
-      if (!sensor.port().present()) now.problem = name + " was unplugged; it is read again once it is back";
+      if (!sensor.port().present()) now = {name, {}, name + " was unplugged; it is read again once it is back"};
       tell(std::move(now));
       pause(stop, kStep);
     }

@@ -89,14 +89,14 @@ Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arg
     if (!sample) return tl::unexpected(sample.error());
     Json object = json_of(*sample, unit.name());
     std::string text = text_of(*sample);
+    const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
-      const Surroundings surroundings = environment->now();
       object["environment"] = json_of(surroundings);
       text += to_text(surroundings) + "\n";
     }
     session.face.print(text);
     session.face.print_json(one_line(object));
-    if (!arguments.record.empty()) rows += monitor_rows(*sample);
+    if (!arguments.record.empty()) rows += monitor_rows(*sample, surroundings.values);
     if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
   }
   return {};
@@ -127,7 +127,8 @@ void add_monitor_verb(Menu& root) {
       .integer("--interval", arguments->interval_ms, "milliseconds between samples", 1, 3'600'000)
       .text("--environment", arguments->environment,
             "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
-      .text("--record", arguments->record, "CSV file to write, one row for each axis and sample")
+      .text("--record", arguments->record,
+            "CSV file to write, one row for each axis and sample, temperatures in the last columns")
       .uses_link()
       .runs([arguments](Session& session) { return monitor(session, *arguments); });
 }

@@ -151,9 +151,10 @@ void MonitorScreen::record(const WatchedUnit& unit) {
   const std::uint64_t missed = unit.received - std::min(unit.received, received_);
   received_ = unit.received;
   if (!recording_.is_open()) return;
+  const laser::Values surroundings = environment_ ? environment_->now().values : laser::Values();
   const auto kept = unit.samples.size();
   for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k, ++recorded_)
-    recording_ << monitor_rows(unit.samples[k]);
+    recording_ << monitor_rows(unit.samples[k], surroundings);
   recording_.flush();
   if (recording_) return;
   recording_.close();
@@ -209,7 +210,7 @@ std::string MonitorScreen::help() const {
          "the "
          "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
          "pressed again; f freezes the picture, not the recording. t shows air and material temperature of a USB "
-         "thermometer (TEMPer).";
+         "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";
 }
 
 }  // namespace ecs::app
