@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -108,6 +109,7 @@ std::string to_csv(const DatumRecording& recording) {
 }
 
 Result<DatumRecording> parse_recording(std::string_view text, const std::string& name) {
+  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
   DatumRecording recording;
   std::vector<Problem> problems;
   bool in_rows = false;

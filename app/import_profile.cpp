@@ -11,6 +11,7 @@
 
 #include "app/link_choice.hpp"
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -90,6 +91,7 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
                    fmt::format("--profile: no import profile {}: {}", path.string(), known_profiles()));
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
+  if (auto why = why_no_text(*text, path.string())) return tl::unexpected(std::move(*why));
   const ImportArguments given = arguments;
   try {
     const toml::table table = toml::parse(*text, path.string());

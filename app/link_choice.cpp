@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -60,6 +61,7 @@ Result<toml::table> configuration() {
   if (!fs::exists(path, error)) return toml::table{};
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
+  if (auto why = why_no_text(*text, path.string())) return tl::unexpected(std::move(*why));
   try {
     return toml::parse(*text, path.string());
   } catch (const toml::parse_error& wrong) {

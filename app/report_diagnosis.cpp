@@ -9,6 +9,7 @@
 #include "app/model_view.hpp"
 #include "app/report_markup.hpp"
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 
 namespace ecs::app {
 namespace {
@@ -130,6 +131,7 @@ ReportedDiagnosis reported(const model::Diagnosis& diagnosis) {
 }
 
 Result<ReportedDiagnosis> parse_diagnosis(std::string_view json, const std::string& name) {
+  if (auto why = why_no_text(json, name)) return tl::unexpected(std::move(*why));
   const Json object = Json::parse(json, nullptr, false);
   auto diagnosis = object.is_object() ? diagnosis_in(object) : std::nullopt;
   if (!diagnosis)

@@ -7,6 +7,7 @@
 #include "app/status_view.hpp"
 #include "app/transfer.hpp"
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "core/memory_image.hpp"
 #include "protocol/register_map.hpp"
 #include "protocol/unit_registers.hpp"
@@ -134,6 +135,7 @@ Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnaps
 }
 
 Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name) {
+  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
   const Json object = Json::parse(text, nullptr, false);
   if (object.is_discarded() || !object.is_object() || !object.contains("ecs_status"))
     return problem_at(name, 0, 0, "expected a status file as `ecs utility status --save` writes it (JSON)");

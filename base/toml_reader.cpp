@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs {
 
 Result<toml::table> TomlReader::parsed(std::string_view text) const {
+  if (auto why = why_no_text(text, file_)) return tl::unexpected(std::move(*why));
   try {
     return toml::parse(text, std::string_view(file_));
   } catch (const toml::parse_error& error) {

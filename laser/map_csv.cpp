@@ -10,9 +10,11 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 #include "laser/csv_line.hpp"
 #include "laser/findings.hpp"
+#include "laser/text_decoding.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -127,6 +129,17 @@ void refuse_cut_file(long long stated, long long found, bool whole_line, Finding
     findings.add(0, 0, "the last row does not end with a line end: the file was cut short");
 }
 
+/// The text of a map from whatever editor saved it. What is not text is left to the readers of lines, but for a NUL.
+Result<std::string> as_utf8(std::string_view bytes, const std::string& file_name) {
+  const bool plain = std::none_of(bytes.begin(), bytes.end(), [](char c) { return c == '\0' || (c & 0x80) != 0; });
+  if (plain) return std::string(bytes);
+  auto text = decoded(bytes, file_name);
+  if (text) return std::move(text->text);
+  if (utf16_order(bytes)) return tl::unexpected(std::move(text.error()));
+  if (auto why = why_no_text(bytes, file_name)) return tl::unexpected(std::move(*why));
+  return std::string(bytes);
+}
+
 }  // namespace
 
 std::string to_map_csv(const ErrorMap& map) {
@@ -145,7 +158,10 @@ std::string to_map_csv(const ErrorMap& map) {
   return text;
 }
 
-Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_name) {
+Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_name) {
+  const auto plain = as_utf8(bytes, file_name);
+  if (!plain) return tl::unexpected(plain.error());
+  std::string_view text = *plain;
   Findings findings(file_name);
   std::string header;
   std::optional<std::array<std::size_t, 5>> place;

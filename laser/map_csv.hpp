@@ -16,7 +16,8 @@ namespace ecs::laser {
 /// sense, approach not 1, -1 or 0, NaN or infinity, values no machine can need (beyond ±32 mm), a position given twice,
 /// approach 0 beside 1 or -1 of the same component, no rows at all; with a line `# rows: N`, as to_map_csv writes it,
 /// another number of rows and a last row without its line end. Rows may stand in any order.
-[[nodiscard]] Result<ErrorMap> parse_map_csv(std::string_view text, const std::string& file_name);
+/// UTF-16 and the code pages of laser/text_decoding.hpp are read too; a NUL is refused with its place.
+[[nodiscard]] Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_name);
 [[nodiscard]] Result<ErrorMap> read_map_csv(const std::filesystem::path& path);
 
 }  // namespace ecs::laser

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <iconv.h>
 
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs::laser {
@@ -96,21 +97,6 @@ std::optional<std::string> from_windows_1252(std::string_view text) {
 Encoding guessed(std::string_view text) {
   if (is_utf8(text)) return Encoding::utf8;
   return pairs_as_chinese(text) ? Encoding::gbk : Encoding::windows_1252;
-}
-
-/// "UTF-16LE" or "UTF-16BE" where the bytes are one: by the mark, else by a zero in every second byte of the start.
-std::optional<const char*> utf16_order(std::string_view bytes) {
-  constexpr std::size_t kLooked = 64;
-  if (bytes.starts_with("\xFF\xFE")) return "UTF-16LE";
-  if (bytes.starts_with("\xFE\xFF")) return "UTF-16BE";
-  if (bytes.size() < 4) return std::nullopt;
-  std::size_t zeros[2] = {0, 0};
-  const std::size_t looked = std::min(bytes.size() & ~std::size_t{1}, kLooked);
-  for (std::size_t i = 0; i < looked; ++i)
-    if (bytes[i] == '\0') ++zeros[i % 2];
-  if (zeros[1] == looked / 2 && zeros[0] == 0) return "UTF-16LE";
-  if (zeros[0] == looked / 2 && zeros[1] == 0) return "UTF-16BE";
-  return std::nullopt;
 }
 
 std::optional<std::string> from_utf16(std::string_view bytes, const char* order) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 #include "laser/csv_line.hpp"
 
@@ -259,6 +260,7 @@ bool is_drive_trace(std::string_view text) {
 }
 
 Result<DriveTrace> parse_trace(std::string_view text, const std::string& file_name) {
+  if (auto why = why_no_text(text, file_name)) return tl::unexpected(std::move(*why));
   return TraceReader(text, file_name).read();
 }
 

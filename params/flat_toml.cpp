@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
+#include "base/plain_text.hpp"
 #include "base/text.hpp"
 
 namespace ecs::params {
@@ -64,6 +65,7 @@ int overlong_line(std::string_view text) {
 }  // namespace
 
 Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::string& name) {
+  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
   if (const int line = overlong_line(text); line > 0)
     return problem_at(name, line, 0, fmt::format("expected lines of at most {} characters", kLongestLine));
   try {
