@@ -1,6 +1,10 @@
 #include "app/export_axes.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,10 +20,24 @@ bool is_axis_name(std::string_view name) {
   return !name.empty() && name.size() <= 16 && std::all_of(name.begin(), name.end(), fits);
 }
 
+/// "X=AX1,Y=AX2", pair by pair; no axis where a pair is none. Empty: no pairs.
+std::vector<std::pair<std::optional<Axis>, std::string_view>> pairs_in(std::string_view axes) {
+  std::vector<std::pair<std::optional<Axis>, std::string_view>> pairs;
+  if (axes.empty()) return pairs;
+  for (const std::string_view word : split(axes, ',')) {
+    const std::string_view pair = trimmed(word);
+    if (pair.size() > 2 && pair[1] == '=')
+      pairs.emplace_back(axis_of(static_cast<char>(pair[0] & ~0x20)), pair.substr(2));
+    else
+      pairs.emplace_back(std::nullopt, pair);
+  }
+  return pairs;
+}
+
 }  // namespace
 
 void take_siemens_arguments(Verb& verb, SiemensArguments& arguments) {
-  verb.text("--axes", arguments.axes, "machine axes of the control; default X=AX1,Y=AX2,Z=AX3")
+  verb.text("--axes", arguments.axes, "axes of the control; default X=AX1,Y=AX2,Z=AX3")
       .integer("--encoder", arguments.encoder, "measuring system 0 or 1 of $AA_ENC_COMP; default 0", 0, 1)
       .choice("--cec-sign", arguments.cec_sign, {"subtracts", "adds"},
               "what the control does with a cross value; default subtracts, as it does with encoder values");
@@ -29,20 +47,35 @@ Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments)
   laser::SiemensOptions options;
   options.encoder = arguments.encoder;
   options.cec_adds = arguments.cec_sign == "adds";
-  if (arguments.axes.empty()) return options;
-  for (const std::string_view word : split(arguments.axes, ',')) {
-    const std::string_view pair = trimmed(word);
-    const auto axis = pair.size() > 2 && pair[1] == '=' ? axis_of(static_cast<char>(pair[0] & ~0x20)) : std::nullopt;
-    if (!axis || !is_axis_name(pair.substr(2)))
+  for (const auto& [axis, name] : pairs_in(arguments.axes)) {
+    if (!axis || !is_axis_name(name))
       return problem(ProblemKind::usage,
-                     fmt::format("--axes: expected X=NAME,Y=NAME,Z=NAME, as in X=AX1, found \"{}\"", pair));
-    options.axis_name[index_of(*axis)] = std::string(pair.substr(2));
+                     fmt::format("--axes: expected X=NAME,Y=NAME,Z=NAME, as in X=AX1, found \"{}\"", arguments.axes));
+    options.axis_name[index_of(*axis)] = std::string(name);
   }
   for (const Axis a : kAllAxes)
     for (const Axis b : kAllAxes)
       if (a < b && lower(options.axis_name[index_of(a)]) == lower(options.axis_name[index_of(b)]))
         return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same name {}", letter_of(a),
                                                        letter_of(b), options.axis_name[index_of(a)]));
+  return options;
+}
+
+Result<laser::TwinCatOptions> twincat_options(const std::string& axes) {
+  constexpr long long kMostAxes = 65'534;
+  laser::TwinCatOptions options;
+  for (const auto& [axis, name] : pairs_in(axes)) {
+    const auto number = integer_in(name);
+    if (!axis || !number || *number < 1 || *number > kMostAxes)
+      return problem(ProblemKind::usage,
+                     fmt::format("--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER, as in X=1, found \"{}\"", axes));
+    options.axis_number[index_of(*axis)] = static_cast<int>(*number);
+  }
+  for (const Axis a : kAllAxes)
+    for (const Axis b : kAllAxes)
+      if (a < b && options.axis_number[index_of(a)] == options.axis_number[index_of(b)])
+        return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same number {}", letter_of(a),
+                                                       letter_of(b), options.axis_number[index_of(a)]));
   return options;
 }
 

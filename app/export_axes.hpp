@@ -1,10 +1,11 @@
-// How a SINUMERIK names its axes and counts its values, as options of a command line.
+// How other controls name their axes and count their values, as options of a command line.
 #pragma once
 
 #include <string>
 
 #include "app/verb.hpp"
 #include "laser/controller_siemens.hpp"
+#include "laser/controller_twincat.hpp"
 
 namespace ecs::app {
 
@@ -20,5 +21,8 @@ void take_siemens_arguments(Verb& verb, SiemensArguments& arguments);
 
 /// A `usage` problem names what is wrong with --axes.
 [[nodiscard]] Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments);
+
+/// @param axes  as typed, "X=1,Y=2,Z=3"; empty: these. The same problem.
+[[nodiscard]] Result<laser::TwinCatOptions> twincat_options(const std::string& axes);
 
 }  // namespace ecs::app

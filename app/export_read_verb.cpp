@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/export_axes.hpp"
+#include "app/export_files.hpp"
 #include "app/export_menu.hpp"
 #include "app/laser_files.hpp"
 #include "app/map_view.hpp"
@@ -14,6 +15,7 @@
 #include "base/text.hpp"
 #include "laser/controller_etalon.hpp"
 #include "laser/controller_linuxcnc.hpp"
+#include "laser/controller_twincat.hpp"
 #include "laser/map_csv.hpp"
 #include "laser/text_decoding.hpp"
 #include "params/parameters_toml.hpp"
@@ -49,6 +51,7 @@ std::string format_of(const std::string& wanted, std::string_view text) {
   if (wanted != "auto") return wanted;
   const std::string plain = lower(text);
   if (plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos) return "siemens";
+  if (plain.find("kw.ssfk.") != std::string::npos) return "twincat";
   const bool sections = plain.find('[') != std::string::npos;
   if (sections && (plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos))
     return "etalon";
@@ -68,15 +71,32 @@ std::optional<Axis> axis_in_name(const std::string& file) {
   return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
 }
 
+/// What --axis says; nothing if it was not given.
+Result<std::optional<Axis>> axis_given(const Arguments& arguments) {
+  if (arguments.axis.empty()) return std::nullopt;
+  if (arguments.files.size() > 1)
+    return problem(ProblemKind::usage, "--axis names the axis of one file; several are told apart by what they say");
+  const auto axis = axis_named(arguments.axis);
+  if (!axis) return tl::unexpected(axis.error());
+  return *axis;
+}
+
+Result<laser::ControllerTables> read_twincat(const Arguments& arguments, const std::string& file,
+                                             const std::string& text) {
+  const auto options = twincat_options(arguments.siemens.axes);
+  if (!options) return tl::unexpected(options.error());
+  const auto axis = axis_given(arguments);
+  if (!axis) return tl::unexpected(axis.error());
+  return laser::parse_twincat(text, file, *options, *axis);
+}
+
 Result<laser::ControllerTables> read_linuxcnc(const Arguments& arguments, const std::string& file,
                                               const std::string& bytes) {
   laser::LinuxCncReadOptions options;
-  if (!arguments.axis.empty()) {
-    if (arguments.files.size() > 1)
-      return problem(ProblemKind::usage, "--axis names the axis of one file; several are told apart by their names");
-    const auto axis = axis_named(arguments.axis);
-    if (!axis) return tl::unexpected(axis.error());
-    options.axis = *axis;
+  const auto given = axis_given(arguments);
+  if (!given) return tl::unexpected(given.error());
+  if (*given) {
+    options.axis = **given;
   } else {
     const auto axis = axis_in_name(file);
     if (!axis)
@@ -108,15 +128,17 @@ Result<ReadFiles> read_files(const Arguments& arguments) {
     if (format.empty())
       return problem_at(file, 0, 0,
                         "no compensation table that is known here: expected rows of three numbers (LinuxCNC), "
-                        "$AA_ENC_COMP or $AN_CEC (SINUMERIK), or sections such as [EXX] (Etalon); --format says which");
+                        "$AA_ENC_COMP or $AN_CEC (SINUMERIK), kw.ssfk (TwinCAT), or sections such as [EXX] (Etalon); "
+                        "--format says which");
     if (!all.format.empty() && format != all.format)
       return problem(ProblemKind::usage,
                      fmt::format("{} is of format {}, the files before it of {}: read one control at a time", file,
                                  format, all.format));
     all.format = format;
-    auto tables = format == "siemens"  ? laser::parse_siemens(text->text, file, *siemens)
-                  : format == "etalon" ? laser::parse_etalon(text->text, file)
-                                       : read_linuxcnc(arguments, file, *bytes);
+    auto tables = format == "siemens"   ? laser::parse_siemens(text->text, file, *siemens)
+                  : format == "etalon"  ? laser::parse_etalon(text->text, file)
+                  : format == "twincat" ? read_twincat(arguments, file, text->text)
+                                        : read_linuxcnc(arguments, file, *bytes);
     if (!tables) return tl::unexpected(tables.error());
     for (auto& source : tables->sources) source.name = std::filesystem::path(file).filename().string();
     if (const auto done = laser::append(all.tables, std::move(*tables), format != "siemens"); !done)
@@ -153,8 +175,11 @@ Result<Taken> taken(const Arguments& arguments, ReadFiles files) {
   return made;
 }
 
-Result<void> write_parameters(const Arguments& arguments, const Taken& made) {
-  if (arguments.params_out.empty()) return {};
+/// The map and the parameters, as far as they were asked for.
+std::vector<OutputFile> outputs_of(const Arguments& arguments, const Taken& made) {
+  std::vector<OutputFile> files;
+  if (!arguments.output.empty()) files.push_back({arguments.output, laser::to_map_csv(made.read.map)});
+  if (arguments.params_out.empty()) return files;
   UnitParameters parameters = made.parameters->parameters;
   for (const Component square : made.read.squareness_found) {
     const double value = made.read.squareness[index_of(square)];
@@ -162,7 +187,8 @@ Result<void> write_parameters(const Arguments& arguments, const Taken& made) {
      : square == Component::B0Z ? parameters.B0Z_um_per_m
                                 : parameters.A0Z_um_per_m) = value;
   }
-  return params::write_parameters(arguments.params_out, parameters, made.parameters->identity);
+  files.push_back({arguments.params_out, params::parameters_toml(parameters, made.parameters->identity)});
+  return files;
 }
 
 std::string text_of(const Arguments& arguments, const ReadFiles& files, const Taken& made) {
@@ -173,21 +199,27 @@ std::string text_of(const Arguments& arguments, const ReadFiles& files, const Ta
   if (!made.read.squareness_found.empty())
     text += arguments.params_out.empty()
                 ? "squareness lives in the parameters: put these there, or give --params and --params-out\n"
-                : fmt::format("squareness written to {}\n", arguments.params_out);
+                : fmt::format("squareness is in {}\n", arguments.params_out);
   for (const std::string& note : made.notes) text += paragraph("note: " + note, 0, 6);
-  return text + (arguments.output.empty() ? std::string("nothing written: give -o map.csv to keep it\n")
-                                          : fmt::format("map written to {}\n", arguments.output));
+  return text + (arguments.output.empty() ? "no map written: give -o map.csv to keep it\n" : "");
 }
 
-Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Taken& made) {
-  Json tables = Json::array(), squareness = Json::object(), warnings = Json::array();
+Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Taken& made,
+                  const std::vector<WrittenFile>& written) {
+  Json tables = Json::array(), squareness = Json::object(), warnings = Json::array(), replaced = Json::array();
+  for (const WrittenFile& file : written)
+    if (file.replaced) replaced.push_back(file.path);
   for (const laser::MapTable& table : made.read.map.tables) tables.push_back(json_of(table, false));
   for (const Component square : made.read.squareness_found)
     squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
   for (const Problem& warning : files.tables.warnings) warnings.push_back(json_of(warning));
-  return {{"format", files.format},          {"map", text_or_null(arguments.output)},
-          {"tables", std::move(tables)},     {"squareness", std::move(squareness)},
-          {"warnings", std::move(warnings)}, {"notes", made.notes}};
+  return {{"format", files.format},
+          {"map", text_or_null(arguments.output)},
+          {"tables", std::move(tables)},
+          {"squareness", std::move(squareness)},
+          {"replaced", std::move(replaced)},
+          {"warnings", std::move(warnings)},
+          {"notes", made.notes}};
 }
 
 Result<Outcome> read(Session& session, const Arguments& arguments) {
@@ -206,11 +238,10 @@ Result<Outcome> read(Session& session, const Arguments& arguments) {
   const auto made = taken(arguments, *files);
   if (!made) return tl::unexpected(made.error());
   for (const Problem& warning : warnings) session.face.warn(to_text(warning));
-  if (!arguments.output.empty())
-    if (const auto done = write_file(arguments.output, laser::to_map_csv(made->read.map)); !done)
-      return tl::unexpected(done.error());
-  if (const auto done = write_parameters(arguments, *made); !done) return tl::unexpected(done.error());
-  return Outcome{text_of(arguments, *files, *made), one_line(json_of_read(arguments, *files, *made)), kDone};
+  const auto written = write_together(outputs_of(arguments, *made));
+  if (!written) return tl::unexpected(written.error());
+  return Outcome{text_of(arguments, *files, *made) + to_text(*written),
+                 one_line(json_of_read(arguments, *files, *made, *written)), kDone};
 }
 
 }  // namespace
@@ -222,8 +253,9 @@ void add_export_read(Menu& menu) {
                         "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv");
   verb.texts("FILE", arguments->files, "files of one control", Need::required)
       .text("-o,--output", arguments->output, "map CSV to write")
-      .choice("--format", arguments->format, {"auto", "linuxcnc", "siemens", "etalon"}, "default: by its content")
-      .text("--axis", arguments->axis, "LinuxCNC: the axis; default from the file's name")
+      .choice("--format", arguments->format, {"auto", "linuxcnc", "siemens", "etalon", "twincat"},
+              "default: by its content")
+      .text("--axis", arguments->axis, "LinuxCNC, TwinCAT: the axis; default from the file's name, from what it says")
       .choice("--type", arguments->type, {"0", "1"}, "LinuxCNC: COMP_FILE_TYPE; default by the numbers")
       .choice("--units", arguments->units, {"mm", "inch"}, "LinuxCNC: LINEAR_UNITS; default mm")
       .flag("--as-loaded", arguments->as_loaded, "LinuxCNC: only the rows that it would take itself")

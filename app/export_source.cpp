@@ -57,7 +57,7 @@ Result<Found> parameters_for(const ExportArguments& arguments, const FoundMap& f
   if (found.parameters) return Found{*found.parameters, {}};
   if (machine) {
     work.notes.push_back("without --params: squareness counts as 0");
-    return Found{params::default_parameters_for(*machine), {machine->name, {}}};
+    return Found{params::default_parameters_for(*machine), {}};
   }
   return Found{parameters_of(found.map, work.notes), {}};
 }
@@ -74,6 +74,20 @@ Result<void> check_configuration(const laser::MapHeader& header, const UnitParam
               0,
               {}};
   return tl::unexpected(std::move(why));
+}
+
+/// Whose map it is, against the parameters, or against the machine file where there are none.
+std::vector<std::string> objections_to_owner(const laser::MapHeader& header, const Found& with,
+                                             const ExportArguments& arguments,
+                                             const std::optional<params::Machine>& machine) {
+  std::vector<std::string> objections = other_machine(header, with.identity);
+  if (arguments.params.empty() && !arguments.unit && machine && !header.machine.empty() && !machine->name.empty() &&
+      header.machine != machine->name)
+    objections.push_back(fmt::format(
+        "the map was made for machine \"{}\", {} is of \"{}\": take the right file, or give --other-machine if this is "
+        "meant",
+        header.machine, arguments.machine, machine->name));
+  return objections;
 }
 
 /// Squareness that was measured for the map while the parameters hold 0.
@@ -98,6 +112,7 @@ void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::st
       .text("--params", arguments.params, "parameters the map goes with: squareness, reference positions, lines")
       .text("--machine", arguments.machine, "machine file: the travels")
       .text("--model", arguments.model, "predict what is left from this model instead of from the map; needs --machine")
+      .flag("--other-machine", arguments.other_machine, "export although map and parameters name different machines")
       .text("-o,--output", arguments.output, output_help)
       .uses_link();
 }
@@ -117,29 +132,31 @@ Result<ExportWork> export_work(Session& session, const ExportArguments& argument
   work.errors_from = arguments.model.empty() ? "the map" : arguments.model;
   if (const auto fits = check_configuration(found->map.header, with->parameters, found->name); !fits)
     return tl::unexpected(fits.error());
-  for (std::string& differs : other_machine(found->map.header, with->identity)) session.face.warn(differs);
+  if (!arguments.other_machine)
+    if (const auto why = refused_map(objections_to_owner(found->map.header, *with, arguments, *machine), found->name))
+      return tl::unexpected(*why);
   work.source.map = std::move(found->map);
-  for (const Axis axis : kAllAxes) {
-    if (!with->parameters.axis_present[index_of(axis)]) continue;
-    const bool known = *machine && (*machine)->axes[index_of(axis)];
-    work.source.travel_mm[index_of(axis)] =
-        known ? (*machine)->axes[index_of(axis)]->travel_mm : extent_of(work.source.map, axis);
-  }
+  work.source.travel_mm = travels_for(work.source.map, with->parameters, *machine);
   note_squareness_left_behind(work);
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
     if (!input.empty()) work.inputs.push_back(input);
   return work;
 }
 
-Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments, const ExportWork& work) {
-  if (arguments.model.empty()) return laser::errors_of_map(work.source);
-  const auto model = model::read_model(arguments.model);
-  if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(session, arguments.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  const std::string file = arguments.model;
-  return [model = *model, machine = **machine,
-          file](const std::vector<laser::MachinePlace>& places) -> Result<std::vector<Vector3>> {
+PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map, const UnitParameters& parameters,
+                                                          const std::optional<params::Machine>& machine) {
+  PerAxis<std::optional<std::array<double, 2>>> travel_mm{};
+  for (const Axis axis : kAllAxes) {
+    if (!parameters.axis_present[index_of(axis)]) continue;
+    const bool known = machine && machine->axes[index_of(axis)];
+    travel_mm[index_of(axis)] = known ? machine->axes[index_of(axis)]->travel_mm : extent_of(map, axis);
+  }
+  return travel_mm;
+}
+
+laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file) {
+  return [model = std::move(model), machine = std::move(machine),
+          file = std::move(file)](const std::vector<laser::MachinePlace>& places) -> Result<std::vector<Vector3>> {
     laser::MeasurementSet set;
     const auto exists = [&](Axis axis) { return machine.axes[index_of(axis)].has_value(); };
     for (const laser::MachinePlace& place : places)
@@ -162,6 +179,15 @@ Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& argu
     }
     return errors;
   };
+}
+
+Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments, const ExportWork& work) {
+  if (arguments.model.empty()) return laser::errors_of_map(work.source);
+  const auto model = model::read_model(arguments.model);
+  if (!model) return tl::unexpected(model.error());
+  const auto machine = machine_in(session, arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  return errors_of_model(*model, **machine, arguments.model);
 }
 
 }  // namespace ecs::app

@@ -2,6 +2,7 @@
 // Does not live here: the tables (laser/controller_*.hpp), how they are shown (export_view.hpp).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "app/verb.hpp"
 #include "laser/controller_residual.hpp"
 #include "laser/controller_tables.hpp"
+#include "model/model_file.hpp"
+#include "params/machine.hpp"
 
 namespace ecs::app {
 
@@ -21,9 +24,10 @@ struct ExportArguments {
   std::string machine;
   std::string model;
   std::string output;
+  bool other_machine = false;  ///< although map and parameters name different machines
 };
 
-/// Adds FILE, --unit, --params, --machine, --model and -o.
+/// Adds FILE, --unit, --params, --machine, --model, --other-machine and -o.
 void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
 
 struct ExportWork {
@@ -34,9 +38,19 @@ struct ExportWork {
   std::vector<std::string> inputs;  ///< files that must not be written over
 };
 
-/// Reads everything. Refused: a map whose header names another configuration than the parameters. Without --params
-/// those of the unit, else of --machine, else what the header of the map says.
+/// Reads everything. Refused: a map whose header names another configuration than the parameters, or (unless
+/// `other_machine`) another machine or serial number. Without --params those of the unit, else of --machine, else what
+/// the header of the map says.
 [[nodiscard]] Result<ExportWork> export_work(Session& session, const ExportArguments& arguments);
+
+/// The travels of the axes that the parameters name: those of the machine, else as far as the map reaches.
+[[nodiscard]] PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map,
+                                                                        const UnitParameters& parameters,
+                                                                        const std::optional<params::Machine>& machine);
+
+/// The error that a model predicts at places, each direction as its own axis arrived there.
+/// @param file  as problems name it
+[[nodiscard]] laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file);
 
 /// The error of the machine at places: from the model if one is given, else from the map.
 /// @param work  must outlive what is returned

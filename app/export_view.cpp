@@ -96,13 +96,18 @@ std::string export_text(const ToldExport& told) {
   text += list_text("to set in the control:", told.made.settings);
   for (const auto* notes : {&told.made.notes, &told.work.notes})
     for (const std::string& note : *notes) text += paragraph("note: " + note, 0, 6);
-  for (const std::string& file : told.written) text += fmt::format("written: {}\n", file);
+  text += to_text(told.written);
   if (told.written.empty()) text += fmt::format("nothing written: give {} to keep it\n", told.output_hint);
   return text;
 }
 
 Json json_of(const ToldExport& told) {
   Json tables = Json::array(), rows = Json::array(), files = Json::array(), left = Json::array();
+  Json written = Json::array(), replaced = Json::array();
+  for (const WrittenFile& file : told.written) {
+    written.push_back(file.path);
+    if (file.replaced) replaced.push_back(file.path);
+  }
   for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(json_of(one));
   const PerAxis<bool>& present = told.work.source.parameters.axis_present;
   for (const laser::ExportedTable& table : told.made.tables)
@@ -124,10 +129,15 @@ Json json_of(const ToldExport& told) {
     files.push_back({{"name", file.name}, {"bytes", file.content.size()}});
   std::vector<std::string> notes = told.made.notes;
   notes.insert(notes.end(), told.work.notes.begin(), told.work.notes.end());
-  return {{"control", told.control},        {"map", told.work.map_name},
-          {"files", std::move(files)},      {"written", told.written},
-          {"tables", std::move(tables)},    {"not_carried", std::move(left)},
-          {"settings", told.made.settings}, {"residual", {{"from", told.work.errors_from}, {"rows", std::move(rows)}}},
+  return {{"control", told.control},
+          {"map", told.work.map_name},
+          {"files", std::move(files)},
+          {"written", std::move(written)},
+          {"replaced", std::move(replaced)},
+          {"tables", std::move(tables)},
+          {"not_carried", std::move(left)},
+          {"settings", told.made.settings},
+          {"residual", {{"from", told.work.errors_from}, {"rows", std::move(rows)}}},
           {"notes", std::move(notes)}};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/export_files.hpp"
 #include "app/export_source.hpp"
 #include "app/json.hpp"
 
@@ -16,7 +17,7 @@ struct ToldExport {
   const ExportWork& work;
   const laser::ControllerExport& made;
   const std::vector<laser::ResidualRow>& residuals;
-  std::vector<std::string> written;  ///< paths; empty: nothing was written
+  std::vector<WrittenFile> written;  ///< empty: nothing was written
   std::string output_hint;           ///< how to have it written
 };
 

@@ -1,4 +1,4 @@
-// `ecs export linuxcnc`, `siemens`, `etalon`: the map as files that another control reads.
+// `ecs export linuxcnc`, `siemens`, `etalon`, `twincat`: the map as files that another control reads.
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -7,13 +7,14 @@
 #include <fmt/format.h>
 
 #include "app/export_axes.hpp"
+#include "app/export_files.hpp"
 #include "app/export_menu.hpp"
 #include "app/export_view.hpp"
 #include "app/laser_files.hpp"
-#include "base/file.hpp"
 #include "laser/controller_etalon.hpp"
 #include "laser/controller_linuxcnc.hpp"
 #include "laser/controller_siemens.hpp"
+#include "laser/controller_twincat.hpp"
 
 namespace ecs::app {
 namespace {
@@ -29,19 +30,17 @@ Result<void> make_folder(const std::string& folder) {
 }
 
 /// Into a folder, or the only file under the name given.
-Result<std::vector<std::string>> write_all(const laser::ControllerExport& made, const std::string& output, bool folder,
+Result<std::vector<WrittenFile>> write_all(const laser::ControllerExport& made, const std::string& output, bool folder,
                                            const std::vector<std::string>& inputs) {
-  std::vector<std::string> paths;
-  if (output.empty()) return paths;
+  std::vector<OutputFile> files;
+  if (output.empty()) return std::vector<WrittenFile>();
   for (const laser::ExportFile& file : made.files)
-    paths.push_back(folder ? (std::filesystem::path(output) / file.name).string() : output);
-  for (const std::string& path : paths)
-    if (const auto spared = spares_inputs(path, inputs); !spared) return tl::unexpected(spared.error());
+    files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
+  for (const OutputFile& file : files)
+    if (const auto spared = spares_inputs(file.path, inputs); !spared) return tl::unexpected(spared.error());
   if (folder)
     if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
-  for (std::size_t i = 0; i < paths.size(); ++i)
-    if (const auto done = write_file(paths[i], made.files[i].content); !done) return tl::unexpected(done.error());
-  return paths;
+  return write_together(files);
 }
 
 /// Directions of which a model says nothing: what stands there is what the compensation adds by itself.
@@ -153,12 +152,35 @@ void add_etalon(Menu& menu) {
       });
 }
 
+void add_twincat(Menu& menu) {
+  struct Arguments : ExportArguments {
+    std::string axes;
+    int points = static_cast<int>(laser::kTwinCatMostPoints);
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb =
+      menu.verb("twincat", "TwinCAT CNC and ISG kernels: a leadscrew compensation list for each axis, both directions",
+                "ecs export twincat map.csv --params mill.toml -o twincat/");
+  take_export_arguments(verb, *arguments, "folder for achskw1.lis, achskw2.lis, achskw3.lis");
+  verb.text("--axes", arguments->axes, "logical axis numbers of the control; default X=1,Y=2,Z=3")
+      .integer("--points", arguments->points, "most points of a list; default 1499", 2,
+               static_cast<int>(laser::kTwinCatMostPoints))
+      .runs([arguments](Session& session) -> Result<Outcome> {
+        auto options = twincat_options(arguments->axes);
+        if (!options) return tl::unexpected(options.error());
+        options->most_points = static_cast<std::size_t>(arguments->points);
+        return exported(session, *arguments, {"TwinCAT CNC, leadscrew compensation", true, false},
+                        [&](const laser::ExportSource& source) { return laser::twincat_export(source, *options); });
+      });
+}
+
 }  // namespace
 
 void add_export_writers(Menu& menu) {
   add_linuxcnc(menu);
   add_siemens(menu);
   add_etalon(menu);
+  add_twincat(menu);
 }
 
 }  // namespace ecs::app

@@ -32,7 +32,7 @@ constexpr std::array<Known, 24> kKnown{{
      "a SINUMERIK sag error table: what a control adds, not what was measured (`ecs export read` makes a map of it)"},
     {".com  datum:", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
     {".com mm", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
-    {"kw.ssfk.", "a TwinCAT compensation list: what a control adds, not what was measured"},
+    {"kw.ssfk.", "a TwinCAT compensation list: what a control corrects, not readings (`ecs export read` makes a map of it)"},
     {"gridpoints",
      "an Etalon exchange file: an error model, not readings of one axis (`ecs export read` makes a map of it)"},
     {"option record: altaz", "TPOINT pointing data of a telescope: azimuth and altitude, no linear axis"},

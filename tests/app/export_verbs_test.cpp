@@ -170,6 +170,86 @@ TEST_CASE("the map of another chain is refused, one of an unknown machine is not
   CHECK(alone.out.find("nothing written: give -o FOLDER") != std::string::npos);
 }
 
+TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what they leave") {
+  const Desk desk;
+  const std::string out = desk.folder / "tc", back = desk.folder / "back.csv";
+  const Ran r = desk.exported({"twincat", "--axes", "X=5,Y=6"}, {"-o", out});
+  REQUIRE(r.code == 0);
+  // At X −400 the map adds 9 um forward and 7 um in reverse: the errors are −9 and −7 um.
+  CHECK(content_of(out + "/achskw5.lis").find("kw.ssfk.table[0].pos -90\nkw.ssfk.table[0].neg -70\n") !=
+        std::string::npos);
+  CHECK(largest(r.json(), "line of X", "this_export", "X") == Approx(0.0));
+  CHECK(largest(r.json(), "line of Y", "this_export", "X") > 15.0);
+  const Ran read =
+      ran({"export", "read", out + "/achskw5.lis", out + "/achskw6.lis", "--axes", "X=5,Y=6", "-o", back, "--json"});
+  REQUIRE(read.code == 0);
+  CHECK(read.json()["format"] == "twincat");
+  const auto map = laser::read_map_csv(back);
+  REQUIRE(map);
+  CHECK(laser::compensation_at(*laser::table_of(*map, Component::EXX, Approach::reverse), -400.0) == Approx(7.0));
+  CHECK(laser::compensation_at(*laser::table_of(*map, Component::EYY, Approach::forward), -400.0) == Approx(-4.0));
+  CHECK(desk.exported({"twincat", "--axes", "X=0"}).code == 2);
+  CHECK(desk.exported({"twincat", "--axes", "X=2"}).code == 2);
+}
+
+TEST_CASE("a folder in the place of one file: exit code 5, and the tables of before stand whole") {
+  const Desk desk;
+  const std::string out = desk.folder / "lc";
+  REQUIRE(desk.exported({"linuxcnc"}, {"-o", out}).code == 0);
+  const std::string before = content_of(out + "/x.comp");
+  std::filesystem::remove(out + "/y.comp");
+  std::filesystem::create_directory(out + "/y.comp");
+  const Ran r = desk.exported({"linuxcnc", "--type", "0"}, {"-o", out});
+  CHECK(r.code == 5);
+  CHECK(r.json()["error"]["message"] == "cannot write: a folder of that name is there; nothing was changed");
+  CHECK(content_of(out + "/x.comp") == before);
+}
+
+TEST_CASE("files that were there are replaced, and the answer says which") {
+  const Desk desk;
+  const std::string out = desk.folder / "lc";
+  CHECK(desk.exported({"linuxcnc"}, {"-o", out}).json()["replaced"].empty());
+  std::filesystem::remove(out + "/y.comp");
+  const auto again = desk.exported({"linuxcnc"}, {"-o", out}).json();
+  CHECK(again["written"].size() == 2);
+  CHECK(again["replaced"] == nlohmann::json::array({out + "/x.comp"}));
+  const Ran text = ran({"export", "read", out + "/x.comp", "-o", desk.folder.with("old.csv", "what was there")});
+  CHECK(text.out.find("replaced: " + (desk.folder / "old.csv")) != std::string::npos);
+}
+
+TEST_CASE("a map of another machine than the parameters is refused, unless --other-machine says it is meant") {
+  const Desk desk;
+  const std::string other = desk.folder.with("other.csv", "# machine: lathe\n" + map_text());
+  for (const auto& with : {std::pair{"--params", desk.params}, {"--machine", desk.machine}}) {
+    const std::vector<std::string> words{"export", "linuxcnc",        other, with.first, with.second,
+                                         "-o",     desk.folder / "lc"};
+    const Ran r = ran(words);
+    CHECK(r.code == 1);
+    CHECK(r.messages.find("\"lathe\"") != std::string::npos);
+    CHECK(r.messages.find("give --other-machine") != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(desk.folder / "lc"));
+    std::vector<std::string> meant = words;
+    meant.push_back("--other-machine");
+    CHECK(ran(meant).code == 0);
+    std::filesystem::remove_all(desk.folder / "lc");
+  }
+}
+
+TEST_CASE("maps and parameters saved as UTF-16: the map is read, the parameters say what to do") {
+  const Desk desk;
+  const auto utf16 = [](const std::string& text) {
+    std::string out = "\xFF\xFE";
+    for (const char c : text) out += {c, '\0'};
+    return out;
+  };
+  const std::string map = desk.folder.with("map16.csv", utf16(map_text()));
+  CHECK(ran({"export", "linuxcnc", map, "--params", desk.params}).code == 0);
+  const std::string params = desk.folder.with("p16.toml", utf16(kParameters));
+  const Ran r = ran({"export", "linuxcnc", desk.map, "--params", params});
+  CHECK(r.code == 3);
+  CHECK(r.messages.find("p16.toml: this is UTF-16: save it as UTF-8") != std::string::npos);
+}
+
 TEST_CASE("exit codes: usage 2, broken file 3, cannot write 5, and inputs are spared") {
   const Desk desk;
   CHECK(ran({"export", "linuxcnc"}).code == 2);

@@ -1,0 +1,30 @@
+// Several output files that belong together: all of them on disc, or none.
+// Does not live here: one file (base/file.hpp), what the files say (laser/controller_*.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+struct OutputFile {
+  std::string path;
+  std::string content;
+};
+
+struct WrittenFile {
+  std::string path;
+  bool replaced = false;  ///< something of that name was there before
+};
+
+/// Writes every file beside its name, then renames them all. Where one cannot be written, or its name is a folder or a
+/// device, nothing was changed; where renaming fails in the middle, what was renamed before is taken back. The `output`
+/// problem says what stands where. A single file may also be a device, and is then written into.
+[[nodiscard]] Result<std::vector<WrittenFile>> write_together(const std::vector<OutputFile>& files);
+
+/// "written: a.comp" or "replaced: a.comp", a line each.
+[[nodiscard]] std::string to_text(const std::vector<WrittenFile>& files);
+
+}  // namespace ecs::app
