@@ -220,6 +220,17 @@ void judge_map(ReportContent& content) {
   content.predicted = std::move(predicted->rows);
 }
 
+void predict_volume(ReportContent& content) {
+  content.no_volume = content.no_prediction;
+  if (content.predicted.empty() || !content.map || !content.parameters) return;
+  auto volume = predicted_volume(content.map->map, content.parameters->file.parameters, content.machine,
+                                 content.model ? &content.model->fitted : nullptr);
+  if (volume)
+    content.volume = std::move(*volume);
+  else
+    content.no_volume = fmt::format("it cannot be predicted ({})", volume.error().message);
+}
+
 // --- header
 
 void put(ReportContent& content, std::string_view key, const std::string& value) {
@@ -289,6 +300,7 @@ Result<ReportContent> report_content(Session& session, const ReportArguments& ar
   complete_header(arguments, content);
   judge_map(content);
   if (auto added = add_model(session, arguments, *files, content); !added) return tl::unexpected(added.error());
+  predict_volume(content);
   session.face.end_progress();
   return content;
 }

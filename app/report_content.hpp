@@ -13,6 +13,7 @@
 #include "app/report_diagnosis.hpp"
 #include "app/report_files.hpp"
 #include "app/report_prediction.hpp"
+#include "app/report_volume.hpp"
 #include "app/session.hpp"
 #include "app/status_snapshot.hpp"
 #include "laser/error_map.hpp"
@@ -45,8 +46,9 @@ struct ReportedParameters {
 
 /// The error model beside the measurements.
 struct ReportedModel {
-  model::Model model;
-  std::string data;  ///< which readings, in words
+  model::Model model;   ///< as its file has it
+  model::Model fitted;  ///< the same with the values of the fit to these readings
+  std::string data;     ///< which readings, in words
   std::size_t readings = 0;
   std::vector<model::EffectFit> effects;
   model::WhatIf what_if;
@@ -66,6 +68,8 @@ struct ReportContent {
   std::optional<ReportedParameters> parameters;
   std::vector<PredictedRow> predicted;  ///< one for each row; empty without map and parameters
   std::string no_prediction;            ///< why not
+  std::optional<PredictedVolume> volume;
+  std::string no_volume;  ///< why not
   std::optional<ReportedModel> model;
   std::optional<ReportedDiagnosis> diagnosis;
   std::optional<StatusSnapshot> status;

@@ -70,8 +70,9 @@ Result<void> judge(Session& session, const ReportArguments& arguments, const Rea
   if (!fit) return tl::unexpected(fit.error());
   const auto what_if = model::what_if(model, before);
   if (!what_if) return tl::unexpected(what_if.error());
-  content.model = ReportedModel{model,        readings.name, before.size(),
-                                fit->effects, *what_if,      after_by_direction(*fit, before, after)};
+  content.model =
+      ReportedModel{model,    model::with_values(model, *fit),        readings.name, before.size(), fit->effects,
+                    *what_if, after_by_direction(*fit, before, after)};
   if (content.diagnosis) return {};
   session.face.progress("diagnosing the error model", 0.6, 5.0);
   model::DiagnoseOptions options;

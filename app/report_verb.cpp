@@ -1,5 +1,7 @@
 // `ecs report`: one self-contained HTML page of a commissioning.
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -57,12 +59,36 @@ std::optional<Problem> unfit_files(const ReportContent& content) {
   return folded(std::move(all));
 }
 
-Json answer_of(const ReportContent& content, const Judgement& j, const std::string& output, const std::string& page) {
+/// By direction and for the vector; null: not predicted.
+Json json_of(const std::optional<PredictedVolume>& volume) {
+  if (!volume) return nullptr;
+  Json before = Json::object(), after = Json::object();
+  const auto add = [&](const std::string& name, std::size_t d) {
+    for (auto& [size, into] :
+         {std::pair<const laser::ResidualSize&, Json&>{volume->before, before}, {volume->after, after}})
+      into[name] = {{"largest_um", number_or_null(size.largest_um[d])}, {"rms_um", number_or_null(size.rms_um[d])}};
+  };
+  for (const Axis axis : kAllAxes)
+    if (volume->present[index_of(axis)]) add(std::string(1, letter_of(axis)), index_of(axis));
+  add("length", kAxes);
+  return {{"from", volume->from},
+          {"places", volume->places},
+          {"predicted_before", std::move(before)},
+          {"predicted_after", std::move(after)}};
+}
+
+struct Page {
+  std::string html;
+  bool replaced = false;  ///< another file of that name was there
+};
+
+Json answer_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   Json rows = Json::array();
   for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(json_of(content, i));
   Json object{{"report", output},
-              {"bytes", page.size()},
-              {"sha256", sha256_hex(page)},
+              {"bytes", page.html.size()},
+              {"sha256", sha256_hex(page.html)},
+              {"replaced", page.replaced},
               {"machine", text_or_null(header_value(content, "machine"))},
               {"serial_number", text_or_null(header_value(content, "serial_number"))},
               {"date", text_or_null(content.date)},
@@ -76,6 +102,7 @@ Json answer_of(const ReportContent& content, const Judgement& j, const std::stri
               {"missing", j.missing},
               {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
               {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
+              {"volume", json_of(content.volume)},
               {"next", j.next},
               {"absent", absent_from(content)},
               {"rows", std::move(rows)}};
@@ -83,11 +110,16 @@ Json answer_of(const ReportContent& content, const Judgement& j, const std::stri
   return object;
 }
 
-std::string text_of(const Judgement& j, const std::string& output, std::size_t bytes) {
+std::string text_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   std::string text = fmt::format("{}\n", j.sentence);
   if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
+  if (content.volume)
+    text += fmt::format("Predicted from {}: largest error vector in the volume {:.1f} um before, {:.1f} um after.\n",
+                        content.volume->from, content.volume->before.largest_um[kAxes],
+                        content.volume->after.largest_um[kAxes]);
   for (const std::string& open : j.next) text += fmt::format("- {}\n", open);
-  return text + fmt::format("report written to {} ({} kB)\n", output, (bytes + 500) / 1000);
+  return text + fmt::format("report written to {} ({} kB{})\n", output, (page.html.size() + 500) / 1000,
+                            page.replaced ? ", replaced" : "");
 }
 
 Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles& files, const ReportContent& content) {
@@ -110,9 +142,10 @@ Result<Outcome> report(Session& session, const ReportArguments& arguments) {
   if (!content) return tl::unexpected(content.error());
   if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
   const Judgement judgement = judgement_of(*content);
-  const std::string page = report_page(*content, judgement);
-  if (auto written = write_file(arguments.output, page); !written) return tl::unexpected(written.error());
-  return Outcome{text_of(judgement, arguments.output, page.size()),
+  std::error_code ignored;
+  const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
+  if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());
+  return Outcome{text_of(*content, judgement, arguments.output, page),
                  one_line(answer_of(*content, judgement, arguments.output, page)),
                  unfit_files(*content) ? kUnfitFile : kDone};
 }
