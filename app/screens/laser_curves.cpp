@@ -25,6 +25,8 @@ double band_of(const laser::Curve& curve) {
   return highest >= lowest ? highest - lowest : 0.0;
 }
 
+std::string y_label_of(Sense sense) { return fmt::format("error [{}]", is_rotation(sense) ? "µm/m" : "µm"); }
+
 /// Names short enough for the legend of a curve beside a list.
 PlotPanel screen_panel(const laser::MeasurementSet& readings, const laser::Curve& curve, const std::string& title) {
   PlotPanel panel = panel_of(readings, curve, title);
@@ -107,8 +109,15 @@ LaserLineResult line_result(const LaserLine& line, const LaserLineChoice& choice
   result.of = line.set;
   result.chosen = *line.set;
   result.chosen.readings.clear();
-  for (const std::size_t i : line.group.readings)
-    if (!left_out(choice, *line.set, i)) result.chosen.readings.push_back(line.set->readings[i]);
+  for (const std::size_t i : line.group.readings) {
+    const laser::Reading& reading = line.set->readings[i];
+    if (left_out(choice, *line.set, i))
+      result.left_out.push_back({laser::target_mm(reading), reading.error});
+    else
+      result.chosen.readings.push_back(reading);
+  }
+  const std::string title = name_of_line(line) + ", " + line.place;
+  result.panel = {title, fmt::format("{} [mm]", letter_of(line.group.axis)), y_label_of(line.group.sense), {}};
   const auto groups = laser::groups_of(result.chosen);
   if (groups.empty()) {
     result.problem = "every reading is left out";
@@ -121,14 +130,10 @@ LaserLineResult line_result(const LaserLine& line, const LaserLineChoice& choice
     result.problem = to_text(curve ? iso.error() : curve.error());
     return result;
   }
-  result.panel = screen_panel(result.chosen, *curve, name_of_line(line) + ", " + line.place);
+  result.panel = screen_panel(result.chosen, *curve, title);
   result.curve = std::move(*curve);
   result.iso = std::move(*iso);
   return result;
-}
-
-std::string name_of_curve(const LaserCurve& curve) {
-  return fmt::format("{}{}", name_of(curve.component), curve.lines.size() > 1 ? " from two lines" : "");
 }
 
 LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, const LaserComponentChoice& choice,
@@ -141,7 +146,9 @@ LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, cons
   out.slope = choice.slope.value_or(out.recommended);
   for (const auto& result : results)
     if (!result->curve) out.problem = result->problem;
+  for (const auto& result : results) out.left_out_of_lines += result->left_out.size();
   if (!out.problem.empty()) return out;
+  if (results.size() == 1) out.left_out = results.front()->left_out;
   if (results.size() == 2)
     take_two_lines(out, *results[0], *results[1]);
   else

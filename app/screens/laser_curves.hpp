@@ -24,8 +24,9 @@ struct LaserLineResult {
   laser::Group group;  ///< in `chosen`
   std::optional<laser::Curve> curve;
   std::optional<laser::Iso230> iso;
-  PlotPanel panel;      ///< readings and means
-  std::string problem;  ///< why there is no curve
+  PlotPanel panel;                  ///< readings and means
+  std::vector<PlotPoint> left_out;  ///< position and error of the readings left out
+  std::string problem;              ///< why there is no curve
 };
 using LaserLineResults = std::vector<std::shared_ptr<const LaserLineResult>>;
 
@@ -46,11 +47,10 @@ struct LaserCurve {
   double band_after = 0.0;   ///< the same, slope removed and smoothed (of the curve where it is smoothed)
   std::optional<laser::Smoothed> smoothed;
   PlotPanel before, after;
+  std::vector<PlotPoint> left_out;    ///< of the one line, as measured; none where it comes from two lines
+  std::size_t left_out_of_lines = 0;  ///< readings left out of all its lines
   std::string problem;
 };
-/// "EXX", "EBX from EXX and EXX"
-[[nodiscard]] std::string name_of_curve(const LaserCurve& curve);
-
 /// @param results  one or two, of the lines `lines`
 [[nodiscard]] LaserCurve laser_curve(Component component, std::vector<std::size_t> lines,
                                      const LaserComponentChoice& choice, const LaserLineResults& results);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/laser_chart.hpp"
 #include "app/screens/laser_page.hpp"
 #include "base/text.hpp"
 #include "laser/map_recipe.hpp"
@@ -34,17 +35,21 @@ class CurvesPage final : public LaserPage {
                                   : "None of the measured lines serves a component of the chosen scope: step 6 says "
                                     "what it needs.");
     const LaserHalves halves = laser_halves(area);
-    const int told = work.map.parameters ? 0 : std::min(3, halves.list.rows / 4);
-    canvas.text(halves.list, 0, 2, fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band"), Tone::faint);
+    const std::string hint = work.map.parameters ? "" : "Slope per component, angles from two lines: p first";
+    const int told = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
+    const std::string heading = work.map.parameters
+                                    ? fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band")
+                                    : "line, parked [mm]";
+    canvas.text(halves.list, 0, 2, heading, Tone::faint);
     std::vector<ListRow> rows;
-    for (const LaserCurve& curve : work.curves) rows.push_back(row_of(curve));
+    for (const LaserCurve& curve : work.curves) rows.push_back(row_of(work, curve));
     draw_list(canvas,
               {halves.list.row + 1, halves.list.column, std::max(0, halves.list.rows - 1 - told), halves.list.columns},
               rows, place_);
     if (told > 0)
       canvas.paragraph({halves.list.row + halves.list.rows - told, halves.list.column, told, halves.list.columns}, 0,
-                       "Angles from two lines come with the parameters: p", Tone::faint);
-    if (halves.rest.columns > 0) draw_curve(canvas, halves.rest, work.curves[at()]);
+                       hint, Tone::faint);
+    if (halves.rest.columns > 0) draw_curve(canvas, halves.rest, work, work.curves[at()]);
   }
 
   bool on_key(const Key& key) override {
@@ -70,11 +75,13 @@ class CurvesPage final : public LaserPage {
     } else if (is_letter(key, U'v')) {
       shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3);
     } else if (is_letter(key, U'e')) {
-      host().pictures.start(
-          {fmt::format("{}  {}", code, laser::description_of(curve.component)), {curve.before, curve.after}, 1, false},
-          code);
+      host().pictures.start({fmt::format("{}  {}", code, laser::description_of(curve.component)),
+                             {with_left_out(curve.before, curve.left_out, unit_of(curve.component)), curve.after},
+                             1,
+                             false},
+                            code);
     } else {
-      return on_chart_key(key, curve.before, view_);
+      return on_chart_key(key, curve.before, curve.left_out, view_);
     }
     return true;
   }
@@ -105,10 +112,15 @@ class CurvesPage final : public LaserPage {
     return found == desk().choices().components.end() ? LaserComponentChoice{} : found->second;
   }
 
-  [[nodiscard]] ListRow row_of(const LaserCurve& curve) const {
+  /// Without parameters a row is a line, and several may measure the same component: the place tells them apart.
+  [[nodiscard]] ListRow row_of(const LaserWork& work, const LaserCurve& curve) const {
     const LaserComponentChoice choice = choice_of(curve);
     const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
     const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
+    if (!work.map.parameters)
+      return {fmt::format("{:<4} {}{}", name_of(curve.component), work.lines[curve.lines.front()].place,
+                          !curve.problem.empty() || form_went ? "!" : ""),
+              curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
     return {fmt::format("{:<4} {:<4} {:>6} {:>6.1f}{}", name_of(curve.component),
                         short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after,
                         !curve.problem.empty() || form_went ? "!" : ""),
@@ -122,6 +134,8 @@ class CurvesPage final : public LaserPage {
         fmt::format("band {:.2f} > {:.2f} {}; {}", curve.band_before, curve.band_after, unit, words_for(curve.slope));
     if (curve.slope != laser::SlopeMethod::none) text += fmt::format(" {:.2f} {}/m", curve.removed_per_m, unit);
     if (curve.slope != curve.recommended) text += fmt::format(" (recommended: {})", laser::name_of(curve.recommended));
+    if (curve.lines.size() > 1 && curve.left_out_of_lines > 0)
+      text += fmt::format("; {} readings of its lines are left out (step 3)", curve.left_out_of_lines);
     if (!curve.smoothed) return text;
     text += fmt::format("; smoothing took {:.2f} {} rms: ", curve.smoothed->removed_rms, unit);
     if (curve.smoothed->taken == laser::Taken::noise) return text + "noise, by the repeats";
@@ -129,21 +143,40 @@ class CurvesPage final : public LaserPage {
     return text + "no repeats to judge it by";
   }
 
-  void draw_curve(Canvas& canvas, const Area& area, const LaserCurve& curve) const {
-    const std::string told = told_of(curve);
-    canvas.text(area, 0, 0, fmt::format("{}  {}", name_of_curve(curve), laser::description_of(curve.component)),
-                Tone::strong);
+  /// "Y -1400, Z 0", "Y -1400, Z 0 and Y -1400, Z -1000"
+  static std::string place_of(const LaserWork& work, const LaserCurve& curve) {
+    std::string text;
+    for (std::size_t k = 0; k < curve.lines.size(); ++k)
+      text += (k == 0 ? "" : " and ") + work.lines[curve.lines[k]].place;
+    return text;
+  }
+
+  void draw_curve(Canvas& canvas, const Area& area, const LaserWork& work, const LaserCurve& curve) const {
+    const std::string name = fmt::format("{}  {}", name_of(curve.component), laser::description_of(curve.component));
+    const std::string place = place_of(work, curve);
+    const bool beside = width_of(name) + 2 + width_of(place) <= area.columns;  // else it begins the text below
+    const std::string told = (beside ? "" : "at " + place + "; ") + told_of(curve);
+    canvas.text(area, 0, 0, name, Tone::strong);
+    if (beside) canvas.text_right(area, 0, place);
     const bool odd = !curve.problem.empty() || (curve.smoothed && curve.smoothed->taken == laser::Taken::signal);
     const int text_rows = std::min(3, static_cast<int>(wrapped(told, area.columns).size()));
     canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, told,
                      !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
     const Area charts = area.below(1 + text_rows);
     if (curve.before.series.empty()) return;
-    if (shown_ == Shown::before) return draw_chart(canvas, charts, curve.before, view_);
+    if (shown_ == Shown::before) return draw_before(canvas, charts, curve);
     if (shown_ == Shown::after) return draw_chart(canvas, charts, curve.after, view_);
-    const int upper = (charts.rows + 1) / 2;
-    draw_chart(canvas, charts.top(upper), curve.before, view_);
+    const int upper = (charts.rows + 1 + (curve.left_out.empty() ? 0 : 1)) / 2;
+    draw_before(canvas, charts.top(upper), curve);
     if (!curve.after.series.empty()) draw_chart(canvas, charts.below(upper), curve.after, view_);
+  }
+
+  /// What is left out stays visible, with a legend of its own.
+  void draw_before(Canvas& canvas, const Area& area, const LaserCurve& curve) const {
+    if (curve.left_out.empty()) return draw_chart(canvas, area, curve.before, view_);
+    draw_chart(canvas, area.top(area.rows - 1), curve.before, curve.left_out, view_);
+    canvas.text(area, area.rows - 1, 0, left_out_legend(curve.before, curve.left_out, unit_of(curve.component)),
+                Tone::warning);
   }
 
   LaserForm form_for(const LaserCurve& curve) const {

@@ -61,6 +61,7 @@ LaserDesk::LaserDesk(std::shared_ptr<UnitDesk> unit)
 
 LaserDesk::~LaserDesk() {
   job_.cancel();
+  look_.cancel();
   working_out_.cancel();
 }
 
@@ -173,7 +174,8 @@ LaserMark LaserDesk::mark(LaserStep step) const {
     case LaserStep::lines:
       if (w.lines.empty()) return LaserMark::open;
       return done_unless(any_line([](const LaserLine& line) {
-        return line.group.compensated.value_or(false) || !line.summary.forward || !line.summary.reverse;
+        return line.group.compensated.value_or(false) || !line.summary.forward || !line.summary.reverse ||
+               !line.place_unknown.empty();
       }));
     case LaserStep::leave_out: {
       if (w.lines.empty()) return LaserMark::open;
@@ -209,7 +211,7 @@ LaserMark LaserDesk::mark(LaserStep step) const {
       return sent_ || failed_ || saved() ? LaserMark::doubtful : LaserMark::open;
     case LaserStep::verify:
       if (!verdict_) return LaserMark::open;
-      return done_unless(!verdict_->same() || !sent_is_current());
+      return done_unless(!verified());
   }
   return LaserMark::open;
 }
@@ -297,7 +299,7 @@ void LaserDesk::send() {
   if (!idle() || !ready_) return;
   failed_.reset();
   after_failure_.clear();
-  verdict_.reset();
+  forget_verdict();
   start(Doing::sending, "sending the map",
         [ready = *ready_, unit = unit_](JobSigns& signs, SendSigns& seen, Done& done) {
           done.ready = ready;
@@ -307,31 +309,6 @@ void LaserDesk::send() {
           else
             done.problem = sent.error();
         });
-}
-
-void LaserDesk::verify() {
-  if (!idle()) return;
-  if (saved_file_.empty()) {
-    message_.say("there is nothing to compare with yet: step 8 saves and sends the map", Tone::warning);
-    return;
-  }
-  start(Doing::verifying, "reading the map back",
-        [files = files_of_map(saved_file_), unit = unit_](JobSigns& signs, SendSigns& seen, Done& done) {
-          auto verdict = verified_map(*unit, signs, files, seen);
-          if (verdict)
-            done.verdict = std::move(*verdict);
-          else
-            done.problem = verdict.error();
-        });
-}
-
-void LaserDesk::compensate() {
-  if (!idle()) return;
-  const auto expected = sent_ ? std::optional(sent_->check) : std::nullopt;
-  start(Doing::switching, "compensation mode", [expected, unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
-    const auto switched = switch_to_compensation(*unit, signs, expected);
-    if (!switched) done.problem = switched.error();
-  });
 }
 
 void LaserDesk::receive_parameters(const std::string& file) {

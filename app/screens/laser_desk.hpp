@@ -59,7 +59,10 @@ class LaserDesk {
   void send();
   void not_now() { ready_.reset(); }
   void verify();
+  /// Refused, saying why, unless the unit holds the very map that was sent from here or found the same.
   void compensate();
+  /// Every few seconds, while somebody looks at the verdict: whether it still holds of the unit.
+  void watch_verdict();
   void receive_parameters(const std::string& file);
   /// Asks what runs on line or disc to stop.
   void cancel() { job_.cancel(); }
@@ -80,6 +83,14 @@ class LaserDesk {
   [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
   [[nodiscard]] bool sent_is_current() const { return sent_ && sent_csv_ == work_->map.csv; }
   [[nodiscard]] const std::optional<MapVerdict>& verdict() const { return verdict_; }
+  /// What was compared, with the unit that held it. @pre verdict()
+  [[nodiscard]] const UnitHolding& compared() const { return *compared_; }
+  /// Why the verdict holds no longer: the unit was restarted, given another map, ...; empty: it holds.
+  [[nodiscard]] const std::string& stale() const { return stale_; }
+  /// The unit holds the map of the choices as they are now.
+  [[nodiscard]] bool verified() const {
+    return verdict_ && verdict_->same() && stale_.empty() && compared_csv_ == work_->map.csv;
+  }
   /// What stands in the unit after sending failed, in words; empty: nothing failed, or not known yet.
   [[nodiscard]] const std::string& after_failure() const { return after_failure_; }
   [[nodiscard]] std::string unsaved() const;
@@ -93,7 +104,7 @@ class LaserDesk {
     std::string csv;  ///< of the map that was saved
     std::optional<ReadyMap> ready;
     std::optional<SentMap> sent;
-    std::optional<MapVerdict> verdict;
+    std::optional<VerifiedMap> verified;
     std::optional<std::uint32_t> active;
     std::string params_file;
   };
@@ -109,6 +120,12 @@ class LaserDesk {
   void take(const Done& done);
   void take_failure(const Done& done);
   void look_after_failure();
+  void forget_verdict();
+  void take_verdict(const VerifiedMap& verified);
+  /// Whether the verdict became stale by what is known without asking the unit, or by what a look brought.
+  [[nodiscard]] bool note_changes();
+  [[nodiscard]] bool take_look();
+  void say_stale(const std::string& why);
   void say_saved(const MapFiles& files);
   void warn_of_newer_files(const std::string& than);
 
@@ -131,6 +148,17 @@ class LaserDesk {
   std::optional<ReadyMap> ready_, failed_;
   std::optional<SentMap> sent_;
   std::optional<MapVerdict> verdict_;
+  std::optional<UnitHolding> compared_;  ///< of `verdict_`
+  std::string compared_csv_;             ///< the map that was compared
+  std::string stale_;
+  std::uint64_t unit_time_us_ = 0;  ///< of the newest sample since the comparison
+  struct Look {
+    int comparison = 0;  ///< the one that stood when it began
+    Result<UnitHolding> now;
+  };
+  Job<Look> look_;
+  int comparison_ = 0;  ///< counts them
+  std::chrono::steady_clock::time_point next_verdict_look_{};
   std::string after_failure_;
   std::chrono::steady_clock::time_point next_look_{};
   MessageLine message_;

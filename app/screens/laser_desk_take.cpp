@@ -29,7 +29,8 @@ bool LaserDesk::advance() {
     changed = true;
   }
   look_after_failure();
-  return changed;
+  changed = take_look() || changed;
+  return note_changes() || changed;
 }
 
 void LaserDesk::say_saved(const MapFiles& files) {
@@ -58,7 +59,7 @@ void LaserDesk::take(const Done& done) {
                                sent_->identity.serial_number, sent_->report.bytes, sent_->seconds, sent_->check));
       break;
     case Doing::verifying:
-      verdict_ = done.verdict;
+      take_verdict(*done.verified);
       message_.say(verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
                    verdict_->same() ? Tone::good : Tone::bad);
       break;
@@ -116,11 +117,11 @@ void LaserDesk::look_after_failure() {
   if (!failed_ || job_.running() || Clock::now() < next_look_ || !unit_->standing().open) return;
   next_look_ = Clock::now() + kBetweenLooks;
   start(Doing::looking, "looking at the unit", [unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
-    auto active = check_in_unit(*unit, signs);
-    if (active)
-      done.active = *active;
+    const auto holding = holding_of_unit(*unit, signs);
+    if (holding)
+      done.active = holding->check;
     else
-      done.problem = active.error();
+      done.problem = holding.error();
   });
 }
 

@@ -1,4 +1,5 @@
 // Step 1: which files. Does not live here: reading them (laser_lines.cpp), the folder's list (laser_chooser.cpp).
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -18,27 +19,6 @@ constexpr const char* kSteps[] = {"1 Files      of any instrument, several or a 
                                   "7 Header     customer, machine, engineer, date",
                                   "8 Send       saved to disc, checked, sent to the unit",
                                   "9 Verify     read back and compared"};
-
-/// What a file does not say, asked field by field.
-LaserForm answers_form(LaserDesk& desk, const LaserFileChoice& choice) {
-  const auto given = given_answers(choice.answers);
-  std::vector<LaserField> fields;
-  for (const AnswerField& field : answer_fields()) {
-    const auto value = given.find(field.name);
-    fields.push_back({field.name, field.help, value == given.end() ? "" : value->second, field.choices});
-  }
-  const std::string name = std::filesystem::path(choice.path).filename().string();
-  return LaserForm("what " + name + " does not say", std::move(fields), [&desk, path = choice.path](const auto& v) {
-    ImportArguments answers;
-    for (std::size_t k = 0; k < v.size(); ++k) set_answer(answers, answer_fields()[k].name, v[k]);
-    if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
-    desk.change("answers for a file", [&](LaserChoices& c) {
-      for (LaserFileChoice& file : c.files)
-        if (file.path == path) file.answers = answers;
-    });
-    return std::string();
-  });
-}
 
 class FilesPage final : public LaserPage {
  public:
@@ -77,7 +57,7 @@ class FilesPage final : public LaserPage {
     } else if (files.empty()) {
       return false;
     } else if (key.name == Key::Name::enter) {
-      host().fill(answers_form(desk(), files[at]));
+      host().ask_answers(files[at].path);
     } else if (is_letter(key, U'x') || key.name == Key::Name::erase) {
       desk().change("a file taken off",
                     [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
@@ -147,6 +127,9 @@ class FilesPage final : public LaserPage {
     const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
     if (file == nullptr) return;
     std::string told;
+    for (const LaserLine& line : desk().work().lines)
+      if (told.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
+        told = missing_place_of(line);
     for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
     if (!told.empty()) canvas.paragraph(text, row, told);
   }

@@ -14,6 +14,11 @@ LaserForm::LaserForm(std::string title, std::vector<LaserField> fields, Take tak
   for (const LaserField& field : fields_) lines_.emplace_back(field.value);
 }
 
+void LaserForm::go_to(const std::string& field) {
+  for (std::size_t k = 0; k < fields_.size(); ++k)
+    if (fields_[k].name == field) place_.selected = static_cast<int>(k);
+}
+
 bool LaserForm::has_choices() const { return !fields_[static_cast<std::size_t>(place_.selected)].choices.empty(); }
 
 LaserForm::Layout LaserForm::layout(const Area& area) const {

@@ -26,6 +26,9 @@ class LaserForm {
   using Take = std::function<std::string(const std::vector<std::string>&)>;
   LaserForm(std::string title, std::vector<LaserField> fields, Take take);
 
+  /// Begins at this field rather than at the first.
+  void go_to(const std::string& field);
+
   /// A box in the middle of `area`.
   void draw(Canvas& canvas, const Area& area) const;
   [[nodiscard]] Place cursor(const Area& area) const;

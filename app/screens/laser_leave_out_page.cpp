@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/laser_chart.hpp"
 #include "app/screens/laser_page.hpp"
 
 namespace ecs::app {
@@ -43,18 +44,11 @@ class LeaveOutPage final : public LaserPage {
     if (in_tree_ && place_within(tree_, tree.size()) < tree.size())
       if (const auto& reading = tree[place_within(tree_, tree.size())].reading)
         view.cursor_x = laser::target_mm(line.set->readings[*reading]);
-    if (result.curve)
-      draw_chart(canvas, halves.rest.top(halves.rest.rows - 2), result.panel, view);
-    else
-      canvas.paragraph(halves.rest, 0, result.problem, Tone::bad);
-    const std::size_t out = count_left_out(choice_of(line), *line.set);
-    std::string told = out == 0 ? std::string("nothing is left out")
-                                : fmt::format("{} of {} readings left out", out, line.set->readings.size());
-    if (!line.suspects.empty())
-      told +=
-          fmt::format("; {} stand{} out (?): o goes there", line.suspects.size(), line.suspects.size() == 1 ? "s" : "");
-    canvas.paragraph({halves.rest.row + halves.rest.rows - 2, halves.rest.column, 2, halves.rest.columns}, 0, told,
-                     out > 0 ? Tone::warning : Tone::plain);
+    const std::string told = told_of(line, result);
+    const int text_rows = std::clamp(static_cast<int>(wrapped(told, halves.rest.columns).size()), 2, 4);
+    draw_chart(canvas, halves.rest.top(halves.rest.rows - text_rows), result.panel, result.left_out, view);
+    const Tone tone = !result.problem.empty() ? Tone::bad : (result.left_out.empty() ? Tone::plain : Tone::warning);
+    canvas.paragraph(halves.rest.below(halves.rest.rows - text_rows), 0, told, tone);
   }
 
   bool on_key(const Key& key) override {
@@ -68,7 +62,11 @@ class LeaveOutPage final : public LaserPage {
     }
     if (is_letter(key, U'o')) return to_next_suspect(line);
     if (is_letter(key, U'e')) {
-      host().pictures.start({name_of_line(line) + ", " + line.place, {work.results[at()]->panel}, 1, true},
+      const LaserLineResult& result = *work.results[at()];
+      host().pictures.start({name_of_line(line) + ", " + line.place,
+                             {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
+                             1,
+                             true},
                             std::string(name_of(line.component)));
       return true;
     }
@@ -83,7 +81,7 @@ class LeaveOutPage final : public LaserPage {
         view_ = {};
         return true;
       }
-      return on_chart_key(key, work.results[at()]->panel, view_);
+      return on_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
     }
     if (tree_.on_key(key, static_cast<int>(tree.size()))) return true;
     const TreeRow row = tree[place_within(tree_, tree.size())];
@@ -93,7 +91,7 @@ class LeaveOutPage final : public LaserPage {
       if (!open_.erase(row.run)) open_.insert(row.run);
       return true;
     }
-    return on_chart_key(key, work.results[at()]->panel, view_);
+    return on_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
   }
 
   bool on_escape() override { return std::exchange(in_tree_, false); }
@@ -108,12 +106,34 @@ class LeaveOutPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
-           "file, "
-           "and every later step follows by itself. ? marks readings that stand out from their repeats by more than "
+           "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
+           "outside "
+           "stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
            "five times what is usual: they are only suggested. w notes why.";
   }
 
  private:
+  /// "18 of 54 readings left out (x); 1 stands out (?): o goes there"
+  [[nodiscard]] std::string told_of(const LaserLine& line, const LaserLineResult& result) const {
+    const std::size_t out = count_left_out(choice_of(line), *line.set);
+    std::string told = result.problem;
+    const auto add = [&told](const std::string& text) { told += (told.empty() ? "" : "; ") + text; };
+    if (out == 0)
+      add("nothing is left out");
+    else if (out != result.left_out.size())
+      add(fmt::format("{} of {} readings left out, being worked out", out, line.set->readings.size()));
+    else
+      add(fmt::format("{} of {} readings left out (x)", out, line.set->readings.size()));
+    const std::string beyond = beyond_text(result.panel, result.left_out, laser::unit_of(line.group.sense));
+    if (!beyond.empty()) add(beyond);
+    const LaserLineChoice choice = choice_of(line);
+    const auto suspects = std::count_if(line.suspects.begin(), line.suspects.end(),
+                                        [&](std::size_t i) { return !left_out(choice, *line.set, i); });
+    if (suspects > 0)
+      add(fmt::format("{} stand{} out from the repeats (?): o goes there", suspects, suspects == 1 ? "s" : ""));
+    return told;
+  }
+
   [[nodiscard]] std::size_t at() const { return place_within(line_, desk().work().lines.size()); }
 
   /// As chosen now, also while the curves are still worked out.

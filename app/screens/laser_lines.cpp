@@ -1,6 +1,7 @@
 #include "app/screens/laser_lines.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -9,6 +10,8 @@
 #include <fmt/ranges.h>
 #include <sys/stat.h>
 
+#include "app/import_profile.hpp"
+#include "base/text.hpp"
 #include "laser/import.hpp"
 
 namespace ecs::app {
@@ -32,12 +35,77 @@ std::string key_of(const laser::Group& group, bool square) {
   return key;
 }
 
+/// Axes whose place the columns of a table say.
+void take_columns(PerAxis<bool>& told, const std::vector<std::string>& columns) {
+  for (const Axis a : kAllAxes)
+    if (std::find(columns.begin(), columns.end(), lower(std::string(1, letter_of(a))) + "_mm") != columns.end())
+      told[index_of(a)] = true;
+}
+
+/// Which axes' places the file itself says; where it does not, a reader takes 0.
+PerAxis<bool> places_in(const laser::Imported& imported, const ImportArguments& answers) {
+  if (imported.format == laser::FileFormat::height_map) return {true, true, true};
+  if (imported.format == laser::FileFormat::plate) return {true, true, false};
+  PerAxis<bool> told{};
+  if (imported.format == laser::FileFormat::measurement_csv) take_columns(told, imported.set.columns);
+  const auto options = import_options(answers);
+  if (!options || !options->mapping) return told;
+  std::vector<std::string> fields;
+  for (const laser::ColumnRule& rule : options->mapping->rules) fields.push_back(rule.field);
+  take_columns(told, fields);
+  return told;
+}
+
+/// The axes that "y=-1400,z=0" names.
+PerAxis<bool> places_named(const std::string& parked) {
+  PerAxis<bool> named{};
+  for (const std::string_view part : split(parked, ',')) {
+    const std::string_view name = trimmed(part);
+    const auto axis = name.empty() ? std::nullopt : axis_of(static_cast<char>(std::toupper(name.front())));
+    if (axis) named[index_of(*axis)] = true;
+  }
+  return named;
+}
+
+/// Which places file or answers say. A measurement CSV takes from the answers what it has no column for.
+PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& given) {
+  const auto answers = with_profile(given);
+  if (!answers) return {};
+  const PerAxis<bool> in_file = places_in(imported, *answers), named = places_named(answers->parked);
+  PerAxis<bool> told{};
+  for (std::size_t k = 0; k < told.size(); ++k) told[k] = in_file[k] || named[k];
+  const auto options = import_options(*answers);
+  if (!options || imported.format != laser::FileFormat::measurement_csv) return told;
+  for (laser::Reading& reading : imported.set.readings)
+    for (const Axis a : kAllAxes)
+      if (const std::size_t k = index_of(a); named[k] && !in_file[k] && a != reading.axis)
+        reading.position_mm[k] = options->parked_mm[k];
+  return told;
+}
+
+/// Where the axes stand that do not move, a ? for what nothing says.
+void take_place(LaserLine& line, const PerAxis<bool>& told) {
+  line.place.clear();
+  line.place_unknown.clear();
+  for (const Axis a : kAllAxes) {
+    if (a == line.group.axis) continue;
+    line.place += line.place.empty() ? "" : ", ";
+    if (told[index_of(a)]) {
+      line.place += fmt::format("{} {:.6g}", letter_of(a), line.group.parked_mm[index_of(a)]);
+    } else {
+      line.place += fmt::format("{} ?", letter_of(a));
+      line.place_unknown.push_back(a);
+    }
+  }
+}
+
 /// The readings of one line in one file.
 struct Part {
   laser::MeasurementSet set;
   std::string file;
   bool whole_file = false;
   bool square = false;
+  PerAxis<bool> place_told{};
 };
 
 LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first) {
@@ -47,8 +115,8 @@ LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first)
   line.set = std::make_shared<const laser::MeasurementSet>(std::move(set));
   line.summary = lines_in(*line.set).front();
   line.group = line.summary.group;
-  line.place = parked_text(line.group);
   line.component = curve_of(line.group.sense, line.group.axis);
+  take_place(line, first.place_told);
   if (line.square) line.component = squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
   line.suspects = suspects_of(*line.set, line.group);
   return line;
@@ -61,7 +129,12 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
   auto all = joined(sets);
   if (all) {
     lines.push_back(line_of(key, std::move(*all), parts.front()));
-    for (const Part& part : parts) lines.back().files.push_back(part.file);
+    PerAxis<bool> told = parts.front().place_told;
+    for (const Part& part : parts) {
+      lines.back().files.push_back(part.file);
+      for (std::size_t k = 0; k < told.size(); ++k) told[k] = told[k] && part.place_told[k];
+    }
+    take_place(lines.back(), told);
     lines.back().whole_file = parts.size() == 1 && parts.front().whole_file;
     if (parts.size() > 1) lines.back().notes.push_back(fmt::format("{} files are one line here", parts.size()));
     return lines;
@@ -125,7 +198,9 @@ std::string stamp_of(const std::string& path) {
 }
 
 LaserFile read_laser_file(const LaserFileChoice& choice) {
-  LaserFile file{choice, stamp_of(choice.path), {}, {}, nullptr, {}, false};
+  LaserFile file;
+  file.choice = choice;
+  file.stamp = stamp_of(choice.path);
   auto imported = read_measurements(choice.path, choice.answers);
   if (!imported) {
     file.problem = to_text(imported.error());
@@ -139,6 +214,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     file.problem = "it holds no readings";
     return file;
   }
+  file.place_told = take_places(*imported, choice.answers);
   std::vector<std::string> names;
   for (const laser::Group& group : laser::groups_of(imported->set)) {
     const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;
@@ -150,6 +226,13 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   file.summary += fmt::format(", {} readings", imported->set.readings.size());
   file.set = std::make_shared<const laser::MeasurementSet>(std::move(imported->set));
   return file;
+}
+
+std::string missing_place_of(const LaserLine& line) {
+  if (line.place_unknown.empty()) return {};
+  std::string axes;
+  for (const Axis a : line.place_unknown) axes += fmt::format("{}{}", axes.empty() ? "" : " and ", letter_of(a));
+  return fmt::format("parked place of {} not in the file: taken as 0 until Enter tells it", axes);
 }
 
 std::string name_of_line(const LaserLine& line) {
@@ -167,7 +250,7 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
       const std::string key = key_of(group, square);
       if (!parts.contains(key)) order.push_back(key);
       const bool whole = groups.size() == 1 && given_answers(file.choice.answers).empty();
-      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square});
+      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square, file.place_told});
     }
   }
   std::vector<LaserLine> lines;

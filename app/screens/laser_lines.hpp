@@ -22,6 +22,7 @@ struct LaserFile {
   std::shared_ptr<const laser::MeasurementSet> set;  ///< null: not read
   std::string problem;                               ///< why not
   bool wants_answers = false;                        ///< it would be read with answers
+  PerAxis<bool> place_told{};                        ///< file or answers say where this axis stood
 };
 [[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);
 /// Size and time of writing; empty: there is no such file.
@@ -31,7 +32,8 @@ struct LaserLine {
   std::string key;                       ///< the same as long as the line is the same: "EX along X at Y -1400, Z 0"
   Component component = Component::EXX;  ///< the curve, or the squareness that an indicator on a square shows
   bool square = false;                   ///< read on a square
-  std::string place;                     ///< "Y -1400, Z 0"
+  std::string place;                     ///< "Y -1400, Z 0"; "Y ?, Z 0" where nothing says it: taken as 0
+  std::vector<Axis> place_unknown;       ///< the axes whose place nothing says
   std::shared_ptr<const laser::MeasurementSet> set;  ///< its readings and no others
   laser::Group group;                                ///< all of them
   LineSummary summary;
@@ -40,6 +42,9 @@ struct LaserLine {
   bool whole_file = false;  ///< the one file holds this line alone and says all of it: a map can name it as it is
   std::vector<std::size_t> suspects;  ///< readings far from their repeats; nothing is done to them
 };
+
+/// What is missing of the place and what tells it, in words; empty: nothing is.
+[[nodiscard]] std::string missing_place_of(const LaserLine& line);
 
 /// "EXX", "C0Y (square)"
 [[nodiscard]] std::string name_of_line(const LaserLine& line);

@@ -19,6 +19,16 @@ void add_wrapped(std::vector<std::string>& lines, const std::string& text, int c
     lines.push_back(indent + line);
 }
 
+constexpr int kPlaceColumns = 16;
+
+/// "Y -1400, Z 0"; what is missing of it with the key that tells it: "Y ?, Z ?: Enter".
+std::string place_in_row(const LaserLine& line) {
+  if (line.place_unknown.empty()) return line.place;
+  for (const char* key : {": Enter", " Enter", ""})
+    if (width_of(line.place + key) <= kPlaceColumns) return line.place + key;
+  return line.place;
+}
+
 /// "Y -1400, Z 0 | -4100 ... 0 every 50 | 83 targets, 3 runs, both"
 ListRow summary_row(const LaserLine& line, const LaserLineResult& result) {
   const LineSummary& s = line.summary;
@@ -26,15 +36,16 @@ ListRow summary_row(const LaserLine& line, const LaserLineResult& result) {
   const char* approaches = s.forward && s.reverse ? "both" : (s.forward ? "forward" : (s.reverse ? "reverse" : "?"));
   const bool compensated = line.group.compensated.value_or(false);
   const std::string extent = fmt::format("{:.6g}..{:.6g}", s.first_mm, s.last_mm);
-  std::string text = fmt::format("{:<13} {:<16} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line), line.place,
-                                 extent, step, s.targets, s.runs, approaches);
+  std::string text = fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line),
+                                 place_in_row(line), kPlaceColumns, extent, step, s.targets, s.runs, approaches);
   if (compensated) text += "comp.";
-  const bool odd = compensated || !result.problem.empty() || !(s.forward && s.reverse);
+  const bool odd = compensated || !result.problem.empty() || !(s.forward && s.reverse) || !line.place_unknown.empty();
   return {text, odd ? Tone::warning : Tone::plain};
 }
 
 std::vector<std::string> details_of(const LaserLine& line, int columns) {
   std::vector<std::string> text;
+  if (!line.place_unknown.empty()) add_wrapped(text, missing_place_of(line), columns, "");
   add_wrapped(
       text,
       fmt::format("{} along {} [{}], {} readings; {}", name_of(line.group.sense), letter_of(line.group.axis),
@@ -78,18 +89,38 @@ class LinesPage final : public LaserPage {
   }
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 4);
-    if (!place_.on_key(key, static_cast<int>(desk().work().lines.size()))) return false;
+    const LaserWork& work = desk().work();
+    if (key.name == Key::Name::enter && !work.lines.empty()) {
+      const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
+      host().ask_answers(file_to_ask(work, line), line.place_unknown.empty() ? "" : "parked");
+      return true;
+    }
+    if (!place_.on_key(key, static_cast<int>(work.lines.size()))) return false;
     scroll_ = {};
     return true;
   }
-  std::vector<KeyHelp> keys() const override { return {{"up/down", "line"}, {"PgUp/PgDn", "read its details"}}; }
+  std::vector<KeyHelp> keys() const override {
+    return {{"up/down", "line"}, {"PgUp/PgDn", "read its details"}, {"Enter", "what its file does not say"}};
+  }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
-           "approaches; below, the conditions that the file tells. comp.: measured with compensation active, of no "
+           "approaches; below, the conditions that the file tells. A ? stands where neither the file nor an answer "
+           "says where "
+           "an axis was parked: it is taken as 0, and Enter tells it. comp.: measured with compensation active, of no "
            "use for a map.";
   }
 
  private:
+  /// Of several files of a line the first that leaves its place open.
+  static std::string file_to_ask(const LaserWork& work, const LaserLine& line) {
+    for (const LaserFile& file : work.files)
+      for (const Axis axis : line.place_unknown)
+        if (!file.place_told[index_of(axis)] &&
+            std::find(line.files.begin(), line.files.end(), file.choice.path) != line.files.end())
+          return file.choice.path;
+    return line.files.front();
+  }
+
   ListPlace place_;
   ScrollPlace scroll_;
 };

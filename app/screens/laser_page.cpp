@@ -42,6 +42,31 @@ std::size_t place_within(const ListPlace& place, std::size_t count) {
   return std::min(static_cast<std::size_t>(std::max(0, place.selected)), count == 0 ? 0 : count - 1);
 }
 
+void LaserHost::ask_answers(const std::string& path, const std::string& field) {
+  const auto& files = desk.choices().files;
+  const auto choice = std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.path == path; });
+  if (choice == files.end()) return;
+  const auto given = given_answers(choice->answers);
+  std::vector<LaserField> fields;
+  for (const AnswerField& one : answer_fields()) {
+    const auto value = given.find(one.name);
+    fields.push_back({one.name, one.help, value == given.end() ? "" : value->second, one.choices});
+  }
+  const std::string name = std::filesystem::path(path).filename().string();
+  LaserForm form("what " + name + " does not say", std::move(fields), [this, path](const std::vector<std::string>& v) {
+    ImportArguments answers;
+    for (std::size_t k = 0; k < v.size(); ++k) set_answer(answers, answer_fields()[k].name, v[k]);
+    if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
+    desk.change("answers for a file", [&](LaserChoices& c) {
+      for (LaserFileChoice& file : c.files)
+        if (file.path == path) file.answers = answers;
+    });
+    return std::string();
+  });
+  if (!field.empty()) form.go_to(field);
+  fill(std::move(form));
+}
+
 void LaserHost::ask_parameters() {
   const LaserChoices& now = desk.choices();
   const auto state = state_folder();

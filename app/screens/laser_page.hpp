@@ -28,6 +28,8 @@ class LaserHost {
   void fill(LaserForm form) { form_.emplace(std::move(form)); }
   /// The parameters file and the scope: asked from several steps.
   void ask_parameters();
+  /// What a file does not say, field by field. @param field  where to begin; empty: at the first
+  void ask_answers(const std::string& path, const std::string& field = {});
 
   LaserDesk desk;
   PictureExport pictures;

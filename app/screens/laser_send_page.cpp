@@ -143,7 +143,7 @@ class SendPage final : public LaserPage {
   std::string sent_text() const {
     const auto& sent = desk().sent();
     if (!sent) return "no";
-    return fmt::format("{}unit {}, {} bytes in {:.1f} s, {}, commit {}",
+    return fmt::format("{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
                        desk().sent_is_current() ? "" : "changed since it was sent: ", sent->identity.serial_number,
                        sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
   }
@@ -166,15 +166,20 @@ class VerifyPage final : public LaserPage {
       return;
     }
     const MapVerdict& verdict = *d.verdict();
-    told.say("compared",
+    const std::string& stale = d.stale();
+    if (!stale.empty())
+      told.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
+    told.say(stale.empty() ? "compared" : "before that",
              verdict.same() ? "the unit holds this map and its parameters, value by value"
                             : fmt::format("{} differences in the map, {} in the parameters", verdict.differences.size(),
                                           verdict.parameters.size()),
-             verdict.same() ? Tone::good : Tone::bad);
-    if (d.sent_is_current())
-      told.say("map", fmt::format("{}, commit {}", check_text(d.sent()->check), d.sent()->report.commit_sequence));
+             !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
+    told.say("in the unit",
+             fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
+    if (verdict.same() && stale.empty() && !d.verified())
+      told.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
     told.skip();
-    if (verdict.same()) {
+    if (verdict.same() && stale.empty()) {
       told.say("next",
                "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
       told.say("", "2. c switches the unit to compensation; reference every axis at the control");
@@ -186,6 +191,11 @@ class VerifyPage final : public LaserPage {
     draw_scrolled(canvas, {rest.row, rest.column + 1, rest.rows, rest.columns - 2}, differences_of(verdict), scroll_);
   }
 
+  bool advance() override {
+    desk().watch_verdict();
+    return false;
+  }
+
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::enter) {
       desk().verify();
@@ -193,8 +203,9 @@ class VerifyPage final : public LaserPage {
     }
     if (is_letter(key, U'c')) {
       host().ask({"Switch the unit to compensation?",
-                  "The unit tests its memory, closes the relays once every axis is referenced, and from then on moves "
-                  "the axes by the values of the map it holds.",
+                  "The unit is asked once more whether it holds the map that was compared and sent. It then tests its "
+                  "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "
+                  "values of that map.",
                   "switch", "not now"},
                  [this] { desk().compensate(); });
       return true;
@@ -206,7 +217,9 @@ class VerifyPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
-           "to the resolution of the unit's memory, and the parameters with it; then what comes next.";
+           "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "
+           "step is open the unit is asked every few seconds whether it still holds what was compared: if it was "
+           "restarted, or another map was made active in it, the comparison no longer counts.";
   }
 
  private:

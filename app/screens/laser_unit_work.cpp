@@ -1,5 +1,7 @@
 #include "app/screens/laser_unit_work.hpp"
 
+#include <fmt/format.h>
+
 #include "app/map_checks.hpp"
 #include "core/memory_image.hpp"
 #include "params/parameters_toml.hpp"
@@ -15,7 +17,53 @@ protocol::ProgressCallback told_to(JobSigns& signs, SendSigns& seen) {
   };
 }
 
+std::string check_text(const std::optional<std::uint32_t>& check) {
+  return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
+}
+
+Result<UnitHolding> holding_over(UnitDesk& unit, UnitLink& line) {
+  const auto identity = line.client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const auto check = active_check(line.client());
+  if (!check) return tl::unexpected(check.error());
+  const auto status = line.client().status();
+  if (!status) return tl::unexpected(status.error());
+  return UnitHolding{identity->serial_number, *check, status->commit_sequence, status->uptime_s,
+                     unit.standing().opened_at};
+}
+
+/// Why the unit may not compensate with what it holds; empty: it is what was sent and compared.
+std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
+  const auto other_unit = [&](const std::string& serial, const char* what) {
+    return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number, what, serial);
+  };
+  const auto other_map = [&](const char* what, const std::optional<std::uint32_t>& check) {
+    return fmt::format("the unit holds {}, but {} was {}: another host has changed it", check_text(now.check), what,
+                       check_text(check));
+  };
+  if (expected.sent && expected.sent->identity.serial_number != now.serial_number)
+    return other_unit(expected.sent->identity.serial_number, "sent to");
+  if (expected.verified && expected.verified->serial_number != now.serial_number)
+    return other_unit(expected.verified->serial_number, "compared in");
+  if (expected.verified && expected.verified->check != now.check)
+    return other_map("what was compared", expected.verified->check);
+  if (expected.sent && now.check != expected.sent->check) return other_map("what was sent", expected.sent->check);
+  return {};
+}
+
 }  // namespace
+
+std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
+  if (now.serial_number != then.serial_number)
+    return fmt::format("unit {} answers in place of {}", now.serial_number, then.serial_number);
+  if (now.check != then.check)
+    return fmt::format("another host changed it: it holds {} in place of {}", check_text(now.check),
+                       check_text(then.check));
+  if (now.activations != then.activations) return "a map or parameters were made active in it by another host";
+  if (now.uptime_s < then.uptime_s) return "it was restarted";
+  if (now.opened_at != then.opened_at) return "the line to it was opened again";
+  return {};
+}
 
 Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files) {
   auto prepared = prepared_map(files.map, files.parameters);
@@ -50,16 +98,24 @@ Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready,
   });
 }
 
-Result<MapVerdict> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen) {
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<MapVerdict> {
+Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<VerifiedMap> {
+    const auto before = holding_over(unit, line);
+    if (!before) return tl::unexpected(before.error());
     const auto found = map_in(line.client(), told_to(signs, seen));
     if (!found) return tl::unexpected(found.error());
-    return verdict_on(*found, files.map, files.parameters);
+    auto verdict = verdict_on(*found, files.map, files.parameters);
+    if (!verdict) return tl::unexpected(verdict.error());
+    const auto after = holding_over(unit, line);
+    if (!after) return tl::unexpected(after.error());
+    if (const std::string why = changed_since(*before, *after); !why.empty())
+      return problem(ProblemKind::refused, "the unit changed while it was read (" + why + "): Enter compares again");
+    return VerifiedMap{std::move(*verdict), *after};
   });
 }
 
-Result<std::optional<std::uint32_t>> check_in_unit(UnitDesk& unit, JobSigns& signs) {
-  return unit.on_line(signs, [](UnitLink& line) { return active_check(line.client()); });
+Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs) {
+  return unit.on_line(signs, [&](UnitLink& line) { return holding_over(unit, line); });
 }
 
 Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file) {
@@ -72,14 +128,14 @@ Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std:
   });
 }
 
-Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, std::optional<std::uint32_t> expected) {
+Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected) {
   return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
-    const auto active = active_check(line.client());
-    if (!active) return tl::unexpected(active.error());
-    if (expected && *active != expected)
-      return problem(ProblemKind::refused,
-                     "the unit no longer holds the map that was sent from here: another host has changed it. Enter "
-                     "compares again, step 8 sends again");
+    const auto now = holding_over(unit, line);
+    if (!now) return tl::unexpected(now.error());
+    if (const std::string why = other_than(expected, *now); !why.empty())
+      return problem(ProblemKind::refused, why +
+                                               ". It stays out of compensation; Enter compares again, step 8 sends "
+                                               "again");
     return line.client().enter_compensation();
   });
 }
