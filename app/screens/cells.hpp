@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "app/screens/letters.hpp"
+
 namespace ecs::app {
 
 /// What a cell means; the terminal turns it into colours where it has them, else into bold, reverse, underline.
@@ -21,6 +23,9 @@ enum class Tone : std::uint8_t {
   forward,  ///< approach +1
   reverse,  ///< approach −1
 };
+
+/// In the cell behind a letter that takes two columns.
+inline constexpr char32_t kSecondHalf = 0;
 
 struct Cell {
   char32_t glyph = U' ';
@@ -63,13 +68,14 @@ class Canvas {
 
   /// A space where there is no such cell.
   [[nodiscard]] const Cell& at(int row, int column) const;
-  /// Nothing happens outside.
+  /// Nothing happens outside. A letter of two columns takes the next cell as well.
   void put(int row, int column, char32_t glyph, Tone tone = Tone::plain);
   /// UTF-8, on one row, cut at the right edge of `area` with an ellipsis; @return columns used
   int text(const Area& area, int row, int column, std::string_view utf8, Tone tone = Tone::plain);
   /// At the right edge.
   void text_right(const Area& area, int row, std::string_view utf8, Tone tone = Tone::plain);
-  /// Words over several rows, from `first_row`; @return rows used
+  /// Words over several rows, from `first_row`. Where `area` ends too early the last row ends in "… F2" and the whole
+  /// text is kept. @return rows wanted
   int paragraph(const Area& area, int first_row, std::string_view utf8, Tone tone = Tone::plain);
   void fill(const Area& area, char32_t glyph = U' ', Tone tone = Tone::plain);
   /// Changes the tone of what is there.
@@ -77,25 +83,27 @@ class Canvas {
   /// A frame on the edge of `area`, its title in the upper edge.
   void frame(const Area& area, std::string_view title = {}, Tone tone = Tone::faint);
 
+  /// Of texts that are seen in part only: F2 shows them whole, on every screen (overlay.hpp).
+  void keep_whole(std::string_view text);
+  [[nodiscard]] const std::vector<std::string>& whole_texts() const { return whole_texts_; }
+
   /// Rows of text without trailing blanks; for tests, copies and pictures.
   [[nodiscard]] std::string plain_text() const;
 
  private:
+  void set(int row, int column, Cell content);
+  void draw_more_mark(const Area& area, std::string_view line, Tone tone);
+  [[nodiscard]] Cell& cell(int row, int column) {
+    return cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column)];
+  }
+
   int rows_;
   int columns_;
   Glyphs glyphs_;
   bool slow_;
   std::vector<Cell> cells_;
+  std::vector<std::string> whole_texts_;
 };
-
-/// UTF-8 to code points; what is no UTF-8 becomes '?'.
-[[nodiscard]] std::u32string code_points(std::string_view utf8);
-[[nodiscard]] std::string utf8_of(char32_t glyph);
-/// Columns that a text takes on a terminal.
-[[nodiscard]] int width_of(std::string_view utf8);
-/// Words of a text in lines of at most `columns`.
-[[nodiscard]] std::vector<std::string> wrapped(std::string_view utf8, int columns);
-/// The nearest sign of ASCII: µ → u, ± → +/- is left to the caller (one cell is one sign).
-[[nodiscard]] char32_t in_ascii(char32_t glyph);
 
 }  // namespace ecs::app

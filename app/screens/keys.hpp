@@ -26,7 +26,9 @@ struct Key {
     function,  ///< `number` says which: F1 … F12
     control,   ///< with the letter of `letter`: Ctrl-C is 'c'
     mouse,     ///< pressed at `row`, `column`
-    resized,   ///< the terminal has another size now
+    wheel_up,  ///< turned there
+    wheel_down,
+    resized,  ///< the terminal has another size now
   };
   Name name = Name::none;
   char32_t letter = 0;

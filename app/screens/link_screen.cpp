@@ -22,6 +22,12 @@ Tone tone_of(FindingState state) {
   return state == FindingState::note ? Tone::warning : Tone::bad;
 }
 
+/// Why a port cannot be opened, whole, and what helps.
+std::string what_to_do(const FoundPort& port) {
+  if (port.trouble.empty()) return port.action;
+  return port.action.empty() ? port.trouble : port.trouble + ": " + port.action;
+}
+
 struct ToneLine {
   std::string text;
   Tone tone = Tone::plain;
@@ -41,11 +47,12 @@ void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int colu
 void LinkScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows < 1 || area.columns < 10) return;
   draw_top(canvas, area.top(2));
-  const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 4), area.columns - 2};
+  const int told = std::max(2, desk_.message().rows(area.columns - 2, area.rows / 3));
+  const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - told), area.columns - 2};
   if (page_ == Page::setting) draw_setting(canvas, body);
   if (page_ == Page::doctor) draw_doctor(canvas, body);
   if (page_ == Page::statistics) draw_statistics(canvas, body);
-  const Area bottom{area.row + area.rows - 2, area.column + 1, 2, area.columns - 2};
+  const Area bottom{area.row + area.rows - told, area.column + 1, told, area.columns - 2};
   if (area.rows > 4) {
     if (!desk_.working_on().empty() && desk_.message().text().empty())
       canvas.text(bottom, 0, 0,
@@ -105,17 +112,18 @@ void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
   int row = static_cast<int>(rows.size()) + 1;
   if (row + 1 >= area.rows) return;
   const bool on_field = selected < static_cast<int>(rows.size());
-  canvas.text(
-      area, row++, 2,
+  const Area text = area.right_of(2);
+  row += canvas.paragraph(
+      text, row,
       on_field ? rows[static_cast<std::size_t>(selected)].help : std::string("Enter takes this port into the form"),
       Tone::faint);
-  canvas.text(area, row++, 2,
-              fmt::format("makes {}{}", desk_.form().text(), desk_.stored() == desk_.form().text() ? " (stored)" : ""),
-              Tone::strong);
-  canvas.text(area, row++, 2,
-              desk_.stored().empty() ? "stored: none; without --link the bundled emulator is used"
-                                     : "stored: " + desk_.stored(),
-              Tone::faint);
+  const std::string made = desk_.form().text();
+  row += canvas.paragraph(text, row, fmt::format("makes {}{}", made, desk_.stored() == made ? " (stored)" : ""),
+                          Tone::strong);
+  row += canvas.paragraph(text, row,
+                          desk_.stored().empty() ? "stored: none; without --link the bundled emulator is used"
+                                                 : "stored: " + desk_.stored(),
+                          Tone::faint);
   if (row + 2 < area.rows) draw_ports(canvas, {area.row + row + 1, area.column, area.rows - row - 1, area.columns});
 }
 
@@ -137,13 +145,11 @@ void LinkScreen::draw_ports(Canvas& canvas, const Area& area) const {
   place.selected = std::max(0, row_.selected - before);
   const bool here = row_.selected >= before;
   const std::string action = here && place.selected < static_cast<int>(rows.size())
-                                 ? desk_.ports()[static_cast<std::size_t>(place.selected)].action
+                                 ? what_to_do(desk_.ports()[static_cast<std::size_t>(place.selected)])
                                  : "";
   const int list = std::min(static_cast<int>(rows.size()), area.rows - 1 - (action.empty() ? 0 : 2));
   draw_list(canvas, {area.row + 1, area.column, std::max(1, list), area.columns}, rows, place, here);
-  const auto lines = wrapped(action, area.columns - 2);
-  for (int k = 0; k < std::min(2, static_cast<int>(lines.size())) && 1 + list + k < area.rows; ++k)
-    canvas.text(area, 1 + list + k, 2, lines[static_cast<std::size_t>(k)], Tone::warning);
+  if (!action.empty()) canvas.paragraph(area.right_of(2), 1 + list, action, Tone::warning);
 }
 
 // --- doctor
@@ -174,30 +180,37 @@ void LinkScreen::draw_doctor(Canvas& canvas, const Area& area) const {
     const ToneLine& line = lines[static_cast<std::size_t>(scroll_.first + r)];
     canvas.text(area, r, 0, line.text, line.tone);
   }
+  draw_scroll_marks(canvas, area, scroll_.first, count);
 }
 
 // --- statistics
 void LinkScreen::draw_statistics(Canvas& canvas, const Area& area) const {
   const WatchedUnit unit = desk_.unit();
   const StatisticsRow verdict = judgement(unit);
-  int row = 0;
-  for (const std::string& line : wrapped(verdict.meaning, area.columns)) {
-    if (row >= std::min(2, area.rows)) break;
-    canvas.text(area, row++, 0, line, verdict.tone);
-  }
-  std::vector<ListRow> lines;
-  for (const StatisticsRow& one : statistics_rows(unit))
-    lines.push_back({fmt::format("{:<17}{:>12}  {}", one.name, one.value, one.meaning), one.tone});
+  const int row =
+      std::min(std::max(1, area.rows / 3), canvas.paragraph(area.top(area.rows / 3), 0, verdict.meaning, verdict.tone));
+  std::vector<ToneLine> lines;
+  const auto add = [&](const StatisticsRow& one) {
+    const Tone tone = one.tone == Tone::good ? Tone::plain : one.tone;
+    std::string line = fmt::format("{:<17}{:>12}  ", one.name, one.value);
+    if (area.columns < 70) {  // the meaning below
+      lines.push_back({line, tone});
+      if (!one.meaning.empty()) add_wrapped(lines, one.meaning, area.columns, "  ", "  ", tone);
+    } else {
+      add_wrapped(lines, one.meaning, area.columns, line, std::string(line.size(), ' '), tone);
+    }
+  };
+  for (const StatisticsRow& one : statistics_rows(unit)) add(one);
   const double open_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - unit.opened_at).count();
-  if (unit.open)
-    lines.push_back({fmt::format("{:<17}{:>12}", "open for", fmt::format("{:.0f} s", open_s)), Tone::plain});
-  const int list = area.rows - row - 1;
+  if (unit.open) add({"open for", fmt::format("{:.0f} s", open_s), "", Tone::plain});
+  const Area list = area.below(row + 1);
   const int count = static_cast<int>(lines.size());
-  scroll_.first = std::clamp(scroll_.first, 0, std::max(0, count - list));
-  for (int r = 0; r < std::min(list, count - scroll_.first); ++r) {
-    const ListRow& line = lines[static_cast<std::size_t>(scroll_.first + r)];
-    canvas.text(area, row + 1 + r, 0, line.text, line.tone == Tone::good ? Tone::plain : line.tone);
+  scroll_.first = std::clamp(scroll_.first, 0, std::max(0, count - list.rows));
+  for (int r = 0; r < std::min(list.rows, count - scroll_.first); ++r) {
+    const ToneLine& line = lines[static_cast<std::size_t>(scroll_.first + r)];
+    canvas.text(list, r, 0, line.text, line.tone);
   }
+  draw_scroll_marks(canvas, list, scroll_.first, count);
 }
 
 // --- keys

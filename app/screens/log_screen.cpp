@@ -79,10 +79,7 @@ void LogScreen::draw(Canvas& canvas, const Area& area) const {
     const LogEntry& entry =
         *rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))];
     const Area below{area.row + area.rows - 2 - whole, area.column + 1, whole, area.columns - 2};
-    const auto full = wrapped(entry.text, below.columns);
-    for (int r = 0; r < std::min(whole, static_cast<int>(full.size())); ++r)
-      canvas.text(below, r, 0, full[static_cast<std::size_t>(r)], Tone::strong);
-    if (static_cast<int>(full.size()) > whole) canvas.text_right(below, whole - 1, "... more in the file", Tone::faint);
+    canvas.paragraph(below, 0, entry.text, Tone::strong);
   }
   draw_bottom(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
   if (question_) draw_question(canvas, area, *question_);
@@ -93,7 +90,7 @@ void LogScreen::draw_bottom(Canvas& canvas, const Area& area) const {
     const int begin = canvas.text(area, 0, 0, prompt(), Tone::strong);
     text_.draw(canvas, area, 0, begin, std::max(1, area.columns - begin), true);
   } else {
-    canvas.text(area, 0, 0, said_, bad_ ? Tone::bad : Tone::good);
+    canvas.paragraph(area, 0, said_, bad_ ? Tone::bad : Tone::good);
   }
 }
 

@@ -50,6 +50,8 @@ class MemoryScreen final : public Screen {
   void draw_differences(Canvas& canvas, const Area& area) const;
   void draw_written(Canvas& canvas, const Area& area) const;
   void draw_targets(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] int bottom_rows(const Area& area) const;
+  [[nodiscard]] std::string selected_row() const;
   void draw_bottom(Canvas& canvas, const Area& area) const;
 
   MemoryDesk desk_;
@@ -59,6 +61,7 @@ class MemoryScreen final : public Screen {
   std::string choices_;  ///< files that the typed path may become
   DumpScope scope_ = DumpScope::all;
   ListPlace target_;
+  mutable int list_row_ = 0;  ///< of the canvas, where the first difference or write that is seen stands
   ListPlace difference_;
   ListPlace write_;
   mutable MemoryRows rows_;

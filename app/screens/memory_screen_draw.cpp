@@ -9,11 +9,16 @@
 namespace ecs::app {
 namespace {
 
-/// Rows of text that stay within the area.
-void draw_paragraph(Canvas& canvas, const Area& area, const std::string& text, Tone tone = Tone::plain) {
-  const auto lines = wrapped(text, area.columns);
-  for (int r = 0; r < std::min(area.rows, static_cast<int>(lines.size())); ++r)
-    canvas.text(area, r, 0, lines[static_cast<std::size_t>(r)], tone);
+void draw_paragraph(Canvas& canvas, const Area& area, const std::string& text) { canvas.paragraph(area, 0, text); }
+
+std::string text_of(const DifferenceRow& row) {
+  return fmt::format("{}  {} {:>5}  {} | {}", hex_address(row.first), in_columns(row.name, 34), row.bytes, row.a,
+                     row.b);
+}
+
+std::string text_of(const ByteWrite& write) {
+  return fmt::format("{}  {}  {} > {}{}  {}", write.when, hex_address(write.address), short_hex(write.before, 4),
+                     short_hex(write.after, 4), write.taken_back ? "  TAKEN BACK" : "", write.where);
 }
 
 }  // namespace
@@ -22,7 +27,8 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows < 1 || area.columns < 10) return;
   draw_top(canvas, area.top(2));
   const bool low = area.rows < 14;
-  const int below = low ? 3 : 5;
+  const int bottom = bottom_rows(area);
+  const int below = (low ? 1 : 3) + bottom;
   const Area body{area.row + 2, area.column, std::max(0, area.rows - 2 - below), area.columns};
   if (typing_ == Typing::place) {
     draw_targets(canvas, body);
@@ -33,10 +39,16 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
   } else {
     draw_bytes(canvas, body);
     if (!desk_.is_empty() && area.rows - below > 2)
-      draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - 2, area.columns - 2});
+      draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - bottom, area.columns - 2});
   }
-  if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - 2, area.column + 1, 2, area.columns - 2});
+  if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - bottom, area.column + 1, bottom, area.columns - 2});
   if (desk_.question()) draw_question(canvas, area, *desk_.question());
+}
+
+/// Two, or what the message needs.
+int MemoryScreen::bottom_rows(const Area& area) const {
+  if (typing() || !desk_.working_on().empty()) return 2;
+  return std::max(2, desk_.message().rows(area.columns - 2, area.rows / 3));
 }
 
 /// @param whole  with the names of the pages that are not shown
@@ -92,8 +104,13 @@ void MemoryScreen::draw_under_cursor(Canvas& canvas, const Area& area) const {
   int row = 0;
   int c = canvas.text(area, row, 0, hex_address(desk_.cursor()) + "  ", Tone::faint);
   if (place) {
-    c += canvas.text(area, row, c, place->name, Tone::strong);
-    if (!place->value.empty()) canvas.text(area, row, c, " = " + place->value);
+    const std::string value = place->value.empty() ? "" : " = " + place->value;
+    if (c + width_of(place->name) + width_of(value) > area.columns) {
+      canvas.paragraph(area.top(1), 0, hex_address(desk_.cursor()) + "  " + place->name + value);
+    } else {
+      c += canvas.text(area, row, c, place->name, Tone::strong);
+      canvas.text(area, row, c, value);
+    }
     const auto more = fmt::format("byte {} of {}", desk_.cursor() - place->first + 1, place->bytes);
     if (area.rows > 1) canvas.text_right(area, 1, more, Tone::faint);
   } else {
@@ -120,12 +137,11 @@ void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
                                       "region, s reads all memory.",
                                       desk_.compared_file()));
   std::vector<ListRow> rows;
-  for (const DifferenceRow& row : desk_.differences())
-    rows.push_back({fmt::format("{}  {:<34} {:>5}  {} | {}", hex_address(row.first), row.name, row.bytes, row.a, row.b),
-                    Tone::plain});
+  for (const DifferenceRow& row : desk_.differences()) rows.push_back({text_of(row), Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
               fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", desk_.compared_file()),
               Tone::faint);
+  list_row_ = area.row + 1;
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, difference_);
 }
 
@@ -137,12 +153,26 @@ void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
                           "it asks first, and u writes the old bytes back.");
   std::vector<ListRow> rows;
   for (const ByteWrite& write : desk_.written())
-    rows.push_back(
-        {fmt::format("{}  {}  {} > {}{}  {}", write.when, hex_address(write.address), short_hex(write.before, 4),
-                     short_hex(write.after, 4), write.taken_back ? "  TAKEN BACK" : "", write.where),
-         write.taken_back ? Tone::faint : Tone::plain});
+    rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2, "time      address   before > after  where", Tone::faint);
+  list_row_ = area.row + 1;
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, write_);
+}
+
+/// The row under the cursor whole: in the list it may be cut.
+std::string MemoryScreen::selected_row() const {
+  const auto at = [](const ListPlace& place, std::size_t count) {
+    return static_cast<std::size_t>(std::clamp(place.selected, 0, static_cast<int>(count) - 1));
+  };
+  if (page_ == Page::differences) {
+    const auto& rows = desk_.differences();
+    if (!desk_.compares() || rows.empty()) return {};
+    const DifferenceRow& row = rows[at(difference_, rows.size())];
+    return fmt::format("{} {}: here {}, in {} {}", hex_address(row.first), row.name, row.a, desk_.compared_file(),
+                       row.b);
+  }
+  const auto& writes = desk_.written();
+  return writes.empty() ? std::string() : text_of(writes[at(write_, writes.size())]);
 }
 
 void MemoryScreen::draw_targets(Canvas& canvas, const Area& area) const {
@@ -161,7 +191,7 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
     const int begin = width_of(label) + 2;
     canvas.text(area, 0, 0, label + ":", Tone::strong);
     text_.draw(canvas, area, 0, begin, std::max(1, area.columns - begin), true);
-    canvas.text(area, 1, 0, choices_.empty() ? hint() : choices_, Tone::faint);
+    canvas.paragraph(area.below(1), 0, choices_.empty() ? hint() : choices_, Tone::faint);
     return;
   }
   const std::string working = desk_.working_on();
@@ -173,7 +203,10 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
       canvas.text(area, 1, 0, "Esc gives it up", Tone::faint);
     return;
   }
-  desk_.message().draw(canvas, area);
+  if (!desk_.message().text().empty())
+    desk_.message().draw(canvas, area);
+  else if (page_ != Page::bytes)
+    canvas.paragraph(area, 0, selected_row(), Tone::faint);
 }
 
 }  // namespace ecs::app

@@ -111,6 +111,22 @@ Result<std::unique_ptr<ModelDesk>> ModelDesk::open(Session& session, const Model
   return desk;
 }
 
+Result<std::unique_ptr<ModelDesk>> ModelDesk::begin_new(Session& session, const ModelArguments& files) {
+  std::error_code error;
+  if (std::filesystem::exists(files.model, error))
+    return problem(ProblemKind::usage, files.model + " exists already: open it, or give another name");
+  if (const auto written = model::write_model(files.model, model::Model{}); !written)
+    return tl::unexpected(written.error());
+  auto desk = open(session, files);
+  if (!desk) {
+    std::filesystem::remove(files.model, error);
+    return desk;
+  }
+  (*desk)->message_.say(fmt::format("begun in {}: a model without any effect; d finds what is missing, a adds it",
+                                    std::filesystem::path(files.model).filename().string()));
+  return desk;
+}
+
 void ModelDesk::begin(const std::string& what) {
   working_on_ = what;
   since_ = std::chrono::steady_clock::now();

@@ -1,5 +1,7 @@
 #include "app/screens/model_form.hpp"
 
+#include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -13,9 +15,10 @@ namespace {
 
 constexpr std::array<const char*, 3> kNames{"model", "data", "machine"};
 constexpr std::array<const char*, 3> kHelp{
-    "model file (.toml): the effects that are believed so far",
-    "measured files, separated by blanks; any that `ecs laser import` reads",
-    "machine file (.toml): datum, travels, lever arms, pitches; may be left empty"};
+    "Model file (.toml): the effects that are believed so far. A name that does not exist yet, or none: a new model is "
+    "begun from the measurements.",
+    "Measured files, separated by blanks: any that PROCESS LASER DATA reads.",
+    "Machine file (.toml): datum, travels, lever arms, pitches. May be left empty."};
 constexpr int kColumn = 12;
 constexpr int kFirstRow = 2;
 
@@ -30,39 +33,75 @@ void ModelForm::draw(Canvas& canvas, const Area& area) const {
                 k == field_ ? Tone::strong : Tone::plain);
     fields_[i].draw(canvas, inside, kFirstRow + k, kColumn, inside.columns - kColumn, k == field_);
   }
-  canvas.paragraph(inside, kFirstRow + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
-  if (opening_.running()) canvas.text(inside, kFirstRow + 6, 0, "reading and fitting ...", Tone::warning);
-  if (!hint_.empty()) canvas.paragraph(inside, kFirstRow + 6, hint_, problem_ ? Tone::bad : Tone::faint);
+  fields_row_ = inside.row + kFirstRow;
+  const int below =
+      kFirstRow + 5 + canvas.paragraph(inside, kFirstRow + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
+  if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
+  if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
+  if (question_) draw_question(canvas, area, *question_);
 }
 
 Place ModelForm::cursor(const Area& area) const {
+  if (question_) return {-1, -1};
   return {
       area.row + kFirstRow + field_,
       area.column + 1 + kColumn + fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
 }
 
-void ModelForm::open() {
+ModelArguments ModelForm::files() const {
   ModelArguments files;
   files.model = fields_[0].text();
   files.data = split_words(fields_[1].text());
   files.machine = fields_[2].text();
-  if (files.model.empty() || files.data.empty()) {
-    hint_ = "a model and at least one file of measurements are needed";
+  return files;
+}
+
+void ModelForm::open() {
+  hint_.clear();
+  ModelArguments named = files();
+  if (named.data.empty()) {
+    hint_ = "at least one file of measurements is needed";
     problem_ = true;
+    field_ = 1;
     return;
   }
-  hint_.clear();
-  opening_.start([files](JobSigns&) -> Opened {
+  if (named.model.empty()) {
+    const std::filesystem::path data(named.data.front());
+    named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
+    fields_[0].set(named.model);
+  }
+  std::error_code error;
+  if (std::filesystem::exists(named.model, error)) return start(false);
+  question_ = Question{"Begin a new model?",
+                       fmt::format("{} does not exist yet. A new model has no effect: all that was measured is still "
+                                   "to be explained. Then d finds what is missing, a adds it and the error falls.",
+                                   named.model),
+                       "begin it", "another file"};
+}
+
+void ModelForm::start(bool anew) {
+  opening_.start([files = files(), anew](JobSigns&) -> Opened {
     std::ostringstream out, messages;
     Face face(out, messages);
     Session session{face, {}, {}};
-    return ModelDesk::open(session, files);
+    return anew ? ModelDesk::begin_new(session, files) : ModelDesk::open(session, files);
   });
 }
 
 Step ModelForm::on_key(const Key& key) {
+  if (question_) {
+    const Reply reply = reply_to(key);
+    if (reply != Reply::none) question_.reset();
+    if (reply == Reply::yes) start(true);
+    if (reply == Reply::no) field_ = 0;
+    return stay();
+  }
   if (key.name == Key::Name::escape) return back();
-  if (opening_.running()) return stay();
+  if (!opening_.running()) on_field_key(key);
+  return stay();
+}
+
+void ModelForm::on_field_key(const Key& key) {
   TextLine& field = fields_[static_cast<std::size_t>(field_)];
   if (key.name == Key::Name::enter) {
     if (field_ < 2)
@@ -73,6 +112,8 @@ Step ModelForm::on_key(const Key& key) {
     field_ = std::max(0, field_ - 1);
   } else if (key.name == Key::Name::down) {
     field_ = std::min(2, field_ + 1);
+  } else if (key.name == Key::Name::mouse) {
+    if (key.row >= fields_row_ && key.row < fields_row_ + 3) field_ = key.row - fields_row_;
   } else if (key.name == Key::Name::tab) {
     const PathCompletion found = field_ == 1 ? completed_paths(field.text()) : completed_path(field.text());
     field.set(found.completed);
@@ -81,7 +122,6 @@ Step ModelForm::on_key(const Key& key) {
   } else {
     (void)field.on_key(key);
   }
-  return stay();
 }
 
 bool ModelForm::advance() {
@@ -102,13 +142,15 @@ std::unique_ptr<Screen> ModelForm::opens_by_itself() {
 }
 
 std::vector<KeyHelp> ModelForm::keys() const {
+  if (question_) return {{"y", question_->yes}, {"n", question_->no}};
   return {{"Enter", "next field, then open"}, {"Tab", "complete a path"}, {"Esc", "back"}};
 }
 
 std::string ModelForm::help() const {
-  return "The model file holds the effects that are believed so far; an empty file is a model without any. The data "
-         "are "
-         "measurement sets (CSV) or files of a laser.";
+  return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
+         "believed so far; who has none gives a new name, or none at all: a model without any effect is begun there, "
+         "and the screen finds from the measurements what belongs into it. The machine file tells lever arms and "
+         "pitches; without it less can be told apart.";
 }
 
 }  // namespace ecs::app

@@ -45,7 +45,8 @@ ModelScreen::ModelScreen(std::unique_ptr<ModelDesk> desk) : desk_(std::move(desk
 
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
   draw_tabs(canvas, area.top(1));
-  const Area body{area.row + 1, area.column, area.rows - 2, area.columns};
+  const int standing = standing_rows(area);
+  const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - standing), area.columns};
   switch (page_) {
     case Page::curves:
       draw_curves(canvas, body);
@@ -59,7 +60,7 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
     default:
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
   }
-  draw_standing(canvas, {area.row + area.rows - 1, area.column, 1, area.columns});
+  draw_standing(canvas, {area.row + area.rows - standing, area.column, standing, area.columns});
   if (draft_)
     draw_question(
         canvas, area,
@@ -72,36 +73,46 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
 }
 
 void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  const bool room = area.columns >= 68;  // else only the page that is seen has its name
   int column = 1;
   for (int p = 0; p < kPages; ++p) {
     const bool here = static_cast<Page>(p) == page_;
+    const std::string name = room || here ? fmt::format("{} {}", p + 1, kTitles[p]) : fmt::format("{}", p + 1);
     column +=
-        canvas.text(area, 0, column, fmt::format("{}{} {}{}", here ? "[" : " ", p + 1, kTitles[p], here ? "]" : " "),
-                    here ? Tone::strong : Tone::faint);
+        canvas.text(area, 0, column, (here ? "[" : " ") + name + (here ? "]" : " "), here ? Tone::strong : Tone::faint);
   }
 }
 
+/// What the last rows say while nothing is asked and nothing was told.
+std::string ModelScreen::standing_text() const {
+  const model::Fit& fit = desk_->fit();
+  const std::size_t effects = desk_->model().effects.size();
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um{}", desk_->data().size(),
+                     effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um,
+                     desk_->changed() ? "; not saved" : "");
+}
+
+int ModelScreen::standing_rows(const Area& area) const {
+  if (desk_->busy() || asked_) return 1;
+  const int most = std::max(1, area.rows / 4);
+  if (!desk_->message().text().empty()) return desk_->message().rows(area.columns - 2, most);
+  return std::min(most, static_cast<int>(wrapped(standing_text(), area.columns - 2).size()));
+}
+
 void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
   if (desk_->busy()) {
-    canvas.text(area, 0, 1, fmt::format("{} ... {:.0f} s, Esc gives up", desk_->working_on(), desk_->seconds_working()),
-                Tone::warning);
-    return;
-  }
-  if (asked_) {
+    canvas.paragraph(text, 0,
+                     fmt::format("{} ... {:.0f} s, Esc gives up", desk_->working_on(), desk_->seconds_working()),
+                     Tone::warning);
+  } else if (asked_) {
     const int begin = canvas.text(area, 0, 1, asked_->label + " ", Tone::strong) + 1;
     asked_->line.draw(canvas, area, 0, begin, std::max(4, area.columns - begin - 1), true);
-    return;
+  } else if (!desk_->message().text().empty()) {
+    desk_->message().draw(canvas, text);
+  } else {
+    canvas.paragraph(text, 0, standing_text());
   }
-  if (!desk_->message().text().empty()) {
-    desk_->message().draw(canvas, {area.row, area.column + 1, 1, area.columns - 2});
-    return;
-  }
-  const model::Fit& fit = desk_->fit();
-  std::string text = fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um",
-                                 desk_->data().size(), desk_->model().effects.size(),
-                                 desk_->model().effects.size() == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
-  if (desk_->changed()) text += "; not saved";
-  canvas.text(area, 0, 1, text);
 }
 
 void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
@@ -147,8 +158,8 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Tone tone = d.verdict == model::Verdict::adequate ? Tone::good : Tone::warning;
   int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
   if (d.candidates.empty()) {
-    for (const std::string& line : lines_in(diagnosis_text(d)))
-      if (row < text.rows) canvas.text(text, row++, 0, line);
+    const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
+    draw_scrolled(canvas, wide, lines_in(diagnosis_text(d)), scroll_);
     return;
   }
   canvas.text(text, row++, 2, fmt::format("{:<30} {:>19}  explained  by chance", "effect:axis:sense", "rms um"),
@@ -156,7 +167,8 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um));
   const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
-  draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
+  cause_row_ = text.row + row;
+  draw_list(canvas, {cause_row_, text.column, list_rows, text.columns}, rows, cause_);
   row += list_rows + 1;
   const auto chosen = static_cast<std::size_t>(std::clamp(cause_.selected, 0, static_cast<int>(rows.size()) - 1));
   const model::Candidate& candidate = d.candidates[chosen];
@@ -174,30 +186,33 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
   const auto& history = desk_->model().history;
-  double most = desk_->fit().rms_um;
-  for (const model::LadderStep& step : history) most = std::max({most, step.rms_um, step.rms_before_um});
-  constexpr int kName = 34, kNumbers = 10;
-  const Area bars{text.row, text.column + kName + kNumbers, text.rows, text.columns - kName - kNumbers};
-  canvas.text(text, 0, 0, "step", Tone::faint);
-  canvas.text(text, 0, kName, "rms um", Tone::faint);
-  int row = 1;
-  const auto rung = [&](const std::string& name, double rms_um) {
-    canvas.text({text.row, text.column, text.rows, kName - 1}, row, 0, name);
-    canvas.text(text, row, kName, fmt::format("{:.3f}", rms_um), Tone::strong);
-    draw_bar(canvas, bars, row++, rms_um, most, Tone::forward);
-  };
-  if (history.empty()) rung("the model as it is", desk_->fit().rms_um);
-  if (!history.empty() && !history.front().effect.empty()) rung("before", history.front().rms_before_um);
+  std::vector<std::pair<std::string, double>> rungs;
+  if (history.empty()) rungs.emplace_back("the model as it is", desk_->fit().rms_um);
+  if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
   for (const model::LadderStep& step : history)
-    rung(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
-  canvas.text(text, row, 0, "noise of one reading", Tone::faint);
-  canvas.text(text, row, kName, fmt::format("{:.3f}", desk_->fit().noise.noise_um), Tone::faint);
-  draw_bar(canvas, bars, row, desk_->fit().noise.noise_um, most, Tone::faint);
-  const Area full{text.row, area.column, text.rows, area.columns};
-  row += 2;
-  for (const std::string& line :
-       lines_in(history.empty() ? "No effect was added yet: d finds one, a adds it." : ladder_text(history)))
-    canvas.text(full, row++, 0, line);
+    rungs.emplace_back(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
+  double most = desk_->fit().rms_um;
+  for (const auto& [name, rms_um] : rungs) most = std::max(most, rms_um);
+
+  constexpr int kNumbers = 10;
+  const int names = std::clamp(text.columns / 2, 8, 34);
+  const Area bars = text.right_of(names + kNumbers);
+  canvas.text(text.left(names - 1), 0, 0, "step", Tone::faint);
+  canvas.text(text, 0, names, "rms um", Tone::faint);
+  int row = 1;
+  const auto rung = [&](const std::string& name, double rms_um, Tone tone, Tone bar) {
+    canvas.text(text.left(names - 1), row, 0, name, tone);
+    canvas.text(text, row, names, fmt::format("{:.3f}", rms_um), tone == Tone::plain ? Tone::strong : tone);
+    draw_bar(canvas, bars, row++, rms_um, most, bar);
+  };
+  const auto room = static_cast<std::size_t>(std::max(2, area.rows * 2 / 3 - 3));  // the newest, all in the table below
+  for (std::size_t k = rungs.size() > room ? rungs.size() - room : 0; k < rungs.size(); ++k)
+    rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
+  rung("noise of one reading", desk_->fit().noise.noise_um, Tone::faint, Tone::faint);
+  draw_scrolled(canvas, area.below(row + 1),
+                history.empty() ? wrapped(" No effect was added yet: d finds one, a adds it.", area.columns - 1)
+                                : lines_in(ladder_text(history)),
+                scroll_);
 }
 
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
@@ -343,7 +358,10 @@ Step ModelScreen::on_key(const Key& key) {
     (void)on_curve_key(key);
   } else if (page_ == Page::causes) {
     const int count = desk_->diagnosis() ? static_cast<int>(desk_->diagnosis()->candidates.size()) : 0;
-    (void)cause_.on_key(key, count);
+    if (key.name == Key::Name::mouse && key.row >= cause_row_ && key.row - cause_row_ + cause_.first < count)
+      cause_.selected = key.row - cause_row_ + cause_.first;
+    else if (!cause_.on_key(key, count) || count == 0)
+      (void)scroll_.on_key(key);
   } else {
     (void)scroll_.on_key(key);
   }
@@ -358,8 +376,10 @@ std::vector<KeyHelp> ModelScreen::keys() const {
             {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"r", "run"}};
   else if (page_ == Page::after)
     keys = {{"w", "what if"}, {"o", "measured again"}, {"m", "map"}, {"Tab", "page"}};
-  else
+  else if (page_ == Page::causes)
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
+  else
+    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
   if (desk_->diagnosis() && !desk_->diagnosis()->candidates.empty()) keys.insert(keys.begin(), {"a", "add"});
   keys.push_back({"u", "undo"});
   keys.push_back({"s", "save"});

@@ -42,6 +42,8 @@ class ModelScreen final : public Screen {
   };
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::string standing_text() const;
+  [[nodiscard]] int standing_rows(const Area& area) const;
   void draw_standing(Canvas& canvas, const Area& area) const;
   void draw_curves(Canvas& canvas, const Area& area) const;
   void draw_causes(Canvas& canvas, const Area& area) const;
@@ -60,6 +62,7 @@ class ModelScreen final : public Screen {
   int line_ = 0;
   ChartView view_;
   ListPlace cause_;
+  mutable int cause_row_ = 0;  ///< of the canvas, where the first that is seen stands
   ScrollPlace scroll_;
   std::optional<int> run_;  ///< absent: all runs
   mutable Curves curves_;

@@ -42,15 +42,7 @@ void draw_compared(Canvas& canvas, const Area& area, const ParametersDesk& desk,
   const int width = std::max(6, (area.columns - names - 4) / 3);
   const auto line = [&](const std::string& name, const std::string& screen, const std::string& file,
                         const std::string& unit) {
-    const auto cell = [](const std::string& text, int columns) {
-      const std::u32string points = code_points(text);
-      std::string out;
-      for (int k = 0; k < std::min(columns - 1, static_cast<int>(points.size())); ++k)
-        out += utf8_of(k == columns - 2 && static_cast<int>(points.size()) > columns - 1
-                           ? U'…'
-                           : points[static_cast<std::size_t>(k)]);
-      return out + std::string(static_cast<std::size_t>(std::max(1, columns - width_of(out))), ' ');
-    };
+    const auto cell = [](const std::string& text, int columns) { return in_columns(text, columns - 1) + " "; };
     return cell(name, names) + cell(screen, width) + cell(file, width) + cell(unit, width);
   };
   canvas.text(area, 0, 2,

@@ -92,12 +92,6 @@ void keep_in_sight(const ListPlace& place, int rows, int count) {
   place.first = std::clamp(place.first, 0, std::max(0, count - rows));
 }
 
-void draw_more(Canvas& canvas, const Area& area, int first, int count) {
-  const int column = area.column + area.columns - 1;
-  if (first > 0) canvas.put(area.row, column, U'↑', Tone::faint);
-  if (first + area.rows < count) canvas.put(area.row + area.rows - 1, column, U'↓', Tone::faint);
-}
-
 }  // namespace
 
 std::string about(const ParametersDesk& desk, int columns) {
@@ -138,7 +132,7 @@ Place draw_parameters(Canvas& canvas, const Area& area, const ParametersDesk& de
     const bool here = place.first + r == place.selected;
     draw_row(canvas, list, r, desk, row, here, here && edit && edit->key == row.key ? &*edit : nullptr, cursor);
   }
-  draw_more(canvas, list, place.first, count);
+  draw_scroll_marks(canvas, list, place.first, count);
   return cursor;
 }
 
@@ -148,14 +142,7 @@ void draw_panel(Canvas& canvas, const Area& area, const std::string& title, cons
   if (!title.empty()) canvas.text(area, 0, 2, " " + title + " ", Tone::strong);
   const Area inside{area.row + 1, area.column + 1, area.rows - 1, std::max(1, area.columns - 2)};
   int row = 0;
-  for (const PanelText& part : texts)
-    for (const std::string& line : wrapped(part.text, inside.columns)) {
-      if (row >= inside.rows) {
-        canvas.text_right(inside, inside.rows - 1, canvas.glyphs() == Glyphs::ascii ? " ..." : " …", part.tone);
-        return;
-      }
-      canvas.text(inside, row++, 0, line, part.tone);
-    }
+  for (const PanelText& part : texts) row += canvas.paragraph(inside, row, part.text, part.tone);
 }
 
 void draw_key_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const std::string& key,

@@ -37,7 +37,7 @@ void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersDesk& 
 void draw_compared(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
 void draw_compared_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
 
-/// A rule with a title, then lines in their tones, whole words; the last row ends in an ellipsis where it is not all.
+/// A rule with a title, then texts in their tones, whole words; F2 shows what there are no rows for.
 struct PanelText {
   std::string text;
   Tone tone = Tone::plain;

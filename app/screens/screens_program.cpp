@@ -4,37 +4,45 @@
 #include <optional>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "app/interrupt.hpp"
 #include "app/screens/drafts.hpp"
+#include "app/screens/key_line.hpp"
+#include "app/screens/overlay.hpp"
 #include "app/screens/talk.hpp"
-#include "app/screens/widgets.hpp"
 
 namespace ecs::app {
 namespace {
 
 constexpr int kWait_ms = 40;  ///< between two looks at running work
 
-void draw_key_line(Canvas& canvas, const Area& line, const std::vector<KeyHelp>& keys, bool typing) {
-  canvas.fill(line, U' ', Tone::faint);
-  int column = 0;
-  const std::string more = typing ? "F1 help " : "? help ";  // the last cell of a terminal stays empty
-  for (const KeyHelp& key : keys) {
-    const std::string text = key.keys + " " + key.does;
-    if (column + width_of(text) + 2 > line.columns - width_of(more)) break;
-    column += canvas.text(line, 0, column, key.keys, Tone::strong);
-    column += canvas.text(line, 0, column, " " + key.does, Tone::faint) + 2;
-  }
-  canvas.text_right(line, 0, more, Tone::strong);
+Area key_area(const Canvas& canvas) { return {canvas.rows() - 1, 0, 1, canvas.columns()}; }
+
+/// @param partly  the picture shows a text in part only
+KeyLine key_line_of(const Screen& screen, bool partly) {
+  KeyLine line{screen.keys(), {{screen.typing() ? "F1" : "?", "help"}}};
+  if (partly) line.ends.insert(line.ends.begin(), {"F2", "whole text"});
+  return line;
 }
 
-/// The way here at the left, its end first where it is too long; the unit at the right.
+/// The end of a long link: the port says more than the folders before it.
+std::string short_link(const std::string& link, int room) {
+  if (width_of(link) <= room) return link;
+  const std::size_t slash = link.rfind('/');
+  if (slash != std::string::npos && slash + 1 < link.size()) return short_link(link.substr(slash + 1), room);
+  const std::u32string letters = code_points(link);
+  const std::size_t kept = std::min(letters.size(), static_cast<std::size_t>(std::max(1, room - 1)));
+  return "…" + utf8_of(std::u32string_view(letters).substr(letters.size() - kept));
+}
+
+/// The way here at the left, its end first where it is too long; the unit at the right, its state before all.
 void draw_header(Canvas& canvas, const std::string& path, const Standing& standing, bool unsaved) {
   const Area header = canvas.whole().top(1);
   canvas.fill(header, U' ', Tone::selected);
-  std::string right = standing.link.empty() ? "" : standing.link + " " + standing.state;
-  if (unsaved) right = right.empty() ? "NOT SAVED" : "NOT SAVED  " + right;
+  const std::string saved = unsaved ? "NOT SAVED" : "";
+  const int link_room = std::max(8, header.columns / 2 - width_of(standing.state) - width_of(saved));
+  std::string right = standing.link.empty() ? "" : short_link(standing.link, link_room) + " " + standing.state;
+  if (unsaved) right = right.empty() ? saved : saved + "  " + right;
+  if (width_of(right) >= header.columns) canvas.keep_whole(right);
   const int room = header.columns - width_of(right) - 4;
   std::string left = path;
   for (std::size_t cut = left.find(" > "); width_of(left) > room && cut != std::string::npos; cut = left.find(" > "))
@@ -44,29 +52,7 @@ void draw_header(Canvas& canvas, const std::string& path, const Standing& standi
                     standing.bad ? Tone::bad : Tone::selected);
 }
 
-std::vector<std::string> help_lines(const Screen& screen, int columns) {
-  std::vector<std::string> lines = wrapped(screen.help(), std::max(20, columns - 8));
-  lines.emplace_back();
-  for (const KeyHelp& key : screen.keys()) lines.push_back(fmt::format("{:<14} {}", key.keys, key.does));
-  lines.push_back(fmt::format("{:<14} {}", "Esc", "back; on the first screen: leave"));
-  lines.push_back(fmt::format("{:<14} {}", "Ctrl-L, Ctrl-C", "draw everything anew; leave the program"));
-  return lines;
-}
-
-int help_rows(const Canvas& canvas) { return std::max(1, canvas.rows() - 4); }
-
-/// The lines of the help from `first` on, as many as fit.
-void draw_help(Canvas& canvas, const Screen& screen, int first) {
-  const auto lines = help_lines(screen, canvas.columns());
-  const int left = static_cast<int>(lines.size()) - first;
-  const int rows = std::min(left, help_rows(canvas));
-  const Area box{(canvas.rows() - rows - 2) / 2, 2, rows + 2, canvas.columns() - 4};
-  canvas.fill(box);
-  canvas.frame(box,
-               screen.title() + (left > rows ? ": help, any key shows more, Esc goes on" : ": help, any key goes on"),
-               Tone::plain);
-  for (int r = 0; r < rows; ++r) canvas.text(box.inside(), r, 1, lines[static_cast<std::size_t>(first + r)]);
-}
+const std::vector<KeyHelp> kLeavingKeys{{"y", "leave"}, {"n", "stay"}};
 
 void draw_leaving(Canvas& canvas, const std::string& unsaved) {
   draw_question(
@@ -74,9 +60,7 @@ void draw_leaving(Canvas& canvas, const std::string& unsaved) {
       {"Leave the program?",
        unsaved + (drafts_fail() && !unsaved.empty() ? " IT WOULD BE LOST: no draft can be written, see LOG." : ""),
        "leave", "stay"});
-  const Area line{canvas.rows() - 1, 0, 1, canvas.columns()};
-  canvas.fill(line);
-  canvas.text(line, 0, 0, "y leave  n stay", Tone::strong);
+  draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
 }
 
 /// The screens one behind the other.
@@ -114,8 +98,12 @@ Canvas picture_of(const Screen& screen, const std::string& path, const Standing&
                   bool with_help) {
   draw_header(canvas, path, standing, !screen.unsaved().empty());
   screen.draw(canvas, screen_area(canvas));
-  draw_key_line(canvas, {canvas.rows() - 1, 0, 1, canvas.columns()}, screen.keys(), screen.typing());
-  if (with_help) draw_help(canvas, screen, 0);
+  draw_key_line(canvas, key_area(canvas), key_line_of(screen, !canvas.whole_texts().empty()));
+  if (with_help) {
+    Overlay help;
+    help.show_help(screen);
+    help.draw(canvas);
+  }
   return canvas;
 }
 
@@ -123,10 +111,11 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
   catch_signals();
   Stack stack(std::move(first));
   Standing standing;
-  std::optional<int> help;  ///< the first line of it that is shown
-  bool changed = true;      ///< since the last picture
-  bool urgent = true;       ///< by a key
-  bool sure = false;        ///< asked once about unsaved work
+  Overlay over;
+  std::vector<std::string> partly;  ///< seen in part only in the last picture
+  bool changed = true;              ///< since the last picture
+  bool urgent = true;               ///< by a key
+  bool sure = false;                ///< asked once about unsaved work
   while (!stack.empty() && interrupting_signal() == 0) {
     Screen& screen = stack.front();
     changed = screen.advance() || changed;
@@ -141,11 +130,16 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
     }
     if (changed) {
       Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), false);
-      if (help) draw_help(canvas, screen, *help);
+      partly = canvas.whole_texts();
+      if (over.shown()) over.draw(canvas);
       if (sure) draw_leaving(canvas, stack.unsaved());
-      changed = !terminal.show(canvas, help || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
+      changed =
+          !terminal.show(canvas, over.shown() || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
     }
-    const Key key = terminal.read(kWait_ms);
+    Key key = terminal.read(kWait_ms);
+    if (const Area line = key_area(terminal.canvas()); key.name == Key::Name::mouse && key.row == line.row)
+      key = clicked_key(line, sure ? KeyLine{kLeavingKeys, {}} : key_line_of(screen, !partly.empty()), key.column)
+                .value_or(Key{});
     urgent = key.name != Key::Name::none;
     changed = changed || urgent;
     if (!urgent) {
@@ -154,18 +148,17 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
       const Reply reply = reply_to(key);
       if (reply == Reply::yes) return 0;
       sure = reply == Reply::none;
-    } else if (help) {
-      const int next = *help + help_rows(terminal.canvas());
-      const bool more = next < static_cast<int>(help_lines(screen, terminal.canvas().columns()).size());
-      if (key.name != Key::Name::resized)
-        help = more && key.name != Key::Name::escape ? std::optional(next) : std::nullopt;
+    } else if (over.shown()) {
+      over.on_key(key);
     } else if (key.name == Key::Name::control && key.letter == U'l') {
       terminal.redraw();
     } else if (key.name == Key::Name::control && key.letter == U'c') {
       if (stack.unsaved().empty()) return 0;
       sure = true;
     } else if ((is_letter(key, U'?') && !screen.typing()) || (key.name == Key::Name::function && key.number == 1)) {
-      help = 0;
+      over.show_help(screen);
+    } else if (key.name == Key::Name::function && key.number == 2 && !partly.empty()) {
+      over.show_whole(partly);
     } else {
       Step step = screen.on_key(key);
       if (step.kind == Step::Kind::back && stack.is_last())

@@ -15,13 +15,13 @@ void MessageLine::say(const std::string& text, Tone tone) {
   log_event(tone, text);
 }
 
+int MessageLine::rows(int columns, int most) const {
+  if (text_.empty()) return 1;
+  return std::clamp(static_cast<int>(wrapped(text_, columns).size()), 1, std::max(1, most));
+}
+
 void MessageLine::draw(Canvas& canvas, const Area& area) const {
-  if (text_.empty() || area.rows <= 0) return;
-  const auto lines = wrapped(text_, area.columns);
-  const auto shown = std::min(lines.size(), static_cast<std::size_t>(area.rows));
-  for (std::size_t r = 0; r < shown; ++r) canvas.text(area, static_cast<int>(r), 0, lines[r], tone_);
-  if (shown < lines.size())
-    canvas.text_right(area, area.rows - 1, canvas.glyphs() == Glyphs::ascii ? "..." : "…", tone_);
+  if (!text_.empty() && area.rows > 0) canvas.paragraph(area, 0, text_, tone_);
 }
 
 Reply reply_to(const Key& key) {
@@ -34,19 +34,19 @@ void draw_question(Canvas& canvas, const Area& area, const Question& question) {
   const int columns = std::min(area.columns, std::max(44, area.columns * 3 / 4));
   const auto title = wrapped(question.title, columns - 4);
   const auto detail = wrapped(question.detail, columns - 4);
-  const int rows = std::min(area.rows, static_cast<int>(title.size() + detail.size()) + 4);
+  std::vector<std::string> answers{"y " + question.yes, "n " + question.no};
+  if (width_of(answers[0]) + 4 + width_of(answers[1]) <= columns - 4) answers = {answers[0] + "    " + answers[1]};
+  const int last = static_cast<int>(answers.size());
+  const int rows = std::min(area.rows, static_cast<int>(title.size() + detail.size()) + 3 + last);
   const Area box{area.row + (area.rows - rows) / 2, area.column + (area.columns - columns) / 2, rows, columns};
   canvas.fill(box);
   canvas.frame(box, {}, Tone::warning);
   const Area inside{box.row + 1, box.column + 2, box.rows - 2, box.columns - 4};
-  int row = 0;
-  const auto put = [&](const std::vector<std::string>& lines, Tone tone) {  // the answers keep the last row
-    for (const std::string& line : lines)
-      if (row < inside.rows - 1) canvas.text(inside, row++, 0, line, tone);
-  };
-  put(title, Tone::strong);
-  put(detail, Tone::plain);
-  canvas.text(inside, inside.rows - 1, 0, fmt::format("y {}    n {}", question.yes, question.no), Tone::strong);
+  const Area asked = inside.top(inside.rows - last);  // the answers keep the last rows
+  const int row = canvas.paragraph(asked, 0, question.title, Tone::strong);
+  if (!question.detail.empty()) canvas.paragraph(asked, row, question.detail);
+  for (int k = 0; k < last; ++k)
+    canvas.text(inside, inside.rows - last + k, 0, answers[static_cast<std::size_t>(k)], Tone::strong);
 }
 
 void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,

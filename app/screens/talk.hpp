@@ -20,7 +20,9 @@ class MessageLine {
   void clear() { text_.clear(); }
   [[nodiscard]] const std::string& text() const { return text_; }
   [[nodiscard]] bool is_problem() const { return tone_ == Tone::bad; }
-  /// Whole words over as many rows as `area` has; the last one ends in an ellipsis where it is not all.
+  /// Rows that it takes, 1 to `most`: a screen gives it those and the rest to what stands above.
+  [[nodiscard]] int rows(int columns, int most) const;
+  /// Whole words over as many rows as `area` has; the last one ends in "… F2" where it is not all (cells.hpp).
   void draw(Canvas& canvas, const Area& area) const;
 
  private:

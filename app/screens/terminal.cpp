@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <cwchar>
 
 #include <langinfo.h>
 #include <sys/ioctl.h>
@@ -80,7 +81,9 @@ void name_common_keys() {
       {"\033OA", KEY_UP},     {"\033OB", KEY_DOWN},   {"\033OC", KEY_RIGHT}, {"\033OD", KEY_LEFT},
       {"\033[5~", KEY_PPAGE}, {"\033[6~", KEY_NPAGE}, {"\033[H", KEY_HOME},  {"\033[F", KEY_END},
       {"\033OH", KEY_HOME},   {"\033OF", KEY_END},    {"\033[1~", KEY_HOME}, {"\033[4~", KEY_END},
-      {"\033[7~", KEY_HOME},  {"\033[8~", KEY_END},   {"\033[3~", KEY_DC},   {"\033[Z", KEY_BTAB}};
+      {"\033[7~", KEY_HOME},  {"\033[8~", KEY_END},   {"\033[3~", KEY_DC},   {"\033[Z", KEY_BTAB},
+      {"\033OP", KEY_F(1)},   {"\033[11~", KEY_F(1)}, {"\033[[A", KEY_F(1)}, {"\033OQ", KEY_F(2)},
+      {"\033[12~", KEY_F(2)}, {"\033[[B", KEY_F(2)}};
   for (const Sequence& sequence : kSequences)
     if (::key_defined(sequence.sent) == 0) ::define_key(sequence.sent, sequence.key);
 }
@@ -144,8 +147,11 @@ Key key_of_letter(wint_t code) {
 Key pressed_at() {
   MEVENT event{};
   if (::getmouse(&event) != OK) return {};
+  const auto at = [&event](Key::Name name) { return Key{name, 0, 0, event.y, event.x}; };
+  if ((event.bstate & BUTTON4_PRESSED) != 0) return at(Key::Name::wheel_up);
+  if ((event.bstate & BUTTON5_PRESSED) != 0) return at(Key::Name::wheel_down);
   if ((event.bstate & (BUTTON1_PRESSED | BUTTON1_CLICKED)) == 0) return {};
-  return {Key::Name::mouse, 0, 0, event.y, event.x};
+  return at(Key::Name::mouse);
 }
 
 /// Bytes a second that the line of the terminal carries; a pseudo-terminal says 38,400 baud.
@@ -237,7 +243,7 @@ Result<std::unique_ptr<Terminal>> Terminal::open(const TerminalOptions& options)
   ::keypad(stdscr, TRUE);
   ::set_escdelay(50);
   name_common_keys();
-  if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED, nullptr);
+  if (options.mouse) ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED | BUTTON4_PRESSED | BUTTON5_PRESSED, nullptr);
   screen->bytes_per_s = line_speed();
   screen->slow = screen->bytes_per_s < 3840.0;
   screen->choose_looks(has_colour(options));
@@ -269,9 +275,10 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
   for (int c = 0; c < std::min(canvas.columns(), COLS); ++c) {
     if (r == LINES - 1 && c == COLS - 1) continue;  // writing there scrolls old terminals
     const Cell& cell = canvas.at(r, c);
-    if (cell == sent.at(r, c)) continue;
+    if (cell == sent.at(r, c) || cell.glyph == kSecondHalf) continue;
     if (room-- == 0) return 0;
-    const std::array<wchar_t, 2> text{static_cast<wchar_t>(cell.glyph), 0};
+    const bool agreed = ::wcwidth(static_cast<wchar_t>(cell.glyph)) == columns_of(cell.glyph);
+    const std::array<wchar_t, 2> text{agreed ? static_cast<wchar_t>(cell.glyph) : L'?', 0};
     const attr_t looks = attributes[static_cast<std::size_t>(cell.tone)];
     cchar_t sign{};
     ::setcchar(&sign, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);

@@ -21,6 +21,20 @@ std::vector<std::string> lines_in(const std::string& text) {
   return lines;
 }
 
+/// Rows of tables stay whole: cells stand at least two blanks apart.
+bool is_sentence(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(' ');
+  return begin != std::string::npos && line.find(' ', begin) != std::string::npos &&
+         line.find("  ", begin) == std::string::npos;
+}
+
+/// A sentence over several lines, indented as it was.
+void add_wrapped(std::vector<std::string>& lines, const std::string& line, int columns) {
+  const std::size_t indent = std::min(line.find_first_not_of(' '), static_cast<std::size_t>(std::max(0, columns - 20)));
+  const std::string before(indent, ' ');
+  for (const std::string& part : wrapped(line, columns - static_cast<int>(indent))) lines.push_back(before + part);
+}
+
 }  // namespace
 
 VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk)
@@ -73,6 +87,20 @@ void VerbScreen::draw_fields(Canvas& canvas, const Area& area) const {
     canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
 }
 
+/// The answer in lines for the width it is shown in.
+const std::vector<std::string>& VerbScreen::answer_lines(int columns) const {
+  if (lines_for_ == columns) return lines_;
+  lines_for_ = columns;
+  lines_.clear();
+  for (const std::string& line : answer_->lines) {
+    if (width_of(line) > columns && is_sentence(line))
+      add_wrapped(lines_, line, columns);
+    else
+      lines_.push_back(line);
+  }
+  return lines_;
+}
+
 void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
   if (job_.running()) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - since_);
@@ -83,7 +111,21 @@ void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
   const Tone tone = answer_->exit_code == 0 ? Tone::good : (answer_->exit_code == 1 ? Tone::warning : Tone::bad);
   canvas.text(area, 0, 0, answer_->exit_code == 0 ? "done" : fmt::format("ended with code {}", answer_->exit_code),
               tone);
-  draw_scrolled(canvas, area.below(1), answer_->lines, scroll_);
+  const Area body = area.below(1);
+  const auto& lines = answer_lines(body.columns);
+  answer_rows_ = std::max(1, body.rows);
+  const bool wide =
+      std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return width_of(line) > body.columns; });
+  const bool long_too = wide || static_cast<int>(lines.size()) > body.rows;
+  const auto say = [&](const std::string& whole, const std::string& brief) {
+    canvas.text_right(area, 0, width_of(whole) + 22 > area.columns ? brief : whole, Tone::strong);
+  };
+  if (reading_)
+    say(wide ? "reading: up, down, left, right; Esc to the fields" : "reading: up, down; Esc to the fields",
+        "Esc to the fields");
+  else if (long_too)
+    say(wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it", "PgDn reads");
+  draw_scrolled(canvas, body, lines, scroll_);
 }
 
 void VerbScreen::draw(Canvas& canvas, const Area& area) const {
@@ -94,6 +136,8 @@ void VerbScreen::draw(Canvas& canvas, const Area& area) const {
     canvas.text(inside, row, 0, "Enter runs it.", Tone::faint);
   else
     draw_fields(canvas, {inside.row + row, inside.column, fields, inside.columns});
+  fields_row_ = inside.row + row;
+  seen_fields_ = fields;
   row += std::max(1, fields);
   std::string hint = hint_;
   if (hint.empty() && !values_.empty()) {
@@ -102,9 +146,8 @@ void VerbScreen::draw(Canvas& canvas, const Area& area) const {
     if (!option.choices.empty()) hint += fmt::format(" ({})", fmt::join(option.choices, ", "));
     if (option.flag) hint += " (Space: yes or no)";
   }
-  const auto lines = wrapped(hint, inside.columns);
-  for (std::size_t k = 0; k < std::min<std::size_t>(2, lines.size()); ++k)
-    canvas.text(inside, row + static_cast<int>(k), 0, lines[k], Tone::faint);
+  canvas.paragraph({inside.row + row, inside.column, std::min(2, inside.rows - row), inside.columns}, 0, hint,
+                   refused_ ? Tone::bad : Tone::faint);
   row += 2;
   draw_answer(canvas, {area.row + row, area.column, area.rows - row, area.columns});  // answers have 80 columns
 }
@@ -127,10 +170,13 @@ std::vector<std::string> VerbScreen::words() const {
 Step VerbScreen::run() {
   if (const std::string name = lacking(); !name.empty()) {
     hint_ = fmt::format("{} is needed", name);
+    refused_ = true;
     return stay();
   }
   if (runs_live(verb_.name())) return opened(std::make_unique<LiveScreen>(verb_.name(), words()));
   answer_.reset();
+  lines_for_ = -1;
+  reading_ = false;
   scroll_ = {};
   since_ = std::chrono::steady_clock::now();
   job_.start([words = words(), desk = uses_line() ? desk_ : nullptr](JobSigns&) {
@@ -162,8 +208,24 @@ void VerbScreen::next_choice(int by) {
   value.set(option.choices[static_cast<std::size_t>((now + by + count) % count)]);
 }
 
+/// Keys that go to the answer. @return whether it was one
+bool VerbScreen::on_answer_key(const Key& key) {
+  if (!answer_) return false;
+  const bool wheel = key.name == Key::Name::wheel_up || key.name == Key::Name::wheel_down;
+  if (!reading_ && !wheel && key.name != Key::Name::page_down && key.name != Key::Name::page_up) return false;
+  if (reading_ && (key.name == Key::Name::back_tab || key.name == Key::Name::tab || is_letter(key, U'e'))) {
+    reading_ = false;
+    return true;
+  }
+  reading_ = true;
+  (void)scroll_.on_key(key, answer_rows_);
+  return true;
+}
+
 Step VerbScreen::on_key(const Key& key) {
+  if (key.name == Key::Name::resized) return stay();
   hint_.clear();
+  refused_ = false;
   if (key.name == Key::Name::escape) {
     if (job_.running()) {
       ask_to_stop();
@@ -175,22 +237,22 @@ Step VerbScreen::on_key(const Key& key) {
     return stay();
   }
   if (job_.running()) return stay();
-  if (key.name == Key::Name::enter || (key.name == Key::Name::function && key.number == 5)) {
-    return run();
-  }
-  if (reading_) {
-    if (key.name == Key::Name::back_tab || is_letter(key, U'e')) reading_ = false;
-    (void)scroll_.on_key(key);
-    return stay();
-  }
-  if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) {
-    (void)scroll_.on_key(key);
-    return stay();
-  }
+  if (key.name == Key::Name::function && key.number == 5) return run();
+  if (on_answer_key(key)) return stay();
+  if (key.name == Key::Name::enter) return run();
+  return on_field_key(key);
+}
+
+Step VerbScreen::on_field_key(const Key& key) {
   const int count = static_cast<int>(values_.size());
   if (count == 0) return stay();
   if (key.name == Key::Name::up || key.name == Key::Name::down) {
     (void)field_.on_key(key, count);
+    return stay();
+  }
+  if (key.name == Key::Name::mouse) {
+    const int clicked = field_.first + key.row - fields_row_;
+    if (key.row >= fields_row_ && clicked < count && clicked < field_.first + seen_fields_) field_.selected = clicked;
     return stay();
   }
   const VerbOption& option = verb_.options[static_cast<std::size_t>(field_.selected)];
@@ -219,17 +281,21 @@ bool VerbScreen::advance() {
 }
 
 std::vector<KeyHelp> VerbScreen::keys() const {
-  return {{"Enter", "run"},
-          {"up/down", "field"},
-          {"Tab", "complete a path"},
-          {"Space", "choose"},
-          {"PgUp/PgDn", "read the answer"},
-          {"Esc", "back"}};
+  if (job_.running()) return {{"Esc", "stop it"}};
+  if (reading_)
+    return {{"up/down", "read"},   {"left/right", "sideways"}, {"PgUp/PgDn", "page"},
+            {"Home", "beginning"}, {"Esc", "to the fields"},   {"F5", "run again"}};
+  std::vector<KeyHelp> keys{{"Enter", "run"}, {"up/down", "field"}, {"Tab", "complete a path"}, {"Space", "choose"}};
+  if (answer_) keys.insert(keys.begin() + 1, {"PgDn", "read the answer"});
+  keys.push_back({"Esc", "back"});
+  return keys;
 }
 
 std::string VerbScreen::help() const {
   return verb_.help + ". The fields are the options of the verb `ecs " + verb_.name() + "`; those with * are needed. " +
-         "Several files are separated by blanks. " + verb_.example;
+         "Several files are separated by blanks. " + verb_.example +
+         "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
+         "headings (< and > at the edges mark where it goes on), Home is its beginning, Esc goes back to the fields.";
 }
 
 }  // namespace ecs::app

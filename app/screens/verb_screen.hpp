@@ -2,6 +2,7 @@
 // Does not live here: the verbs (app/menus.hpp), which there are (verb_catalogue.hpp).
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ class VerbScreen final : public Screen {
   [[nodiscard]] bool uses_line() const;
   void draw_fields(Canvas& canvas, const Area& area) const;
   void draw_answer(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] const std::vector<std::string>& answer_lines(int columns) const;
+  [[nodiscard]] bool on_answer_key(const Key& key);
+  [[nodiscard]] Step on_field_key(const Key& key);
   [[nodiscard]] std::vector<std::string> words() const;
   [[nodiscard]] Step run();
   void complete();
@@ -49,9 +53,15 @@ class VerbScreen final : public Screen {
   std::chrono::steady_clock::time_point since_{};
   std::vector<TextLine> values_;
   ListPlace field_;
-  bool reading_ = false;  ///< the keys scroll the answer
+  mutable int fields_row_ = 0;   ///< of the canvas, as drawn last
+  mutable int seen_fields_ = 0;  ///< rows of them
+  bool reading_ = false;         ///< the keys scroll the answer
   ScrollPlace scroll_;
+  mutable int answer_rows_ = 10;  ///< that are seen of it
+  mutable int lines_for_ = -1;    ///< columns for which `lines_` were made
+  mutable std::vector<std::string> lines_;
   std::string hint_;
+  bool refused_ = false;  ///< the hint says why
   std::optional<Answer> answer_;
   Job<Answer> job_;
 };

@@ -6,12 +6,7 @@
 namespace ecs::app {
 namespace {
 
-/// A mark at the right edge where there is more above or below.
-void draw_more(Canvas& canvas, const Area& area, int first, int count) {
-  if (first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
-  if (first + area.rows < count)
-    canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
-}
+constexpr int kWheelRows = 3;
 
 std::optional<int> moved(const Key& key, int from, int page, int last) {
   switch (key.name) {
@@ -19,6 +14,10 @@ std::optional<int> moved(const Key& key, int from, int page, int last) {
       return from - 1;
     case Key::Name::down:
       return from + 1;
+    case Key::Name::wheel_up:
+      return from - kWheelRows;
+    case Key::Name::wheel_down:
+      return from + kWheelRows;
     case Key::Name::page_up:
       return from - page;
     case Key::Name::page_down:
@@ -33,6 +32,12 @@ std::optional<int> moved(const Key& key, int from, int page, int last) {
 }
 
 }  // namespace
+
+void draw_scroll_marks(Canvas& canvas, const Area& area, int first, int count) {
+  if (first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
+  if (first + area.rows < count)
+    canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
+}
 
 bool ListPlace::on_key(const Key& key, int count, int page) {
   const auto to = moved(key, selected, page, count - 1);
@@ -55,22 +60,49 @@ void draw_list(Canvas& canvas, const Area& area, const std::vector<ListRow>& row
     canvas.text(area, r, 0, here ? ">" : " ", here ? Tone::selected : Tone::plain);
     canvas.text(area, r, 2, row.text, here ? Tone::selected : row.tone);
   }
-  draw_more(canvas, area, place.first, count);
+  draw_scroll_marks(canvas, area, place.first, count);
 }
 
 bool ScrollPlace::on_key(const Key& key, int page) {
+  if (key.name == Key::Name::left || key.name == Key::Name::right) {
+    column = std::max(0, column + (key.name == Key::Name::right ? kColumns : -kColumns));
+    return true;
+  }
   const auto to = moved(key, first, page, 1 << 20);
   if (!to) return false;
   first = std::max(0, *to);
+  if (key.name == Key::Name::home) column = 0;
   return true;
 }
+
+namespace {
+
+/// The part of a line that is seen from a column on, with a mark at either edge where it goes on.
+void draw_sideways(Canvas& canvas, const Area& area, int row, const std::string& line, int from) {
+  int column = -from;
+  bool goes_on = false;
+  for (const Sign& sign : signs_of(line)) {
+    if (column >= 0 && column + sign.columns <= area.columns)
+      canvas.put(area.row + row, area.column + column, sign.glyph);
+    column += sign.columns;
+    goes_on = goes_on || column > area.columns;
+  }
+  if (goes_on) canvas.put(area.row + row, area.column + area.columns - 1, U'→', Tone::strong);
+  if (from > 0 && column + from > 0) canvas.put(area.row + row, area.column, U'←', Tone::strong);
+}
+
+}  // namespace
 
 void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::string>& lines, const ScrollPlace& place) {
   const int count = static_cast<int>(lines.size());
   place.first = std::clamp(place.first, 0, std::max(0, count - area.rows));
+  int widest = 0;
+  for (const std::string& line : lines) widest = std::max(widest, width_of(line));
+  const int steps = (std::max(0, widest - area.columns) + ScrollPlace::kColumns - 1) / ScrollPlace::kColumns;
+  place.column = std::clamp(place.column, 0, steps * ScrollPlace::kColumns);
   for (int r = 0; r < std::min(area.rows, count - place.first); ++r)
-    canvas.text(area, r, 0, lines[static_cast<std::size_t>(place.first + r)]);
-  draw_more(canvas, area, place.first, count);
+    draw_sideways(canvas, area, r, lines[static_cast<std::size_t>(place.first + r)], place.column);
+  draw_scroll_marks(canvas, area, place.first, count);
 }
 
 bool TextLine::on_key(const Key& key) {
@@ -107,32 +139,37 @@ bool TextLine::on_key(const Key& key) {
   }
 }
 
-std::string TextLine::text() const {
-  std::string out;
-  for (const char32_t glyph : text_) out += utf8_of(glyph);
-  return out;
-}
+std::string TextLine::text() const { return utf8_of(text_); }
 
 void TextLine::set(const std::string& text) {
   text_ = code_points(text);
   at_ = text_.size();
 }
 
-std::size_t TextLine::first_seen(int columns) const {
-  const auto room = static_cast<std::size_t>(std::max(1, columns - 1));
-  return at_ > room ? at_ - room : 0;
+/// Columns of the letters from `first` up to the cursor.
+int TextLine::columns_before_cursor(std::size_t first) const {
+  return width_of(utf8_of(std::u32string_view(text_).substr(first, at_ - first)));
 }
 
-int TextLine::cursor_column(int columns) const { return static_cast<int>(at_ - first_seen(columns)); }
+std::size_t TextLine::first_seen(int columns) const {
+  const int room = std::max(1, columns - 1);
+  std::size_t first = at_ - std::min(at_, static_cast<std::size_t>(room));  // no letter takes less than a column
+  while (first > 0 && columns_of(text_[first]) == 0) --first;
+  while (first < at_ && columns_before_cursor(first) > room) ++first;
+  return first;
+}
+
+int TextLine::cursor_column(int columns) const { return columns_before_cursor(first_seen(columns)); }
 
 void TextLine::draw(Canvas& canvas, const Area& area, int row, int column, int columns, bool active) const {
-  const std::size_t first = first_seen(columns);
-  for (int c = 0; c < columns; ++c) {
-    const std::size_t k = first + static_cast<std::size_t>(c);
-    const char32_t blank = active ? U'_' : U' ';
-    canvas.put(area.row + row, area.column + column + c, k < text_.size() ? text_[k] : blank,
-               active ? Tone::strong : Tone::plain);
+  const Tone tone = active ? Tone::strong : Tone::plain;
+  int used = 0;
+  for (const Sign& sign : signs_of(utf8_of(std::u32string_view(text_).substr(first_seen(columns))))) {
+    if (used + sign.columns > columns) break;
+    canvas.put(area.row + row, area.column + column + used, sign.glyph, tone);
+    used += sign.columns;
   }
+  for (; used < columns; ++used) canvas.put(area.row + row, area.column + column + used, active ? U'_' : U' ', tone);
 }
 
 PathCompletion completed_path(const std::string& typed) {

@@ -16,7 +16,7 @@ struct ListPlace {
   int selected = 0;
   mutable int first = 0;  ///< row of the list in the upper row of its area; set while drawing
 
-  /// Up, down, page, home, end. @return whether the key was one of them
+  /// Up, down, page, home, end, mouse wheel. @return whether the key was one of them
   [[nodiscard]] bool on_key(const Key& key, int count, int page = 10);
 };
 
@@ -28,12 +28,18 @@ struct ListRow {
 void draw_list(Canvas& canvas, const Area& area, const std::vector<ListRow>& rows, const ListPlace& place,
                bool active = true);
 
-/// Text that is longer than its area.
+/// Marks at the right edge of a list or text of `count` rows that is seen from `first` on: there is more above, below.
+void draw_scroll_marks(Canvas& canvas, const Area& area, int first, int count);
+
+/// Text that is longer, or wider, than its area.
 struct ScrollPlace {
+  static constexpr int kColumns = 8;  ///< that a key moves sideways
   mutable int first = 0;
-  /// Up, down, page, home, end.
+  mutable int column = 0;  ///< of the lines at the left edge
+  /// Up, down, page, home (the first row from its beginning), end, mouse wheel; left and right sideways.
   [[nodiscard]] bool on_key(const Key& key, int page = 10);
 };
+/// All rows move sideways together: columns of a table stay below their headings. Marks where rows go on.
 void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::string>& lines, const ScrollPlace& place);
 
 /// One line of text being typed.
@@ -50,6 +56,7 @@ class TextLine {
 
  private:
   [[nodiscard]] std::size_t first_seen(int columns) const;
+  [[nodiscard]] int columns_before_cursor(std::size_t first) const;
   std::u32string text_;
   std::size_t at_ = 0;
 };

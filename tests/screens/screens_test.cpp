@@ -219,17 +219,107 @@ TEST_CASE("the model screen fits any size and any terminal") {
 }
 
 TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {
+  const Case one;
   ModelForm form;
-  type(form, "no_model.toml");
+  type(form, one.files.model);
   (void)press(form, Key::Name::enter);
   type(form, "no_data.csv");
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
   finish(form);
-  const std::string text = seen(form);
-  CHECK(has(text, "no_model.toml"));
-  CHECK(has(text, "no_data.csv"));
+  CHECK(has(seen(form), "no_data.csv"));
+  CHECK(has(seen(form), "no such file"));
   CHECK(form.opens_by_itself() == nullptr);
+}
+
+TEST_CASE("a model file that does not exist yet is begun after a question, and the error falls without any verb") {
+  const Case one;
+  const std::string fresh = (one.folder / "fresh.toml").string();
+  ModelForm form;
+  type(form, fresh);
+  (void)press(form, Key::Name::enter);
+  type(form, one.files.data.front());
+  (void)press(form, Key::Name::enter);
+  (void)press(form, Key::Name::enter);
+  CHECK(has(seen(form), "Begin a new model?"));
+  CHECK_FALSE(fs::exists(fresh));
+  (void)form.on_key({Key::Name::letter, U'y'});
+  finish(form);
+  const auto screen = form.opens_by_itself();
+  REQUIRE(screen);
+  CHECK(fs::exists(fresh));
+  CHECK(has(seen(*screen), "a model without any effect"));
+  (void)screen->on_key({Key::Name::letter, U'd'});
+  finish(*screen);
+  CHECK(has(seen(*screen), "cyclic:X:EX"));
+  (void)screen->on_key({Key::Name::letter, U'a'});
+  finish(*screen);
+  CHECK(has(seen(*screen), "added cyclic:X:EX"));
+  (void)screen->on_key({Key::Name::letter, U's'});
+  CHECK(has(ecs::read_file(fresh).value(), "cyclic"));
+}
+
+TEST_CASE("without any model file one is proposed beside the measurements, and no asks for another name") {
+  const Case one;
+  ModelForm form;
+  (void)press(form, Key::Name::enter);
+  type(form, one.files.data.front());
+  (void)press(form, Key::Name::enter);
+  (void)press(form, Key::Name::enter);
+  CHECK(has(seen(form), "data.model.toml"));
+  (void)form.on_key({Key::Name::letter, U'n'});
+  CHECK_FALSE(has(seen(form), "Begin a new model?"));
+  CHECK_FALSE(fs::exists(one.folder / "data.model.toml"));
+  CHECK(form.typing());
+}
+
+TEST_CASE("measurements that cannot be read leave no new model file behind") {
+  const Case one;
+  const std::string fresh = (one.folder / "fresh.toml").string();
+  ModelForm form;
+  type(form, fresh);
+  (void)press(form, Key::Name::enter);
+  type(form, "no_data.csv");
+  (void)press(form, Key::Name::enter);
+  (void)press(form, Key::Name::enter);
+  (void)form.on_key({Key::Name::letter, U'y'});
+  finish(form);
+  CHECK(has(seen(form), "no_data.csv"));
+  CHECK_FALSE(fs::exists(fresh));
+}
+
+TEST_CASE("the answer of a verb moves sideways with its headings, and marks where it goes on") {
+  VerbScreen form(entry(verb_catalogue(), "model effects"), nowhere());
+  (void)press(form, Key::Name::enter);
+  finish(form);
+  const auto at = [&form](int columns) {
+    return picture_of(form, form.title(), {}, Canvas(40, columns), false).plain_text();
+  };
+  const std::string before = at(44);
+  CHECK(has(before, "PgDn"));
+  CHECK(has(before, "→"));
+  CHECK_FALSE(has(before, "←"));
+  (void)press(form, Key::Name::page_down);
+  CHECK(has(at(44), "Esc to the fields"));
+  (void)press(form, Key::Name::home);
+  const std::string first = at(44);
+  (void)press(form, Key::Name::right);
+  const std::string moved = at(44);
+  CHECK(has(moved, "←"));
+  const auto column_of = [](const std::string& text, const std::string& word) {
+    const std::size_t found = text.find(word);
+    REQUIRE(found != std::string::npos);
+    const std::size_t begin = text.rfind('\n', found) + 1;
+    return width_of(text.substr(begin, found - begin));
+  };
+  CHECK(column_of(first, "contribution") == 20);
+  CHECK(column_of(first, "A sin(2 pi") == 20);
+  CHECK(column_of(moved, "contribution") == 12);
+  CHECK(column_of(moved, "A sin(2 pi") == 12);
+  (void)press(form, Key::Name::home);
+  CHECK(at(44) == first);
+  CHECK(press(form, Key::Name::escape).kind == Step::Kind::stay);
+  CHECK(press(form, Key::Name::escape).kind == Step::Kind::back);
 }
 
 TEST_CASE("saving a model for the first time keeps the file as it was beside it") {
