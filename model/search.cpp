@@ -63,6 +63,7 @@ void absorb(Space& space, const MatrixXd& white_columns) {
     fresh.col(count++) = v;
     space.y -= v * v.dot(space.y);
   }
+  if (count == 0) return;
   const Index had = space.q.cols();
   space.q.conservativeResize(space.y.size(), had + count);
   space.q.rightCols(count) = fresh.leftCols(count);
