@@ -9,6 +9,7 @@
 #include "app/laser_files.hpp"
 #include "app/menus.hpp"
 #include "app/report_page.hpp"
+#include "app/report_sections.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app {
@@ -113,10 +114,7 @@ Json answer_of(const ReportContent& content, const Judgement& j, const std::stri
 std::string text_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   std::string text = fmt::format("{}\n", j.sentence);
   if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
-  if (content.volume)
-    text += fmt::format("Predicted from {}: largest error vector in the volume {:.1f} um before, {:.1f} um after.\n",
-                        content.volume->from, content.volume->before.largest_um[kAxes],
-                        content.volume->after.largest_um[kAxes]);
+  if (content.volume) text += volume_sentence(*content.volume) + "\n";
   for (const std::string& open : j.next) text += fmt::format("- {}\n", open);
   return text + fmt::format("report written to {} ({} kB{})\n", output, (page.html.size() + 500) / 1000,
                             page.replaced ? ", replaced" : "");

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/export_source.hpp"
+#include "app/report_markup.hpp"
 
 namespace ecs::app {
 namespace {
@@ -38,7 +39,8 @@ std::string travels_in_words(const laser::ExportSource& source) {
   std::vector<std::string> words;
   for (const Axis axis : kAllAxes)
     if (const auto& travel = source.travel_mm[index_of(axis)])
-      words.push_back(fmt::format("{} {} … {}", letter_of(axis), (*travel)[0], (*travel)[1]));
+      words.push_back(
+          fmt::format("{} {} … {}", letter_of(axis), plain_number((*travel)[0]), plain_number((*travel)[1])));
   return fmt::format("{} mm", fmt::join(words, ", "));
 }
 

@@ -13,6 +13,7 @@
 namespace ecs::app {
 
 struct PredictedVolume {
+  [[nodiscard]] bool from_map() const { return from == "the map"; }
   std::string from;                 ///< "the map", or "the error model"
   std::string remark;               ///< why not from the model that was given; empty: none was, or it is from it
   std::string travels;              ///< "X 0 … 1000 mm, …"

@@ -1,6 +1,4 @@
 // Predicted over the volume, beside what was achieved on the lines that were measured.
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "app/report_sections.hpp"
@@ -8,6 +6,7 @@
 namespace ecs::app {
 namespace {
 
+constexpr int kDecimals = 1;  ///< um
 constexpr const char* kTitle = "Volumetric error, predicted";
 
 /// The largest band measured in that direction, and where.
@@ -35,16 +34,15 @@ Markup volume_table(const ReportContent& content, const PredictedVolume& volume)
   TableMarkup table({{"along"},
                      {"predicted before: largest", true},
                      {"rms", true},
-                     {"predicted after: largest", true},
+                     {volume.from_map() ? "predicted after, of the map: largest" : "predicted after: largest", true},
                      {"rms", true},
                      {"achieved before: largest band", true},
                      {"achieved after: largest band", true},
                      {"unit"}});
-  const int decimals = decimals_for(std::max(volume.after.rms_um[kAxes], 0.1));
   const auto row = [&](const std::string& name, std::size_t d, const Achieved& before, const Achieved& after) {
-    table.row({element("strong", name), cell(volume.before.largest_um[d], decimals),
-               cell(volume.before.rms_um[d], decimals), element("strong", cell(volume.after.largest_um[d], decimals)),
-               cell(volume.after.rms_um[d], decimals), named_cell(before), named_cell(after), text("µm")});
+    table.row({element("strong", name), cell(volume.before.largest_um[d], kDecimals),
+               cell(volume.before.rms_um[d], kDecimals), element("strong", cell(volume.after.largest_um[d], kDecimals)),
+               cell(volume.after.rms_um[d], kDecimals), named_cell(before), named_cell(after), text("µm")});
   };
   for (const Axis axis : kAllAxes)
     if (volume.present[index_of(axis)])
@@ -56,24 +54,33 @@ Markup volume_table(const ReportContent& content, const PredictedVolume& volume)
 
 }  // namespace
 
+std::string volume_sentence(const PredictedVolume& volume) {
+  const auto size = [](double value) { return quantity_text(value, kDecimals, "um"); };
+  const std::string before = fmt::format(
+      "Predicted from {}: the largest error vector in the volume is {} before "
+      "compensation (rms {})",
+      volume.from, size(volume.before.largest_um[kAxes]), size(volume.before.rms_um[kAxes]));
+  const std::string after =
+      fmt::format("{} (rms {})", size(volume.after.largest_um[kAxes]), size(volume.after.rms_um[kAxes]));
+  if (volume.from_map())
+    return fmt::format(
+        "{}; of what the map holds {} stay after. What it does not hold stays as well and is not in "
+        "these figures.",
+        before, after);
+  return fmt::format("{} and {} after.", before, after);
+}
+
 ReportSection volume_section(const ReportContent& content) {
   if (!content.volume) return {"volume", kTitle, {}, content.no_volume};
   const PredictedVolume& volume = *content.volume;
-  const auto size = [](double value) { return quantity_text(value, decimals_for(std::max(value, 0.1)), "um"); };
-  Markup body = paragraph_of(
-      fmt::format("Predicted from {}: the largest error vector in the volume is {} before compensation and {} after "
-                  "(rms {} and {}).",
-                  volume.from, size(volume.before.largest_um[kAxes]), size(volume.after.largest_um[kAxes]),
-                  size(volume.before.rms_um[kAxes]), size(volume.after.rms_um[kAxes])),
-      "class=\"lead\"");
+  Markup body = paragraph_of(volume_sentence(volume), "class=\"lead\"");
   std::string how = fmt::format(
       "{} in {}{}, all axes arriving forward, then all in reverse; counted from the reference point, as a work offset "
       "is. After: what the unit puts out with these parameters and the whole map. Nothing was measured across the "
       "volume: the achieved figures are bands on the measured lines alone.",
       counted(volume.places, "place", "places"), volume.travels,
       volume.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
-  if (volume.from == "the map")
-    how += " From the map itself: what the map does not hold counts as zero, and scatter and drift are not in it.";
+  if (volume.from_map()) how += " What the map does not hold counts as zero; scatter and drift are not in it.";
   body += paragraph_of(how, "class=\"small intro\"");
   if (!volume.remark.empty()) body += paragraph_of(volume.remark, "class=\"small intro\"");
   return {"volume", kTitle, body + volume_table(content, volume)};
