@@ -10,6 +10,7 @@
 #include "laser/controller_etalon.hpp"
 #include "laser/controller_linuxcnc.hpp"
 #include "laser/controller_siemens.hpp"
+#include "laser/controller_twincat.hpp"
 #include "laser/import.hpp"
 #include "laser/iso230.hpp"
 #include "laser/map_csv.hpp"
@@ -134,6 +135,20 @@ void siemens(std::string_view bytes, const ImportOptions& options) {
   use(parse_siemens(bytes, "NC_CEC.INI", how));
 }
 void etalon(std::string_view bytes, const ImportOptions&) { use(parse_etalon(bytes, "errors.txt")); }
+void twincat(std::string_view bytes, const ImportOptions& options) {
+  use(parse_twincat(bytes, "achskw1.lis", {}, options.axis));
+}
+
+/// A map that was read is written and read again as the same tables.
+void map(std::string_view bytes, const ImportOptions&) {
+  const auto read = parse_map_csv(bytes, "map.csv");
+  if (!read) {
+    if (read.error().message.empty()) std::abort();
+    return;
+  }
+  const auto again = parse_map_csv(to_map_csv(*read), "map.csv");
+  if (!again || again->tables != read->tables) std::abort();
+}
 
 }  // namespace
 
