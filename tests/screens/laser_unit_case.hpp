@@ -45,7 +45,7 @@ class PacedUnit {
     ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", 1, 0600);
     ::posix_spawn(&child_, kEmulator.c_str(), &files, nullptr, pointers.data(), environ);
     ::posix_spawn_file_actions_destroy(&files);
-    for (int k = 0; k < 400 && !std::filesystem::exists(pty, error); ++k)
+    for (int k = 0; k < 1200 && !std::filesystem::exists(pty, error); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(25));
   }
   void kill() {

@@ -15,8 +15,8 @@ start() { # WIDTH HEIGHT ENVIRONMENT…
   t set -g window-size manual
 }
 seen() { t capture-pane -p; }
-wait_for() { # TEXT SECONDS (20)
-  for _ in $(seq $(( ${2:-20} * 10 ))); do
+wait_for() { # TEXT SECONDS (60)
+  for _ in $(seq $(( ${2:-60} * 10 ))); do
     if seen | grep -qF -- "$1"; then return; fi
     sleep 0.1
   done

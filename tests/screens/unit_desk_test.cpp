@@ -50,7 +50,7 @@ TEST_CASE("work that is cancelled ends soon, and the line serves the next") {
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   job.cancel();
   std::optional<Result<int>> result;
-  for (int k = 0; k < 300 && !(result = job.take()); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int k = 0; k < 3000 && !(result = job.take()); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   REQUIRE(result);
   CHECK_FALSE(result->has_value());
   int done = 0;
