@@ -22,7 +22,15 @@ void take_siemens_arguments(Verb& verb, SiemensArguments& arguments);
 /// A `usage` problem names what is wrong with --axes.
 [[nodiscard]] Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments);
 
+/// As typed.
+struct TwinCatArguments {
+  std::string sign = "subtracts";
+};
+
+/// Adds --ssfk-sign.
+void take_twincat_arguments(Verb& verb, TwinCatArguments& arguments);
+
 /// @param axes  as typed, "X=1,Y=2,Z=3"; empty: these. The same problem.
-[[nodiscard]] Result<laser::TwinCatOptions> twincat_options(const std::string& axes);
+[[nodiscard]] Result<laser::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes);
 
 }  // namespace ecs::app

@@ -32,6 +32,7 @@ struct Arguments {
   std::string units = "mm";
   bool as_loaded = false;
   SiemensArguments siemens;
+  TwinCatArguments twincat;
   std::string params;
   std::string params_out;
 };
@@ -83,7 +84,7 @@ Result<std::optional<Axis>> axis_given(const Arguments& arguments) {
 
 Result<laser::ControllerTables> read_twincat(const Arguments& arguments, const std::string& file,
                                              const std::string& text) {
-  const auto options = twincat_options(arguments.siemens.axes);
+  const auto options = twincat_options(arguments.twincat, arguments.siemens.axes);
   if (!options) return tl::unexpected(options.error());
   const auto axis = axis_given(arguments);
   if (!axis) return tl::unexpected(axis.error());
@@ -262,6 +263,7 @@ void add_export_read(Menu& menu) {
       .text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
       .text("--params-out", arguments->params_out, "the same with the squareness that was read");
   take_siemens_arguments(verb, arguments->siemens);
+  take_twincat_arguments(verb, arguments->twincat);
   verb.runs([arguments](Session& session) { return read(session, *arguments); });
 }
 

@@ -155,6 +155,7 @@ void add_etalon(Menu& menu) {
 void add_twincat(Menu& menu) {
   struct Arguments : ExportArguments {
     std::string axes;
+    TwinCatArguments twincat;
     int points = static_cast<int>(laser::kTwinCatMostPoints);
   };
   const auto arguments = std::make_shared<Arguments>();
@@ -162,11 +163,12 @@ void add_twincat(Menu& menu) {
       menu.verb("twincat", "TwinCAT CNC and ISG kernels: a leadscrew compensation list for each axis, both directions",
                 "ecs export twincat map.csv --params mill.toml -o twincat/");
   take_export_arguments(verb, *arguments, "folder for achskw1.lis, achskw2.lis, achskw3.lis");
+  take_twincat_arguments(verb, arguments->twincat);
   verb.text("--axes", arguments->axes, "logical axis numbers of the control; default X=1,Y=2,Z=3")
       .integer("--points", arguments->points, "most points of a list; default 1499", 2,
                static_cast<int>(laser::kTwinCatMostPoints))
       .runs([arguments](Session& session) -> Result<Outcome> {
-        auto options = twincat_options(arguments->axes);
+        auto options = twincat_options(arguments->twincat, arguments->axes);
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
         return exported(session, *arguments, {"TwinCAT CNC, leadscrew compensation", true, false},

@@ -28,18 +28,21 @@ ControlCurve in_tenths(const ControlCurve& curve) {
   return out;
 }
 
-std::string list_text(const ControlCurve& curve, Axis axis, int number) {
+std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions& options) {
+  const int number = options.axis_number[index_of(axis)];
+  const double sign = options.adds ? 1.0 : -1.0;
   const auto tenths = [](double value, double per_unit) { return std::llround(value * per_unit); };
   std::string text = fmt::format(
-      "# {} error of {}, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
+      "# {} error of {}, {}, in 0.1 um; pos and neg: direction of motion\n"
       "kopf.achs_nr {}\nkopf.log_achs_name {}\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos {}\n"
       "kw.ssfk.kw_nr_max {}\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
-      name_of(curve_of(static_cast<Sense>(axis), axis)), letter_of(axis), number, letter_of(axis),
+      name_of(curve_of(static_cast<Sense>(axis), axis)), letter_of(axis),
+      options.adds ? "nominal minus actual" : "actual minus nominal", number, letter_of(axis),
       tenths(curve.position_mm.front(), kTenthsPerMm), curve.position_mm.size());
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
     text += fmt::format("kw.ssfk.table[{0}].setpoint {1}\nkw.ssfk.table[{0}].pos {2}\nkw.ssfk.table[{0}].neg {3}\n", i,
-                        tenths(curve.position_mm[i], kTenthsPerMm), tenths(-curve.forward[i], kTenthsPerUm),
-                        tenths(-curve.reverse[i], kTenthsPerUm));
+                        tenths(curve.position_mm[i], kTenthsPerMm), tenths(sign * curve.forward[i], kTenthsPerUm),
+                        tenths(sign * curve.reverse[i], kTenthsPerUm));
   return text;
 }
 
@@ -58,7 +61,7 @@ Result<bool> add_axis(const ExportSource& source, const TwinCatOptions& options,
   const ControlCurve kept = in_tenths(thinned(*curve, options.most_points));
   const int number = options.axis_number[index_of(axis)];
   const std::string name = fmt::format("achskw{}.lis", number);
-  made.files.push_back({name, list_text(kept, axis, number)});
+  made.files.push_back({name, list_text(kept, axis, options)});
   auto again = parse_twincat(made.files.back().content, name, options);
   if (!again) return tl::unexpected(again.error());
   if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
@@ -96,11 +99,12 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   add_settings(options, carried, made);
   leave_behind(made, source, carried, "a table of one axis has no lever arm",
                "leadscrew compensation acts along its own axis only");
-  made.notes = {"no further backlash compensation (P-AXIS-00103) for these axes: the reversal is in the two tables",
-                "beyond the ends of a list the control holds the end values, as the unit does",
-                "values are whole tenths of a micrometre",
-                "the sign is that of the manual's worked example; no such control was at hand: check one axis first "
-                "(docs/controllers.md)"};
+  made.notes = {
+      "no further backlash compensation (P-AXIS-00103) for these axes: the reversal is in the two tables",
+      "beyond the ends of a list the control holds the end values, as the unit does",
+      "values are whole tenths of a micrometre",
+      "the sign is that of the manual's worked example; no such control was at hand: measure one axis again first "
+      "(docs/controllers.md)"};
   return made;
 }
 

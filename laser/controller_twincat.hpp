@@ -4,7 +4,7 @@
 //
 // Signs. The page above computes the value as actual minus nominal, "absolute position errors": programmed
 // 19866.7 um, measured 19856.5 um in the positive and 19874.7 um in the negative direction, pos −102, neg 80 (in 0.1
-// um). So a list holds the error, which is minus the compensation of a map.
+// um). So a list holds the error, which is minus the compensation of a map; `adds` writes and reads the other sign.
 #pragma once
 
 #include <optional>
@@ -21,6 +21,7 @@ inline constexpr std::size_t kTwinCatMostPoints = 1499;
 struct TwinCatOptions {
   PerAxis<int> axis_number{1, 2, 3};             ///< logical axis numbers of the control, above 0, all different
   std::size_t most_points = kTwinCatMostPoints;  ///< 2 … 1499
+  bool adds = false;                             ///< the control adds the values instead of subtracting them
 };
 
 /// `achskw1.lis` and so on, named after the logical axis numbers, for the positioning tables of the axes that exist:

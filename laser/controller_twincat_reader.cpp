@@ -54,7 +54,7 @@ std::optional<Axis> axis_in(std::string_view name) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& file) : findings(file) {}
+  Reader(const std::string& file, const TwinCatOptions& options) : findings(file), options_(options) {}
 
   void take(std::string_view line, int number) {
     line_ = number;
@@ -95,13 +95,13 @@ class Reader {
     return {std::move(forward), std::move(reverse)};
   }
 
-  [[nodiscard]] std::optional<Axis> axis(const TwinCatOptions& options) {
+  [[nodiscard]] std::optional<Axis> axis() {
     const auto by_name = axis_in(name_);
     std::optional<Axis> by_number;
     const auto number = general_.find("kopf.achs_nr");
     if (number != general_.end())
       for (const Axis one : kAllAxes)
-        if (number->second.value == options.axis_number[index_of(one)]) by_number = one;
+        if (number->second.value == options_.axis_number[index_of(one)]) by_number = one;
     if (by_name && by_number && *by_name != *by_number) {
       findings.add(
           number->second.line, 1,
@@ -224,8 +224,9 @@ class Reader {
     const double place =
         interval == 0.0 ? row.setpoint->value : value_of("kw_startpos") + interval * static_cast<double>(i);
     const double place_mm = place / kTenthsPerMm;
-    const double forward_um = -row.pos->value / kTenthsPerUm;
-    const double reverse_um = two ? -row.neg->value / kTenthsPerUm : forward_um;
+    const double sign = options_.adds ? 1.0 : -1.0;
+    const double forward_um = sign * row.pos->value / kTenthsPerUm;
+    const double reverse_um = two ? sign * row.neg->value / kTenthsPerUm : forward_um;
     if (std::abs(place_mm) > kLargest_mm)
       findings.add(first_line(row), 1, fmt::format("{} mm is no position of a machine", place_mm));
     if (!forward.position_mm.empty() && place_mm <= forward.position_mm.back())
@@ -238,6 +239,7 @@ class Reader {
     reverse.compensation.push_back(reverse_um + 0.0);
   }
 
+  const TwinCatOptions& options_;
   int line_ = 0;
   std::string name_;
   std::map<std::string, Entry> general_;
@@ -251,10 +253,10 @@ Result<ControllerTables> parse_twincat(std::string_view text, const std::string&
                                        const TwinCatOptions& options, std::optional<Axis> axis) {
   const std::string whole(text);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  Reader reader(file_name);
+  Reader reader(file_name, options);
   int number = 0;
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
-  if (!axis && reader.findings.empty()) axis = reader.axis(options);
+  if (!axis && reader.findings.empty()) axis = reader.axis();
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   ControllerTables read;
   read.tables = reader.tables(*axis);

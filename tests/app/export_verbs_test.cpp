@@ -188,6 +188,8 @@ TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what t
   REQUIRE(map);
   CHECK(laser::compensation_at(*laser::table_of(*map, Component::EXX, Approach::reverse), -400.0) == Approx(7.0));
   CHECK(laser::compensation_at(*laser::table_of(*map, Component::EYY, Approach::forward), -400.0) == Approx(-4.0));
+  REQUIRE(desk.exported({"twincat", "--ssfk-sign", "adds"}, {"-o", out}).code == 0);
+  CHECK(content_of(out + "/achskw1.lis").find("kw.ssfk.table[0].pos 90\n") != std::string::npos);
   CHECK(desk.exported({"twincat", "--axes", "X=0"}).code == 2);
   CHECK(desk.exported({"twincat", "--axes", "X=2"}).code == 2);
 }

@@ -1,5 +1,6 @@
-// libFuzzer over every reader of measurement files and of controls' tables: whatever the bytes are, a Result comes back, and what was read is
-// finite. Built once for each reader: ECS_FUZZ_READER is its name below. Does not live here: the seeds (corpus/).
+// libFuzzer over every reader of measurement files and of controls' tables: whatever the bytes are, a Result comes
+// back, and what was read is finite. Built once for each reader: ECS_FUZZ_READER is its name below. Does not live here:
+// the seeds (corpus/).
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -136,7 +137,9 @@ void siemens(std::string_view bytes, const ImportOptions& options) {
 }
 void etalon(std::string_view bytes, const ImportOptions&) { use(parse_etalon(bytes, "errors.txt")); }
 void twincat(std::string_view bytes, const ImportOptions& options) {
-  use(parse_twincat(bytes, "achskw1.lis", {}, options.axis));
+  TwinCatOptions how;
+  how.adds = options.table_holds_errors;
+  use(parse_twincat(bytes, "achskw1.lis", how, options.axis));
 }
 
 /// A map that was read is written and read again as the same tables.

@@ -63,9 +63,20 @@ TEST_CASE("the worked example of the manual is read as it says: short by 10.2 um
   CHECK(compensation_at(read->tables[1], -19.8667) == Approx(19866.7 - 19874.7));
 }
 
+TEST_CASE("a control that adds the values gets the other sign, and its lists are read with it") {
+  const TwinCatOptions options{{1, 2, 3}, kTwinCatMostPoints, true};
+  const auto made = twincat_export(example(), options);
+  REQUIRE(made);
+  const std::string& text = file_named(*made, "achskw1.lis").content;
+  CHECK(text.starts_with("# EXX error of X, nominal minus actual"));
+  CHECK(text.find("kw.ssfk.table[1].pos 40\nkw.ssfk.table[1].neg 70\n") != std::string::npos);
+  CHECK(compensation_at(parse_twincat(text, "a.lis", options)->tables[1], 50.0) == Approx(7.0));
+  CHECK(compensation_at(made->applied.tables[1], 50.0) == Approx(7.0));
+}
+
 TEST_CASE("what was written comes back, to a tenth of a micrometre") {
   const ExportSource source = whole_machine();
-  const TwinCatOptions options{{4, 7, 2}, kTwinCatMostPoints};
+  const TwinCatOptions options{{4, 7, 2}, kTwinCatMostPoints, false};
   const auto made = twincat_export(source, options);
   REQUIRE(made);
   for (const Axis axis : kAllAxes) {
@@ -106,7 +117,7 @@ TEST_CASE("a list whose name and number say different axes is not guessed at") {
   const auto open = parse_twincat(text, "a.lis", {});
   REQUIRE_FALSE(open);
   CHECK(open.error().message.find("the name of the axis says Y, its number 1 is that of X") != std::string::npos);
-  CHECK(parse_twincat(text, "a.lis", {{2, 1, 3}, 10})->tables[0].component == Component::EYY);
+  CHECK(parse_twincat(text, "a.lis", {{2, 1, 3}, 10, false})->tables[0].component == Component::EYY);
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
   const auto unknown = parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 9\n"), "a.lis", {});
   REQUIRE_FALSE(unknown);
@@ -174,7 +185,7 @@ TEST_CASE("more points than a list takes are thinned, and points that fall toget
   CHECK(made->tables[0].map_points == 2000);
   CHECK(made->tables[0].points <= kTwinCatMostPoints);
   CHECK(made->tables[0].deviation < 1.0);
-  const auto few = twincat_export(source, {{1, 2, 3}, 20});
+  const auto few = twincat_export(source, {{1, 2, 3}, 20, false});
   REQUIRE(few);
   CHECK(few->tables[0].points <= 20);
 }
