@@ -166,7 +166,7 @@ std::vector<double> two_at_least(double from, double to, int most, int room) {
 }
 
 void draw_y_axis(Canvas& canvas, const Area& axis, const Scale& scale, int rows) {
-  const auto ticks = two_at_least(scale.y.from, scale.y.to, std::max(2, rows / 3), rows / 2);
+  const auto ticks = two_at_least(scale.y.from, scale.y.to, std::max(2, rows / 3), rows);
   const double apart = ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0;
   for (int r = 0; r < rows; ++r) canvas.put(axis.row + r, axis.column + axis.columns - 1, U'│', Tone::faint);
   for (const double tick : ticks) {

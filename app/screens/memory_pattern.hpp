@@ -13,7 +13,7 @@ namespace ecs::app {
 /// `45 43 53` bytes, `"ECSI"` text, `16:-250` and `8:`, `32:`, `64:` whole numbers of so many bits, `f:0.01` a real
 /// number of 8 bytes; all as the unit stores them, high byte first. A usage problem for anything else.
 [[nodiscard]] Result<std::vector<std::uint8_t>> pattern_in(std::string_view typed);
-inline constexpr std::string_view kPatternHint = "45 43 53   \"ECSI\"   8:255  16:-250  32:70000  f:0.01";
+inline constexpr std::string_view kPatternHint = "bytes 45 43, text \"ECSI\", or numbers 8:255 16:-250 32:70000 f:0.01";
 
 /// How far a search is.
 struct SearchStep {

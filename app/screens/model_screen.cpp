@@ -87,9 +87,8 @@ void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
 std::string ModelScreen::standing_text() const {
   const model::Fit& fit = desk_->fit();
   const std::size_t effects = desk_->model().effects.size();
-  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um{}", desk_->data().size(),
-                     effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um,
-                     desk_->changed() ? "; not saved" : "");
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um", desk_->data().size(),
+                     effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
 }
 
 int ModelScreen::standing_rows(const Area& area) const {
@@ -159,7 +158,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
   if (d.candidates.empty()) {
     const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
-    draw_scrolled(canvas, wide, lines_in(diagnosis_text(d)), scroll_);
+    draw_scrolled(canvas, wide, sentences_wrapped(lines_in(diagnosis_text(d)), wide.columns), scroll_);
     return;
   }
   canvas.text(text, row++, 2, fmt::format("{:<30} {:>19}  explained  by chance", "effect:axis:sense", "rms um"),
@@ -211,14 +210,14 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   rung("noise of one reading", desk_->fit().noise.noise_um, Tone::faint, Tone::faint);
   draw_scrolled(canvas, area.below(row + 1),
                 history.empty() ? wrapped(" No effect was added yet: d finds one, a adds it.", area.columns - 1)
-                                : lines_in(ladder_text(history)),
+                                : sentences_wrapped(lines_in(ladder_text(history)), area.columns),
                 scroll_);
 }
 
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
-  if (page_ == Page::fails) return desk_->comparison();
+  if (page_ == Page::fails) return sentences_wrapped(desk_->comparison(), columns + 1);
   if (page_ == Page::after) {
-    if (!desk_->after().empty()) return desk_->after();
+    if (!desk_->after().empty()) return sentences_wrapped(desk_->after(), columns + 1);
     return wrapped(
         "w reckons what compensation by the unit would leave of these errors, effect by effect. o opens files measured "
         "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "

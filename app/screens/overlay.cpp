@@ -10,8 +10,10 @@ void Overlay::show_help(const Screen& screen) {
   *this = {};
   title_ = screen.title() + ": help";
   parts_ = {{"", screen.help()}, {"", ""}};
-  for (const KeyHelp& key : screen.keys()) parts_.push_back({key.keys, key.does});
-  parts_.push_back({"Esc", "back; on the first screen: leave"});
+  const std::vector<KeyHelp> keys = screen.keys();
+  for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
+  if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
+    parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows whole what ends in ... F2"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "draw everything anew; leave the program"});
 }
@@ -49,7 +51,9 @@ void Overlay::draw(Canvas& canvas) const {
   page_ = std::max(1, std::min(count, canvas.rows() - 4));
   const Area box{(canvas.rows() - page_ - 2) / 2, 2, page_ + 2, canvas.columns() - 4};
   canvas.fill(box);
-  canvas.frame(box, title_ + (count > page_ ? "; up, down; Esc goes on" : "; any key goes on"), Tone::plain);
+  const std::string ways = count > page_ ? "up, down; Esc goes on" : "any key goes on";
+  const std::string whole = title_ + "; " + ways;
+  canvas.frame(box, width_of(whole) + 5 > box.columns ? ways : whole, Tone::plain);
   const Area inside = box.inside();
   draw_scrolled(canvas, {inside.row, inside.column + 1, inside.rows, inside.columns - 1}, all, scroll_);
   fits_ = count <= page_;

@@ -60,6 +60,7 @@ class ParametersScreen final : public Screen {
   void draw_start(Canvas& canvas, const Area& area) const;
   void draw_tabs(Canvas& canvas, const Area& area) const;
   void draw_page(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] bool nothing_listed() const;
   void draw_below(Canvas& canvas, const Area& area) const;
   void draw_bottom(Canvas& canvas, const Area& area) const;
   void draw_prompt(Canvas& canvas, const Area& area) const;

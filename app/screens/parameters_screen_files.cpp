@@ -48,17 +48,20 @@ void ParametersScreen::ask_for_file() {
 }
 
 void ParametersScreen::ask_for_machine() {
-  prompt_for("new parameters for the machine file", "Path of a machine file (.toml); Tab completes it.", "",
-             [this](const std::string& path) {
-               auto begun = desk_.start_from_machine(path);
-               if (!begun) {
-                 prompt_->hint = to_text(begun.error());
-                 return;
-               }
-               prompt_.reset();
-               turn_page(0);
-               message_.say("new parameters: set datum type, output scale and polarity of the control, see Findings");
-             });
+  prompt_for(
+      "new parameters for the machine file", "Path of a machine file (.toml); Tab completes it.", "",
+      [this](const std::string& path) {
+        auto begun = desk_.start_from_machine(path);
+        if (!begun) {
+          prompt_->hint = to_text(begun.error());
+          return;
+        }
+        prompt_.reset();
+        turn_page(0);
+        message_.say(
+            "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
+            std::string(desk_.findings().empty() ? "of the control" : "of the control; page 4 says what is missing"));
+      });
 }
 
 void ParametersScreen::ask_for_check() {

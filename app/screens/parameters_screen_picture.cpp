@@ -38,12 +38,12 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
                 desk_.unsaved() ? Tone::warning : Tone::plain);
     draw_tabs(canvas, {area.row + 1, area.column, 1, area.columns});
     const Area body{area.row + 2, area.column, area.rows - 3, area.columns};
-    if (area.columns >= kWide) {
+    if (area.columns >= kWide && !nothing_listed()) {
       const int list = std::max(area.columns * 3 / 5, 78);
       draw_page(canvas, body.left(list));
       draw_below(canvas, body.right_of(list + 1));
     } else {
-      const int below = panel_rows(area);
+      const int below = nothing_listed() ? 0 : panel_rows(area);
       draw_page(canvas, body.top(body.rows - below));
       draw_below(canvas, body.below(body.rows - below));
     }
@@ -53,6 +53,12 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     cursor_ = {-1, -1};
     draw_question(canvas, area, asking_->question);
   }
+}
+
+/// The page has one sentence instead of rows, and nothing is asked or told below it.
+bool ParametersScreen::nothing_listed() const {
+  if (prompt_ || !message_.text().empty()) return false;
+  return (page_ == Page::findings && desk_.findings().empty()) || (page_ == Page::compare && desk_.compared().empty());
 }
 
 void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {

@@ -20,7 +20,7 @@ Area key_area(const Canvas& canvas) { return {canvas.rows() - 1, 0, 1, canvas.co
 /// @param partly  the picture shows a text in part only
 KeyLine key_line_of(const Screen& screen, bool partly) {
   KeyLine line{screen.keys(), {{screen.typing() ? "F1" : "?", "help"}}};
-  if (partly) line.ends.insert(line.ends.begin(), {"F2", "whole text"});
+  if (partly) line.ends.insert(line.ends.begin(), {"F2", "more"});
   return line;
 }
 

@@ -33,7 +33,7 @@ Reply reply_to(const Key& key) {
 void draw_question(Canvas& canvas, const Area& area, const Question& question) {
   const int columns = std::min(area.columns, std::max(44, area.columns * 3 / 4));
   const auto title = wrapped(question.title, columns - 4);
-  const auto detail = wrapped(question.detail, columns - 4);
+  const auto detail = question.detail.empty() ? std::vector<std::string>{} : wrapped(question.detail, columns - 4);
   std::vector<std::string> answers{"y " + question.yes, "n " + question.no};
   if (width_of(answers[0]) + 4 + width_of(answers[1]) <= columns - 4) answers = {answers[0] + "    " + answers[1]};
   const int last = static_cast<int>(answers.size());

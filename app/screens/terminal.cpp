@@ -68,6 +68,7 @@ Look look_of(Tone tone) {
 }
 
 constexpr std::size_t kTones = 9;
+constexpr char32_t kUnknown = U'\uFFFF';  ///< what a cell of the terminal shows is not known
 
 /// Sequences that most terminals send, also where the terminal's description does not know them (a vt100 has no Page
 /// Up, but whoever calls itself one often does).
@@ -196,6 +197,9 @@ struct Terminal::Screen {
   Screen& operator=(const Screen&) = delete;
   ~Screen() {
     if (curses == nullptr) return;
+    move(LINES - 1, 0);  // where there is no other screen to go back to, the shell goes on in a blank line
+    clrtoeol();
+    refresh();
     ::endwin();
     ::delscreen(curses);
   }
@@ -283,7 +287,10 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
     cchar_t sign{};
     ::setcchar(&sign, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);
     mvadd_wch(r, c, &sign);
+    const int behind = c + columns_of(cell.glyph);
+    const bool halved = sent.at(r, behind).glyph == kSecondHalf;  // of a letter that was overwritten: to be sent anew
     sent.put(r, c, cell.glyph, cell.tone);
+    if (halved) sent.put(r, behind, kUnknown);
   }
   return room;
 }

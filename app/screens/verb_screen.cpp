@@ -21,20 +21,6 @@ std::vector<std::string> lines_in(const std::string& text) {
   return lines;
 }
 
-/// Rows of tables stay whole: cells stand at least two blanks apart.
-bool is_sentence(const std::string& line) {
-  const std::size_t begin = line.find_first_not_of(' ');
-  return begin != std::string::npos && line.find(' ', begin) != std::string::npos &&
-         line.find("  ", begin) == std::string::npos;
-}
-
-/// A sentence over several lines, indented as it was.
-void add_wrapped(std::vector<std::string>& lines, const std::string& line, int columns) {
-  const std::size_t indent = std::min(line.find_first_not_of(' '), static_cast<std::size_t>(std::max(0, columns - 20)));
-  const std::string before(indent, ' ');
-  for (const std::string& part : wrapped(line, columns - static_cast<int>(indent))) lines.push_back(before + part);
-}
-
 }  // namespace
 
 VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk)
@@ -91,13 +77,7 @@ void VerbScreen::draw_fields(Canvas& canvas, const Area& area) const {
 const std::vector<std::string>& VerbScreen::answer_lines(int columns) const {
   if (lines_for_ == columns) return lines_;
   lines_for_ = columns;
-  lines_.clear();
-  for (const std::string& line : answer_->lines) {
-    if (width_of(line) > columns && is_sentence(line))
-      add_wrapped(lines_, line, columns);
-    else
-      lines_.push_back(line);
-  }
+  lines_ = sentences_wrapped(answer_->lines, columns);
   return lines_;
 }
 

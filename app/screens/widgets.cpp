@@ -77,6 +77,20 @@ bool ScrollPlace::on_key(const Key& key, int page) {
 
 namespace {
 
+/// Rows of tables stay whole: cells stand at least two blanks apart.
+bool is_sentence(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(' ');
+  return begin != std::string::npos && line.find(' ', begin) != std::string::npos &&
+         line.find("  ", begin) == std::string::npos;
+}
+
+/// A sentence over several lines, indented as it was.
+void add_wrapped(std::vector<std::string>& lines, const std::string& line, int columns) {
+  const std::size_t indent = std::min(line.find_first_not_of(' '), static_cast<std::size_t>(std::max(0, columns - 20)));
+  const std::string before(indent, ' ');
+  for (const std::string& part : wrapped(line, columns - static_cast<int>(indent))) lines.push_back(before + part);
+}
+
 /// The part of a line that is seen from a column on, with a mark at either edge where it goes on.
 void draw_sideways(Canvas& canvas, const Area& area, int row, const std::string& line, int from) {
   int column = -from;
@@ -92,6 +106,17 @@ void draw_sideways(Canvas& canvas, const Area& area, int row, const std::string&
 }
 
 }  // namespace
+
+std::vector<std::string> sentences_wrapped(const std::vector<std::string>& lines, int columns) {
+  std::vector<std::string> out;
+  for (const std::string& line : lines) {
+    if (width_of(line) > columns && is_sentence(line))
+      add_wrapped(out, line, columns);
+    else
+      out.push_back(line);
+  }
+  return out;
+}
 
 void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::string>& lines, const ScrollPlace& place) {
   const int count = static_cast<int>(lines.size());
@@ -163,13 +188,15 @@ int TextLine::cursor_column(int columns) const { return columns_before_cursor(fi
 
 void TextLine::draw(Canvas& canvas, const Area& area, int row, int column, int columns, bool active) const {
   const Tone tone = active ? Tone::strong : Tone::plain;
+  const std::size_t first = first_seen(columns);
   int used = 0;
-  for (const Sign& sign : signs_of(utf8_of(std::u32string_view(text_).substr(first_seen(columns))))) {
+  for (const Sign& sign : signs_of(utf8_of(std::u32string_view(text_).substr(first)))) {
     if (used + sign.columns > columns) break;
     canvas.put(area.row + row, area.column + column + used, sign.glyph, tone);
     used += sign.columns;
   }
   for (; used < columns; ++used) canvas.put(area.row + row, area.column + column + used, active ? U'_' : U' ', tone);
+  if (first > 0 && columns > 1) canvas.put(area.row + row, area.column + column, U'…', Tone::faint);
 }
 
 PathCompletion completed_path(const std::string& typed) {

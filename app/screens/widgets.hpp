@@ -39,6 +39,9 @@ struct ScrollPlace {
   /// Up, down, page, home (the first row from its beginning), end, mouse wheel; left and right sideways.
   [[nodiscard]] bool on_key(const Key& key, int page = 10);
 };
+/// The answer of a verb for a narrow place: sentences over as many lines as they need, indented as they were; rows of
+/// tables, whose cells stand two blanks or more apart, stay whole.
+[[nodiscard]] std::vector<std::string> sentences_wrapped(const std::vector<std::string>& lines, int columns);
 /// All rows move sideways together: columns of a table stay below their headings. Marks where rows go on.
 void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::string>& lines, const ScrollPlace& place);
 

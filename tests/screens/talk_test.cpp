@@ -69,7 +69,7 @@ TEST_CASE("F2 shows the whole text in a box that scrolls, and any other key take
   const Teller teller(kLong);
   const Canvas cut = picture(teller, 24, 40);
   REQUIRE(cut.whole_texts() == std::vector<std::string>{kLong});
-  CHECK(has(cut.plain_text(), "F2 whole text"));
+  CHECK(has(cut.plain_text(), "F2 more"));
   Overlay over;
   over.show_whole(cut.whole_texts());
   Canvas small(8, 40);
