@@ -83,17 +83,67 @@ void draw_beyond(Canvas& canvas, const Area& plot, int row, const std::vector<Pl
   }
 }
 
-/// "x 47.500, x 3.100, forward 1.20 at -200.000"; empty where nothing is left out.
-std::string left_out_read_out(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, double x) {
-  const auto here = [x](const PlotPoint& p) { return std::abs(p.x - x) < kSamePlace_mm; };
-  std::string text;
+bool is_mean(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
+
+/// Where a cursor at `x` reads: the nearest point of all.
+double nearest_place(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, double x) {
+  double place = x, least = std::numeric_limits<double>::infinity();
+  const auto take = [&](const PlotPoint& p) {
+    if (std::abs(p.x - x) >= least) return;
+    least = std::abs(p.x - x);
+    place = p.x;
+  };
+  for (const PlotSeries& series : panel.series) std::for_each(series.points.begin(), series.points.end(), take);
+  std::for_each(left_out.begin(), left_out.end(), take);
+  return place;
+}
+
+/// "at -200: forward 1.20, reverse 3.41, x 47.50": means and what is left out, which fits where single runs would not.
+std::string means_at(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, double x) {
+  const double place = nearest_place(panel, left_out, x);
+  const auto here = [place](const PlotPoint& p) { return std::abs(p.x - place) < kSamePlace_mm; };
+  std::string text = fmt::format("at {:.6g}:", place);
+  const char* before = " ";
+  const auto add = [&](const std::string& what, double value) {
+    text += fmt::format("{}{} {:.2f}", before, what, value);
+    before = ", ";
+  };
+  for (const PlotSeries& series : panel.series)
+    if (const auto p = std::find_if(series.points.begin(), series.points.end(), here);
+        is_mean(series.mark) && p != series.points.end())
+      add(series.name, p->y);
   for (const PlotPoint& p : left_out)
-    if (here(p)) text += fmt::format("{}x {:.3f}", text.empty() ? "" : ", ", p.y);
-  if (text.empty()) return text;
-  const bool others = std::any_of(panel.series.begin(), panel.series.end(), [&](const PlotSeries& series) {
-    return std::any_of(series.points.begin(), series.points.end(), here);
-  });
-  return others ? text + ", " + read_out(panel, x) : fmt::format("{} at {:.3f}", text, x);
+    if (here(p)) add("x", p.y);
+  return text;
+}
+
+/// In the row of the legend.
+void draw_means_at(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                   const ChartView& view) {
+  const Area plot = plot_of(area);
+  if (!view.cursor_x || plot.rows < 2 || plot.columns < 8) return;
+  const Area last{area.row + area.rows - 1, area.column, 1, area.columns};
+  canvas.fill(last);
+  canvas.text(last, 0, 0, means_at(panel, left_out, *view.cursor_x), Tone::strong);
+}
+
+/// Over a curve a crowd of marks stands only every so many columns, so that the curve stays seen; beside it all do.
+void draw_inside(Canvas& canvas, const Area& plot, const std::vector<PlotPoint>& points, const Range& x,
+                 const Range& y) {
+  constexpr int kApart = 6;
+  const bool crowd = static_cast<int>(points.size()) > plot.columns / 4;
+  std::vector<Place> places;
+  for (const PlotPoint& p : points) places.push_back(cell_of(canvas, plot, x, y, p));
+  std::sort(places.begin(), places.end(),
+            [](const Place& a, const Place& b) { return std::pair(a.column, a.row) < std::pair(b.column, b.row); });
+  int last = -kApart;
+  for (const Place& at : places) {
+    if (crowd && canvas.at(at.row, at.column).glyph != U' ') {
+      if (at.column - last < kApart) continue;
+      last = at.column;
+    }
+    canvas.put(at.row, at.column, U'x', Tone::warning);
+  }
 }
 
 }  // namespace
@@ -148,29 +198,26 @@ std::string left_out_legend(const PlotPanel& panel, const std::vector<PlotPoint>
   return fmt::format("x left out: {}{}{}", left_out.size(), beyond.empty() ? "" : "; ", beyond);
 }
 
-void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
-                const ChartView& view) {
-  if (left_out.empty()) return draw_chart(canvas, area, panel, view);
+void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                      const ChartView& view) {
+  if (left_out.empty()) {
+    draw_chart(canvas, area, panel, view);
+    return draw_means_at(canvas, area, panel, left_out, view);
+  }
   const LeftOutSeen seen = left_out_seen(panel, left_out, view);
   draw_chart(canvas, area, panel, seen.view);
+  draw_means_at(canvas, area, panel, left_out, view);
   const Area plot = plot_of(area);
   const Range x{*seen.view.x_from, *seen.view.x_to}, y{*seen.view.y_from, *seen.view.y_to};
   if (plot.rows < 2 || plot.columns < 8 || !(x.width() > 0.0)) return;
-  for (const PlotPoint& p : seen.inside) {
-    const Place at = cell_of(canvas, plot, x, y, p);
-    canvas.put(at.row, at.column, U'x', Tone::warning);
-  }
+  draw_inside(canvas, plot, seen.inside, x, y);
   const bool few = seen.above.size() + seen.below.size() <= kMostToldOneByOne;
   draw_beyond(canvas, plot, 0, seen.above, x, few);
   draw_beyond(canvas, plot, plot.rows - 1, seen.below, x, few);
-  const std::string told = view.cursor_x ? left_out_read_out(panel, left_out, *view.cursor_x) : std::string();
-  if (told.empty()) return;
-  const Area last{area.row + area.rows - 1, area.column, 1, area.columns};
-  canvas.fill(last);
-  canvas.text(last, 0, 0, told, Tone::strong);
 }
 
-bool on_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out, ChartView& view) {
+bool on_laser_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                        ChartView& view) {
   PlotPanel all = panel;
   all.series.push_back({"", Mark::reading, left_out});
   return on_chart_key(key, all, view);

@@ -30,13 +30,14 @@ struct LeftOutSeen {
 [[nodiscard]] std::string left_out_legend(const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
                                           std::string_view unit);
 
-/// As draw_chart(), the readings left out as x over it. The legend is left to whoever draws it.
-void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
-                const ChartView& view);
+/// As draw_chart(), the readings left out as x over it, and under a cursor the means: single runs would not fit. The
+/// legend of the marks is left to whoever draws it.
+void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                      const ChartView& view);
 
 /// As on_chart_key(); the cursor stops at what is left out as well.
-[[nodiscard]] bool on_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
-                                ChartView& view);
+[[nodiscard]] bool on_laser_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
+                                      ChartView& view);
 
 /// For pictures: those inside as a series of its own, those beyond told in its name.
 [[nodiscard]] PlotPanel with_left_out(PlotPanel panel, const std::vector<PlotPoint>& left_out, std::string_view unit);

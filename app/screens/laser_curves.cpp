@@ -62,6 +62,8 @@ void finish(LaserCurve& out, const laser::Curve& level, const laser::Measurement
     }
   }
   out.after = screen_panel(readings, out.smoothed ? out.smoothed->curve : level, "after");
+  out.unchanged = out.slope == laser::SlopeMethod::none && !out.smoothed;
+  if (out.unchanged) out.before.title = "before and after";
 }
 
 void take_one_line(LaserCurve& out, const LaserLineResult& line) {

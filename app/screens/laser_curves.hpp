@@ -47,6 +47,7 @@ struct LaserCurve {
   double band_after = 0.0;   ///< the same, slope removed and smoothed (of the curve where it is smoothed)
   std::optional<laser::Smoothed> smoothed;
   PlotPanel before, after;
+  bool unchanged = false;             ///< no slope taken, nothing smoothed: `after` is `before`
   std::vector<PlotPoint> left_out;    ///< of the one line, as measured; none where it comes from two lines
   std::size_t left_out_of_lines = 0;  ///< readings left out of all its lines
   std::string problem;

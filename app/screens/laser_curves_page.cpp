@@ -16,6 +16,12 @@ std::string words_for(laser::SlopeMethod method) {
   return method == laser::SlopeMethod::end_points ? "slope by end points" : "slope by least squares";
 }
 
+const char* words_for(laser::Taken taken) {
+  if (taken == laser::Taken::noise) return "noise, by the repeats";
+  if (taken == laser::Taken::signal) return "form of the curve went too, use less";
+  return "no repeats to judge it by";
+}
+
 /// "least", "end", "-": what stands in the list.
 std::string short_words(laser::SlopeMethod method) {
   if (method == laser::SlopeMethod::none) return "-";
@@ -35,7 +41,7 @@ class CurvesPage final : public LaserPage {
                                   : "None of the measured lines serves a component of the chosen scope: step 6 says "
                                     "what it needs.");
     const LaserHalves halves = laser_halves(area);
-    const std::string hint = work.map.parameters ? "" : "Slope per component, angles from two lines: p first";
+    const std::string hint = work.map.parameters ? "" : "p takes the parameters: then a row is a component of the map";
     const int told = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
     const std::string heading = work.map.parameters
                                     ? fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band")
@@ -81,7 +87,7 @@ class CurvesPage final : public LaserPage {
                              false},
                             code);
     } else {
-      return on_chart_key(key, curve.before, curve.left_out, view_);
+      return on_laser_chart_key(key, curve.before, curve.left_out, view_);
     }
     return true;
   }
@@ -130,17 +136,18 @@ class CurvesPage final : public LaserPage {
   static std::string told_of(const LaserCurve& curve) {
     if (!curve.problem.empty()) return curve.problem;
     const auto unit = unit_of(curve.component);
-    std::string text =
-        fmt::format("band {:.2f} > {:.2f} {}; {}", curve.band_before, curve.band_after, unit, words_for(curve.slope));
+    std::string text = curve.unchanged
+                           ? fmt::format("band {:.2f} {}", curve.band_before, unit)
+                           : fmt::format("band {:.2f} {}, after {:.2f}", curve.band_before, unit, curve.band_after);
+    text += fmt::format("; {}", words_for(curve.slope));
     if (curve.slope != laser::SlopeMethod::none) text += fmt::format(" {:.2f} {}/m", curve.removed_per_m, unit);
     if (curve.slope != curve.recommended) text += fmt::format(" (recommended: {})", laser::name_of(curve.recommended));
+    if (curve.smoothed)
+      text += fmt::format("; smoothing took {:.2f} {} rms: {}", curve.smoothed->removed_rms, unit,
+                          words_for(curve.smoothed->taken));
     if (curve.lines.size() > 1 && curve.left_out_of_lines > 0)
-      text += fmt::format("; {} readings of its lines are left out (step 3)", curve.left_out_of_lines);
-    if (!curve.smoothed) return text;
-    text += fmt::format("; smoothing took {:.2f} {} rms: ", curve.smoothed->removed_rms, unit);
-    if (curve.smoothed->taken == laser::Taken::noise) return text + "noise, by the repeats";
-    if (curve.smoothed->taken == laser::Taken::signal) return text + "form of the curve went too, use less";
-    return text + "no repeats to judge it by";
+      text += fmt::format("; {} readings left out", curve.left_out_of_lines);
+    return text;
   }
 
   /// "Y -1400, Z 0", "Y -1400, Z 0 and Y -1400, Z -1000"
@@ -164,17 +171,18 @@ class CurvesPage final : public LaserPage {
                      !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
     const Area charts = area.below(1 + text_rows);
     if (curve.before.series.empty()) return;
-    if (shown_ == Shown::before) return draw_before(canvas, charts, curve);
-    if (shown_ == Shown::after) return draw_chart(canvas, charts, curve.after, view_);
+    if (shown_ == Shown::before || curve.unchanged) return draw_before(canvas, charts, curve);
+    if (shown_ == Shown::after) return draw_laser_chart(canvas, charts, curve.after, {}, view_);
     const int upper = (charts.rows + 1 + (curve.left_out.empty() ? 0 : 1)) / 2;
     draw_before(canvas, charts.top(upper), curve);
-    if (!curve.after.series.empty()) draw_chart(canvas, charts.below(upper), curve.after, view_);
+    if (!curve.after.series.empty()) draw_laser_chart(canvas, charts.below(upper), curve.after, {}, view_);
   }
 
   /// What is left out stays visible, with a legend of its own.
   void draw_before(Canvas& canvas, const Area& area, const LaserCurve& curve) const {
-    if (curve.left_out.empty()) return draw_chart(canvas, area, curve.before, view_);
-    draw_chart(canvas, area.top(area.rows - 1), curve.before, curve.left_out, view_);
+    draw_laser_chart(canvas, area.top(area.rows - (curve.left_out.empty() ? 0 : 1)), curve.before, curve.left_out,
+                     view_);
+    if (curve.left_out.empty()) return;
     canvas.text(area, area.rows - 1, 0, left_out_legend(curve.before, curve.left_out, unit_of(curve.component)),
                 Tone::warning);
   }

@@ -73,8 +73,8 @@ bool LaserDesk::note_changes() {
   const WatchedUnit unit = unit_->standing();
   UnitHolding now = *compared_;
   if (unit.identity) now.serial_number = unit.identity->serial_number;
-  if (unit.open) now.opened_at = unit.opened_at;
-  std::string why = changed_since(*compared_, now);
+  now.opened_at = unit.opened_at;
+  std::string why = unit.open ? changed_since(*compared_, now) : "the line to it was lost";
   if (const auto sample = unit_->newest(); sample && why.empty()) {
     if (sample->unit_time_us < unit_time_us_) why = "it was restarted";
     unit_time_us_ = std::max(unit_time_us_, sample->unit_time_us);

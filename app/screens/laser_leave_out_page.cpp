@@ -46,7 +46,7 @@ class LeaveOutPage final : public LaserPage {
         view.cursor_x = laser::target_mm(line.set->readings[*reading]);
     const std::string told = told_of(line, result);
     const int text_rows = std::clamp(static_cast<int>(wrapped(told, halves.rest.columns).size()), 2, 4);
-    draw_chart(canvas, halves.rest.top(halves.rest.rows - text_rows), result.panel, result.left_out, view);
+    draw_laser_chart(canvas, halves.rest.top(halves.rest.rows - text_rows), result.panel, result.left_out, view);
     const Tone tone = !result.problem.empty() ? Tone::bad : (result.left_out.empty() ? Tone::plain : Tone::warning);
     canvas.paragraph(halves.rest.below(halves.rest.rows - text_rows), 0, told, tone);
   }
@@ -81,7 +81,7 @@ class LeaveOutPage final : public LaserPage {
         view_ = {};
         return true;
       }
-      return on_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
+      return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
     }
     if (tree_.on_key(key, static_cast<int>(tree.size()))) return true;
     const TreeRow row = tree[place_within(tree_, tree.size())];
@@ -91,7 +91,7 @@ class LeaveOutPage final : public LaserPage {
       if (!open_.erase(row.run)) open_.insert(row.run);
       return true;
     }
-    return on_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
+    return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
   }
 
   bool on_escape() override { return std::exchange(in_tree_, false); }
@@ -109,7 +109,9 @@ class LeaveOutPage final : public LaserPage {
            "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
            "outside "
            "stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
-           "five times what is usual: they are only suggested. w notes why.";
+           "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
+           "left "
+           "out of it, ? that readings stand out, ! that no curve comes of it.";
   }
 
  private:
@@ -166,7 +168,7 @@ class LeaveOutPage final : public LaserPage {
               out == choice.runs.end() ? Tone::plain : Tone::warning};
     }
     const laser::Reading& reading = line.set->readings[*row.reading];
-    const bool out = choice.readings.contains(*row.reading);
+    const bool out = left_out(choice, *line.set, *row.reading);
     const bool suspect = std::binary_search(line.suspects.begin(), line.suspects.end(), *row.reading);
     const char* way =
         reading.approach == Approach::forward ? "fwd" : (reading.approach == Approach::reverse ? "rev" : "");
@@ -176,6 +178,11 @@ class LeaveOutPage final : public LaserPage {
   }
 
   bool toggle(const LaserLine& line, const TreeRow& row) {
+    if (row.reading && choice_of(line).runs.contains(row.run)) {
+      desk().message().say(fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run),
+                           Tone::warning);
+      return true;
+    }
     const bool is_out =
         row.reading ? choice_of(line).readings.contains(*row.reading) : choice_of(line).runs.contains(row.run);
     const std::string what = row.reading ? fmt::format("a reading of {}", name_of_line(line))

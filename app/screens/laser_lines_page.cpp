@@ -100,7 +100,7 @@ class LinesPage final : public LaserPage {
     return true;
   }
   std::vector<KeyHelp> keys() const override {
-    return {{"up/down", "line"}, {"PgUp/PgDn", "read its details"}, {"Enter", "what its file does not say"}};
+    return {{"up/down", "line"}, {"PgUp/PgDn", "its details"}, {"Enter", "what is missing"}};
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "

@@ -150,7 +150,9 @@ class MapPage final : public LaserPage {
     if (map.built)
       for (const laser::ComponentOutcome& outcome : map.built->outcomes)
         if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), *map.built, outcome);
-    if (const auto panel = panel_of_component(map, one.component)) draw_chart(canvas, area.below(row), *panel, view_);
+    constexpr int kLeastRows = 6;  // of a curve; none where the findings have the room
+    if (const auto panel = panel_of_component(map, one.component); panel && area.rows - row >= kLeastRows)
+      draw_chart(canvas, area.below(row), *panel, view_);
   }
 
   static int draw_outcome(Canvas& canvas, const Area& area, const laser::BuiltMap& built,

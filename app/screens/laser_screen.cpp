@@ -1,5 +1,7 @@
 #include "app/screens/laser_screen.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace ecs::app {
@@ -41,14 +43,24 @@ std::string next_to_do(const LaserDesk& desk) {
   if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
   if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings stand out from their repeats (o).";
   if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
-  if (map.missing() > 0)
-    return fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+  if (map.missing() > 0) {
+    const std::string missing =
+        fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+    const auto& lines = desk.work().lines;
+    const auto placeless =
+        std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
+    return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked place.", missing, placeless);
+  }
   if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what stands against this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
     return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
+  if (desk.verdict() && !desk.stale().empty())
+    return "Step 9: the unit has changed since it was compared: verify again.";
+  if (desk.verified()) return {};
+  if (desk.sent_is_current() && desk.verdict() && !desk.verdict()->same())
+    return "Step 9: the unit does not hold this map: step 8 sends it again.";
   if (!desk.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
-  if (!is(LaserStep::verify, LaserMark::done)) return "Next: step 9 reads the map back from the unit and compares.";
-  return {};
+  return "Next: step 9 reads the map back from the unit and compares.";
 }
 
 }  // namespace
@@ -59,8 +71,14 @@ LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
              laser_curves_page(*host_), laser_iso_page(*host_),   laser_map_page(*host_),
              laser_header_page(*host_), laser_send_page(*host_),  laser_verify_page(*host_)} {}
 
-Area LaserScreen::body_of(const Area& area) {
-  return {area.row + 1, area.column, std::max(0, area.rows - 3), area.columns};
+/// Two, or as many as a long message needs: it is to be read whole.
+int LaserScreen::message_rows(const Area& area) const {
+  const LaserDesk& desk = host_->desk;
+  return desk.busy() ? 2 : std::max(2, desk.message().rows(area.columns - 2, area.rows / 2));
+}
+
+Area LaserScreen::body_of(const Area& area) const {
+  return {area.row + 1, area.column, std::max(0, area.rows - 1 - message_rows(area)), area.columns};
 }
 
 std::array<LaserScreen::Tab, kLaserSteps> LaserScreen::tabs(int columns) const {
@@ -105,14 +123,15 @@ void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
   else if (desk.working())
     canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
   else
-    canvas.text(area, 0, 1, next_to_do(desk), Tone::faint);
+    canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(desk), Tone::faint);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   draw_tabs(canvas, area.top(1));
   const Area body = body_of(area);
   page().draw(canvas, body);
-  if (area.rows >= 3) draw_message(canvas, {area.row + area.rows - 2, area.column, 2, area.columns});
+  const int told = message_rows(area);
+  if (area.rows > told) draw_message(canvas, {area.row + area.rows - told, area.column, told, area.columns});
   if (const auto& draft = host_->desk.offered())
     draw_question(canvas, area,
                   {fmt::format("Work of {} found", draft->kept),

@@ -30,7 +30,8 @@ class LaserScreen final : public Screen {
 
  private:
   [[nodiscard]] LaserPage& page() const { return *pages_[static_cast<std::size_t>(step_)]; }
-  [[nodiscard]] static Area body_of(const Area& area);
+  [[nodiscard]] int message_rows(const Area& area) const;
+  [[nodiscard]] Area body_of(const Area& area) const;
   void draw_tabs(Canvas& canvas, const Area& area) const;
   void draw_message(Canvas& canvas, const Area& area) const;
   /// Where the tab of a step begins and what stands in it.

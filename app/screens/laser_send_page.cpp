@@ -54,15 +54,15 @@ class SendPage final : public LaserPage {
     told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
     told.skip();
     told.say("map", map_text(map), map.complete() ? Tone::good : Tone::warning);
-    told.say("saved", d.saved() ? "yes, as it is now" : "not as it is now: s saves it, Enter saves and sends",
-             d.saved() ? Tone::good : Tone::plain);
+    const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
+    told.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
     told.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) told.say("after that", d.after_failure(), Tone::warning);
     if (d.ready()) told.say("remarks", remarks_of(*d.ready()));
     told.skip();
     if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
-    told.skip();
+    if (map.parameters && (!map.complete() || d.sent_is_current())) told.skip();
     told.say("beside it",
              fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
                          files.parameters, files.recipe),
@@ -103,9 +103,12 @@ class SendPage final : public LaserPage {
     asked_ = true;
     const ReadyMap& ready = *desk().ready();
     host().ask({fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
-                fmt::format("{} bytes with parameters, block check {:08X}, replace what the unit holds ({}). Until the "
-                            "new map is whole and checked the unit keeps the old one; Esc stops the transfer.",
-                            ready.map->image.bytes.size(), ready.check, check_text(ready.active)),
+                fmt::format("{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
+                            ready.map->image.bytes.size(), ready.check,
+                            ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
+                                                       "the new map is whole and checked",
+                                                       check_text(ready.active))
+                                         : std::string("The unit holds no map yet, and takes this one whole or not")),
                 "send", "not now"},
                [this] { desk().send(); });
     return true;
@@ -169,12 +172,12 @@ class VerifyPage final : public LaserPage {
     const std::string& stale = d.stale();
     if (!stale.empty())
       told.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
-    told.say(stale.empty() ? "compared" : "before that",
+    told.say(stale.empty() ? "compared" : "then",
              verdict.same() ? "the unit holds this map and its parameters, value by value"
                             : fmt::format("{} differences in the map, {} in the parameters", verdict.differences.size(),
                                           verdict.parameters.size()),
              !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
-    told.say("in the unit",
+    told.say("its map",
              fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
     if (verdict.same() && stale.empty() && !d.verified())
       told.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
