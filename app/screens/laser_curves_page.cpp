@@ -150,11 +150,15 @@ class CurvesPage final : public LaserPage {
     return text;
   }
 
-  /// "Y -1400, Z 0", "Y -1400, Z 0 and Y -1400, Z -1000"
+  /// "Y -1400, Z 0"; of two lines what differs of the second: "Y -1400, Z 0 and Z -1000".
   static std::string place_of(const LaserWork& work, const LaserCurve& curve) {
-    std::string text;
-    for (std::size_t k = 0; k < curve.lines.size(); ++k)
-      text += (k == 0 ? "" : " and ") + work.lines[curve.lines[k]].place;
+    const std::string& first = work.lines[curve.lines.front()].place;
+    std::string text = first;
+    if (curve.lines.size() < 2) return text;
+    text += " and";
+    const auto parts = split(first, ',');
+    for (const std::string_view part : split(work.lines[curve.lines[1]].place, ','))
+      if (std::find(parts.begin(), parts.end(), part) == parts.end()) text += fmt::format(" {}", trimmed(part));
     return text;
   }
 

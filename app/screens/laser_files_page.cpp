@@ -28,10 +28,11 @@ class FilesPage final : public LaserPage {
     if (chooser_) return chooser_->draw(canvas, area);
     const LaserWork& work = desk().work();
     if (desk().choices().files.empty()) {
-      draw_nothing_yet(canvas, area,
-                       "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a "
-                       "step, n to the next one, and back at any time):");
-      int row = 4;
+      const std::string begin =
+          "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a step, n to the "
+          "next one, and back at any time):";
+      draw_nothing_yet(canvas, area, begin);
+      int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
       for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
       return;
     }

@@ -19,25 +19,41 @@ void add_wrapped(std::vector<std::string>& lines, const std::string& text, int c
     lines.push_back(indent + line);
 }
 
-constexpr int kPlaceColumns = 16;
-
 /// "Y -1400, Z 0"; what is missing of it with the key that tells it: "Y ?, Z ?: Enter".
 std::string place_in_row(const LaserLine& line) {
-  if (line.place_unknown.empty()) return line.place;
-  for (const char* key : {": Enter", " Enter", ""})
-    if (width_of(line.place + key) <= kPlaceColumns) return line.place + key;
-  return line.place;
+  return line.place_unknown.empty() ? line.place : line.place + ": Enter";
+}
+
+/// What the places need, as far as the other columns leave it.
+int place_columns(const LaserWork& work) {
+  constexpr int kLeast = 16, kMost = 20;
+  int columns = kLeast;
+  for (const LaserLine& line : work.lines) columns = std::max(columns, width_of(place_in_row(line)));
+  return std::min(columns, kMost);
+}
+
+/// "-4100..0", with as many digits as fit.
+std::string extent_of(const LineSummary& line) {
+  constexpr int kColumns = 12;
+  std::string text;
+  for (int digits = 6; digits >= 3; --digits) {
+    text = line.targets < 2 ? fmt::format("{:.{}g}", line.first_mm, digits)
+                            : fmt::format("{:.{}g}..{:.{}g}", line.first_mm, digits, line.last_mm, digits);
+    if (width_of(text) <= kColumns) break;
+  }
+  return text;
 }
 
 /// "Y -1400, Z 0 | -4100 ... 0 every 50 | 83 targets, 3 runs, both"
-ListRow summary_row(const LaserLine& line, const LaserLineResult& result) {
+ListRow summary_row(const LaserLine& line, const LaserLineResult& result, int columns_of_place) {
   const LineSummary& s = line.summary;
-  const std::string step = s.step_mm ? shortest(*s.step_mm) : "uneven";
+  const std::string step = s.targets < 2 ? "-" : (s.step_mm ? fmt::format("{:.5g}", *s.step_mm) : "uneven");
   const char* approaches = s.forward && s.reverse ? "both" : (s.forward ? "forward" : (s.reverse ? "reverse" : "?"));
   const bool compensated = line.group.compensated.value_or(false);
-  const std::string extent = fmt::format("{:.6g}..{:.6g}", s.first_mm, s.last_mm);
-  std::string text = fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line),
-                                 place_in_row(line), kPlaceColumns, extent, step, s.targets, s.runs, approaches);
+  std::string place = place_in_row(line);
+  if (width_of(place) > columns_of_place) place = line.place;  // the details below say what is missing
+  std::string text = fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7} ", name_of_line(line), place,
+                                 columns_of_place, extent_of(s), step, s.targets, s.runs, approaches);
   if (compensated) text += "comp.";
   const bool odd = compensated || !result.problem.empty() || !(s.forward && s.reverse) || !line.place_unknown.empty();
   return {text, odd ? Tone::warning : Tone::plain};
@@ -74,12 +90,14 @@ class LinesPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = desk().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
+    const int places = place_columns(work);
     canvas.text(area, 0, 2,
-                fmt::format("{:<13} {:<16} {:<12} {:>6} {:>4} {:>4} {:<7}", "what", "parked [mm]", "from..to", "step",
-                            "n", "runs", "appr."),
+                fmt::format("{:<13} {:<{}} {:<12} {:>6} {:>4} {:>4} {:<7}", "what", "parked [mm]", places, "from..to",
+                            "step", "n", "runs", "appr."),
                 Tone::faint);
     std::vector<ListRow> rows;
-    for (std::size_t k = 0; k < work.lines.size(); ++k) rows.push_back(summary_row(work.lines[k], *work.results[k]));
+    for (std::size_t k = 0; k < work.lines.size(); ++k)
+      rows.push_back(summary_row(work.lines[k], *work.results[k], places));
     const int list_rows = std::max(1, std::min(static_cast<int>(rows.size()), (area.rows - 1) / 2));
     draw_list(canvas, {area.row + 1, area.column, list_rows, area.columns}, rows, place_);
     const int top = 2 + list_rows;
@@ -148,7 +166,7 @@ class IsoPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = desk().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
-    const LaserHalves halves = laser_halves(area);
+    const LaserHalves halves = laser_halves(area, 7);
     draw_list(canvas, halves.list, rows_of_lines(work), place_);
     if (halves.rest.columns == 0) return;
     const std::size_t at = place_within(place_, work.lines.size());

@@ -9,11 +9,14 @@
 
 namespace ecs::app {
 
-LaserHalves laser_halves(const Area& area) {
+LaserHalves laser_halves(const Area& area, int least_rows) {
   constexpr int kRoomForBoth = 60;
-  if (area.columns < kRoomForBoth) return {area, {area.row, area.column, 0, 0}};
-  const int list = std::clamp(area.columns / 3, 26, 40);
-  return {area.left(list), area.right_of(list + 1)};
+  if (area.columns >= kRoomForBoth) {
+    const int list = std::clamp(area.columns / 3, 26, 40);
+    return {area.left(list), area.right_of(list + 1)};
+  }
+  if (area.rows < least_rows) return {area, {area.row, area.column, 0, 0}};
+  return {area.top(area.rows / 3), area.below(area.rows / 3)};
 }
 
 void draw_nothing_yet(Canvas& canvas, const Area& area, const std::string& how_to_get_it) {

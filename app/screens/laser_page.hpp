@@ -80,11 +80,12 @@ class LaserPage {
 
 // --- parts that several steps draw
 
-/// A list at the left and the rest of the room, or all room for the list where there is not enough for both.
+/// A list at the left and the rest of the room; one above the other where it is narrow; all room for the list where
+/// that has fewer than `least_rows`.
 struct LaserHalves {
   Area list, rest;
 };
-[[nodiscard]] LaserHalves laser_halves(const Area& area);
+[[nodiscard]] LaserHalves laser_halves(const Area& area, int least_rows = 16);
 /// One sentence where there is nothing to show yet.
 void draw_nothing_yet(Canvas& canvas, const Area& area, const std::string& how_to_get_it);
 /// "EXX  Y -1400, Z 0", two columns aligned over all lines.

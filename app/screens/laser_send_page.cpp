@@ -102,15 +102,16 @@ class SendPage final : public LaserPage {
     if (!desk().ready() || desk().busy() || asked_) return false;
     asked_ = true;
     const ReadyMap& ready = *desk().ready();
-    host().ask({fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
-                fmt::format("{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
-                            ready.map->image.bytes.size(), ready.check,
-                            ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
-                                                       "the new map is whole and checked",
-                                                       check_text(ready.active))
-                                         : std::string("The unit holds no map yet, and takes this one whole or not")),
-                "send", "not now"},
-               [this] { desk().send(); });
+    host().ask(
+        {fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
+         fmt::format("{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
+                     ready.map->image.bytes.size(), ready.check,
+                     ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
+                                                "the new map is whole and checked",
+                                                check_text(ready.active))
+                                  : std::string("The unit holds no map yet, and takes this one whole or not at all")),
+         "send", "not now"},
+        [this] { desk().send(); });
     return true;
   }
 

@@ -146,8 +146,8 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   const std::string seen = sitting.seen();
   INFO(seen);
   CHECK(seen.find("Y ?, Z ?: Enter") != std::string::npos);
-  CHECK(seen.find("Y -70, Z ?: Enter") == std::string::npos);  // one column too many
-  CHECK(seen.find("Y -70, Z ? Enter") != std::string::npos);
+  CHECK(seen.find("Y -70, Z ?: Enter 10..20           10    2    1 ?") != std::string::npos);
+  CHECK(seen.find("Y ?, Z ?: Enter   10..30           10    3    1 ?") != std::string::npos);
   CHECK(seen.find("parked place of Y and Z not in the file: taken as 0 until Enter tells it") != std::string::npos);
   CHECK(sitting.desk().mark(LaserStep::lines) == LaserMark::doubtful);
   sitting.type("\n");

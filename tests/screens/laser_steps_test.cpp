@@ -196,7 +196,7 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
   CHECK(straightness.band_after == doctest::Approx(4.5).epsilon(0.15));
   sitting.type("4");
   sitting.press(Key::Name::down);
-  CHECK(sitting.seen().find("squares 30.") != std::string::npos);
+  CHECK(sitting.seen().find(fmt::format("{:.2f} um/m", straightness.removed_per_m)) != std::string::npos);
   CHECK(sitting.seen().find("before    ") != std::string::npos);
   CHECK(sitting.seen().find("after    ") != std::string::npos);
   sitting.type("v");
