@@ -25,7 +25,7 @@ std::vector<Hint> hints_on(const Area& line, const KeyLine& keys) {
   }
   int column = 0;
   for (const KeyHelp& help : keys.keys) {
-    if (column + columns_of(help) > end) break;
+    if (column + columns_of(help) > end) continue;
     hints.push_back({help, column});
     column += columns_of(help) + 2;
   }

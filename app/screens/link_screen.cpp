@@ -36,7 +36,7 @@ struct ToneLine {
 void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int columns, const std::string& first,
                  const std::string& then, Tone tone) {
   bool begun = false;
-  for (const std::string& line : wrapped(text, std::max(10, columns - width_of(first)))) {
+  for (const std::string& line : wrapped(text, std::max(10, columns - std::max(width_of(first), width_of(then))))) {
     lines.push_back({(begun ? then : first) + line, tone});
     begun = true;
   }
@@ -58,8 +58,10 @@ void LinkScreen::draw(Canvas& canvas, const Area& area) const {
       canvas.text(bottom, 0, 0,
                   fmt::format("{} ... {:.0f} s, Esc gives it up", desk_.working_on(), desk_.seconds_working()),
                   Tone::warning);
-    else
+    else if (!desk_.message().text().empty())
       desk_.message().draw(canvas, bottom);
+    else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
+      canvas.paragraph(bottom, 0, help_here(), Tone::faint);
   }
   if (desk_.question()) draw_question(canvas, area, *desk_.question());
 }
@@ -92,6 +94,13 @@ void LinkScreen::draw_top(Canvas& canvas, const Area& area) const {
 }
 
 // --- setting
+/// Of the row under the cursor.
+std::string LinkScreen::help_here() const {
+  const auto rows = fields();
+  const auto at = static_cast<std::size_t>(std::max(0, row_.selected));
+  return at < rows.size() ? rows[at].help : "Enter takes this port into the form";
+}
+
 void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
   const auto rows = fields();
   const auto ports = static_cast<int>(desk_.ports().size());
@@ -106,17 +115,14 @@ void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
     if (here && editing_)
       text_.draw(canvas, area, r, kNameColumns + 2, std::max(1, columns), true);
     else
-      canvas.text(area, r, kNameColumns + 2, field.choices.empty() ? field.value : fmt::format("{}   < >", field.value),
+      canvas.text(area, r, kNameColumns + 2,
+                  field.choices.empty() || width_of(field.value) + 6 > columns ? field.value : field.value + "   < >",
                   here ? Tone::selected : Tone::plain);
   }
   int row = static_cast<int>(rows.size()) + 1;
   if (row + 1 >= area.rows) return;
-  const bool on_field = selected < static_cast<int>(rows.size());
   const Area text = area.right_of(2);
-  row += canvas.paragraph(
-      text, row,
-      on_field ? rows[static_cast<std::size_t>(selected)].help : std::string("Enter takes this port into the form"),
-      Tone::faint);
+  row += canvas.paragraph(text, row, help_here(), Tone::faint);
   const std::string made = desk_.form().text();
   row += canvas.paragraph(text, row, fmt::format("makes {}{}", made, desk_.stored() == made ? " (stored)" : ""),
                           Tone::strong);
@@ -154,20 +160,20 @@ void LinkScreen::draw_ports(Canvas& canvas, const Area& area) const {
 
 // --- doctor
 void LinkScreen::draw_doctor(Canvas& canvas, const Area& area) const {
+  const int columns = area.columns - 1;  // the last one is for the scroll marks
   const DoctorAnswer answer = desk_.doctor();
   std::vector<ToneLine> lines;
   if (answer.link.empty()) {
     add_wrapped(lines,
                 "t tries the setting of page 1: port, permission, answer, echo, other unit numbers, other speeds and "
                 "parities. It only reads. What it finds appears here with what to do.",
-                area.columns, "", "", Tone::plain);
+                columns, "", "", Tone::plain);
   } else {
-    add_wrapped(lines, "tried: " + answer.link, area.columns, "", "  ", Tone::strong);
+    add_wrapped(lines, "tried: " + answer.link, columns, "", "  ", Tone::strong);
     for (const DoctorFinding& finding : answer.findings) {
-      add_wrapped(lines, fmt::format("{}: {}", finding.check, finding.message), area.columns,
-                  sign_of(finding.state) + "  ", "         ", tone_of(finding.state));
-      if (!finding.action.empty())
-        add_wrapped(lines, finding.action, area.columns, "      -> ", "         ", Tone::plain);
+      add_wrapped(lines, fmt::format("{}: {}", finding.check, finding.message), columns, sign_of(finding.state) + "  ",
+                  "         ", tone_of(finding.state));
+      if (!finding.action.empty()) add_wrapped(lines, finding.action, columns, "      -> ", "         ", Tone::plain);
     }
     if (!answer.trying.empty()) lines.push_back({answer.trying + " ...", Tone::warning});
     if (answer.diagnosis)
@@ -195,9 +201,9 @@ void LinkScreen::draw_statistics(Canvas& canvas, const Area& area) const {
     std::string line = fmt::format("{:<17}{:>12}  ", one.name, one.value);
     if (area.columns < 70) {  // the meaning below
       lines.push_back({line, tone});
-      if (!one.meaning.empty()) add_wrapped(lines, one.meaning, area.columns, "  ", "  ", tone);
+      if (!one.meaning.empty()) add_wrapped(lines, one.meaning, area.columns - 1, "  ", "  ", tone);
     } else {
-      add_wrapped(lines, one.meaning, area.columns, line, std::string(line.size(), ' '), tone);
+      add_wrapped(lines, one.meaning, area.columns - 1, line, std::string(line.size(), ' '), tone);
     }
   };
   for (const StatisticsRow& one : statistics_rows(unit)) add(one);

@@ -33,6 +33,7 @@ class LinkScreen final : public Screen {
   [[nodiscard]] std::vector<LinkField> fields() const { return desk_.form().fields(desk_.port_names()); }
 
   void draw_top(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::string help_here() const;
   void draw_setting(Canvas& canvas, const Area& area) const;
   void draw_ports(Canvas& canvas, const Area& area) const;
   void draw_doctor(Canvas& canvas, const Area& area) const;

@@ -111,7 +111,7 @@ void LiveScreen::draw(Canvas& canvas, const Area& area) const {
                 answer_->exit_code == 0 ? Tone::good : Tone::warning);
     std::vector<std::string> lines = answer_->lines;
     lines.insert(lines.end(), said_.begin(), said_.end());
-    draw_scrolled(canvas, inside.below(row), lines, scroll_);
+    draw_scrolled(canvas, inside.below(row), sentences_wrapped(lines, inside.columns), scroll_);
     return;
   }
   row += std::max(1, canvas.paragraph(inside, row, next().empty() ? "running ..." : next(), Tone::strong));

@@ -36,6 +36,7 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
     rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, choices_[k].help)});
   if (rows.empty()) canvas.text(inside, row, 2, "no entry has that in its name", Tone::warning);
   constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
+  list_row_ = inside.row + row;
   draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);
   if (list.empty()) return;
   const auto chosen = std::min(static_cast<std::size_t>(place_.selected), list.size() - 1);
@@ -52,8 +53,18 @@ void MenuScreen::stop_seeking(std::size_t entry) {
   place_.selected = at == list.end() ? 0 : static_cast<int>(at - list.begin());
 }
 
+/// A click chooses, one on what is chosen opens it.
+Step MenuScreen::on_click(const Key& key, int count) {
+  const int clicked = place_.first + key.row - list_row_;
+  if (key.row < list_row_ || clicked >= count) return stay();
+  if (clicked == place_.selected) return on_key({Key::Name::enter});
+  place_.selected = clicked;
+  return stay();
+}
+
 Step MenuScreen::on_key(const Key& key) {
   const auto list = seen();
+  if (key.name == Key::Name::mouse) return on_click(key, static_cast<int>(list.size()));
   if (key.name == Key::Name::enter || (key.name == Key::Name::right && !seeking_)) {
     if (list.empty()) return stay();
     const auto chosen = list[static_cast<std::size_t>(std::min(place_.selected, static_cast<int>(list.size()) - 1))];

@@ -32,10 +32,12 @@ class MenuScreen final : public Screen {
  private:
   [[nodiscard]] std::vector<std::size_t> seen() const;
   void stop_seeking(std::size_t entry);
+  [[nodiscard]] Step on_click(const Key& key, int count);
   std::string title_;
   std::string help_;
   std::vector<MenuChoice> choices_;
   ListPlace place_;
+  mutable int list_row_ = 0;  ///< of the canvas, where the first entry that is seen stands
   bool seeking_ = false;
   TextLine sought_;
 };

@@ -20,22 +20,26 @@ constexpr std::array<const char*, 3> kHelp{
     "Measured files, separated by blanks: any that PROCESS LASER DATA reads.",
     "Machine file (.toml): datum, travels, lever arms, pitches. May be left empty."};
 constexpr int kColumn = 12;
-constexpr int kFirstRow = 2;
+constexpr const char* kHeading = "Which measurements shall be put beside which model?";
+
+/// Of the first field, below the heading.
+int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).size()) + 1; }
 
 }  // namespace
 
 void ModelForm::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  canvas.text(inside, 0, 0, "Which measurements shall be put beside which model?", Tone::strong);
+  const int first = first_row(inside.columns);
+  canvas.paragraph(inside, 0, kHeading, Tone::strong);
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    canvas.text(inside, kFirstRow + k, 0, fmt::format("{} {}", k == field_ ? ">" : " ", kNames[i]),
+    canvas.text(inside, first + k, 0, fmt::format("{} {}", k == field_ ? ">" : " ", kNames[i]),
                 k == field_ ? Tone::strong : Tone::plain);
-    fields_[i].draw(canvas, inside, kFirstRow + k, kColumn, inside.columns - kColumn, k == field_);
+    fields_[i].draw(canvas, inside, first + k, kColumn, inside.columns - kColumn, k == field_);
   }
-  fields_row_ = inside.row + kFirstRow;
+  fields_row_ = inside.row + first;
   const int below =
-      kFirstRow + 5 + canvas.paragraph(inside, kFirstRow + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
+      first + 5 + canvas.paragraph(inside, first + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
   if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
   if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
   if (question_) draw_question(canvas, area, *question_);
@@ -44,7 +48,7 @@ void ModelForm::draw(Canvas& canvas, const Area& area) const {
 Place ModelForm::cursor(const Area& area) const {
   if (question_) return {-1, -1};
   return {
-      area.row + kFirstRow + field_,
+      area.row + first_row(area.columns - 2) + field_,
       area.column + 1 + kColumn + fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
 }
 

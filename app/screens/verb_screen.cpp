@@ -40,7 +40,8 @@ bool VerbScreen::uses_line() const {
 
 int VerbScreen::name_columns() const {
   int most = 4;
-  for (const VerbOption& option : verb_.options) most = std::max(most, width_of(option.name));
+  for (const VerbOption& option : verb_.options)
+    most = std::max(most, width_of(option.name) + (option.required ? 2 : 0));
   return std::min(most + 3, 24);
 }
 
@@ -96,19 +97,23 @@ void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
   answer_rows_ = std::max(1, body.rows);
   const bool wide =
       std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return width_of(line) > body.columns; });
-  const bool long_too = wide || static_cast<int>(lines.size()) > body.rows;
-  const auto say = [&](const std::string& whole, const std::string& brief) {
-    canvas.text_right(area, 0, width_of(whole) + 22 > area.columns ? brief : whole, Tone::strong);
-  };
-  if (reading_)
-    say(wide ? "reading: up, down, left, right; Esc to the fields" : "reading: up, down; Esc to the fields",
-        "Esc to the fields");
-  else if (long_too)
-    say(wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it", "PgDn reads");
   draw_scrolled(canvas, body, lines, scroll_);
+  const int count = static_cast<int>(lines.size());
+  const std::string where =
+      count > body.rows ? fmt::format("{}-{} of {} lines; ", scroll_.first + 1, scroll_.first + body.rows, count) : "";
+  std::string brief, whole;
+  if (reading_) {
+    brief = where + "Esc: fields";
+    whole = where + (wide ? "up, down, left, right; Esc to the fields" : "up, down; Esc to the fields");
+  } else if (wide || count > body.rows) {
+    brief = "PgDn reads";
+    whole = wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it";
+  }
+  canvas.text_right(area, 0, width_of(whole) + 22 > area.columns ? brief : whole, Tone::strong);
 }
 
 void VerbScreen::draw(Canvas& canvas, const Area& area) const {
+  if (reading_) return draw_answer(canvas, area);
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
   int row = canvas.paragraph(inside, 0, verb_.help, Tone::strong);
   const int fields = field_rows(area);
@@ -197,8 +202,8 @@ bool VerbScreen::on_answer_key(const Key& key) {
     reading_ = false;
     return true;
   }
-  reading_ = true;
-  (void)scroll_.on_key(key, answer_rows_);
+  if (reading_) (void)scroll_.on_key(key, answer_rows_);
+  reading_ = true;  // the first key gives the answer the whole screen
   return true;
 }
 

@@ -34,9 +34,14 @@ std::optional<int> moved(const Key& key, int from, int page, int last) {
 }  // namespace
 
 void draw_scroll_marks(Canvas& canvas, const Area& area, int first, int count) {
-  if (first > 0) canvas.put(area.row, area.column + area.columns - 1, U'↑', Tone::faint);
-  if (first + area.rows < count)
-    canvas.put(area.row + area.rows - 1, area.column + area.columns - 1, U'↓', Tone::faint);
+  const int column = area.column + area.columns - 1;
+  const auto put = [&](int row, int step, char32_t mark) {  // in a row near the edge whose text leaves room for it
+    const int edge = row;
+    for (int k = 0; k < std::min(2, area.rows / 2) && canvas.at(row, column).glyph != U' '; ++k) row += step;
+    canvas.put(canvas.at(row, column).glyph == U' ' ? row : edge, column, mark, Tone::faint);
+  };
+  if (first > 0) put(area.row, 1, U'↑');
+  if (first + area.rows < count) put(area.row + area.rows - 1, -1, U'↓');
 }
 
 bool ListPlace::on_key(const Key& key, int count, int page) {

@@ -300,7 +300,7 @@ TEST_CASE("the answer of a verb moves sideways with its headings, and marks wher
   CHECK(has(before, "→"));
   CHECK_FALSE(has(before, "←"));
   (void)press(form, Key::Name::page_down);
-  CHECK(has(at(44), "Esc to the fields"));
+  CHECK(has(at(44), "Esc: fields"));
   (void)press(form, Key::Name::home);
   const std::string first = at(44);
   (void)press(form, Key::Name::right);
@@ -342,4 +342,18 @@ TEST_CASE("paths with blanks are completed in quotes, among several too") {
   CHECK(file_found == "first.csv \"" + (folder / "a b.csv").string() + "\"");
   CHECK(split_words(file_found) == std::vector<std::string>{"first.csv", (folder / "a b.csv").string()});
   fs::remove_all(folder);
+}
+
+TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wheel moves") {
+  const auto menu = main_menu(nowhere());
+  const std::string text = seen(*menu);
+  const auto row_of = [&text](const std::string& name) {
+    return static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find(name)), '\n'));
+  };
+  const Key click{Key::Name::mouse, 0, 0, row_of("ECS UTILITY"), 10};
+  CHECK(menu->on_key(click).kind == Step::Kind::stay);
+  CHECK(has(seen(*menu), "> ECS UTILITY"));
+  CHECK(menu->on_key(click).kind == Step::Kind::open);
+  (void)menu->on_key({Key::Name::wheel_up, 0, 0, 10, 10});
+  CHECK(has(seen(*menu), "> E.C.S. PARAMETERS"));
 }
