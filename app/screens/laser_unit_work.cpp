@@ -21,15 +21,20 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
   return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
 }
 
+/// Who answers is known already: the desk asked before it gave the line. The status is asked once, not also by
+/// active_check(): on a slow line it is what takes the time.
 Result<UnitHolding> holding_over(UnitDesk& unit, UnitLink& line) {
-  const auto identity = line.client().identity();
-  if (!identity) return tl::unexpected(identity.error());
-  const auto check = active_check(line.client());
-  if (!check) return tl::unexpected(check.error());
   const auto status = line.client().status();
   if (!status) return tl::unexpected(status.error());
-  return UnitHolding{identity->serial_number, *check, status->commit_sequence, status->uptime_s,
-                     unit.standing().opened_at};
+  const WatchedUnit standing = unit.standing();
+  UnitHolding holding{standing.identity ? standing.identity->serial_number : "", std::nullopt, status->commit_sequence,
+                      status->uptime_s, standing.opened_at};
+  if (status->active_bank == protocol::Bank::none) return holding;
+  const auto check =
+      line.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
+  if (!check) return tl::unexpected(check.error());
+  holding.check = load_big<std::uint32_t>(*check, 0);
+  return holding;
 }
 
 /// Why the unit may not compensate with what it holds; empty: it is what was sent and compared.

@@ -64,7 +64,7 @@ struct ExpectedMap {
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
 /// map while it was read.
 [[nodiscard]] Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen);
-/// Who the unit is and what is active in it: four short transfers.
+/// Who the unit is and what is active in it: a few short transfers.
 [[nodiscard]] Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs);
 /// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
 [[nodiscard]] Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file);
