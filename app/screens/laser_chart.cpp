@@ -225,10 +225,12 @@ bool on_laser_chart_key(const Key& key, const PlotPanel& panel, const std::vecto
 
 PlotPanel with_left_out(PlotPanel panel, const std::vector<PlotPoint>& left_out, std::string_view unit) {
   if (left_out.empty()) return panel;
-  const std::string legend = left_out_legend(panel, left_out, unit).substr(2);  // without the sign of the screen
+  const std::string beyond = beyond_text(panel, left_out, unit);
   const bool circles = std::any_of(panel.series.begin(), panel.series.end(),
                                    [](const PlotSeries& one) { return one.mark == Mark::reading; });
-  PlotSeries series{legend, circles ? Mark::forward_reading : Mark::reading, left_out_seen(panel, left_out, {}).inside};
+  PlotSeries series{"left out", circles ? Mark::forward_reading : Mark::reading,
+                    left_out_seen(panel, left_out, {}).inside};
+  panel.title += fmt::format(" ({} left out{}{})", left_out.size(), beyond.empty() ? "" : ", ", beyond);
   panel.series.insert(panel.series.begin(), std::move(series));
   return panel;
 }

@@ -81,11 +81,12 @@ class CurvesPage final : public LaserPage {
     } else if (is_letter(key, U'v')) {
       shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3);
     } else if (is_letter(key, U'e')) {
-      host().pictures.start({fmt::format("{}  {}", code, laser::description_of(curve.component)),
-                             {with_left_out(curve.before, curve.left_out, unit_of(curve.component)), curve.after},
-                             1,
-                             false},
-                            code);
+      PlotFigure figure{fmt::format("{}  {}", code, laser::description_of(curve.component)),
+                        {with_left_out(curve.before, curve.left_out, unit_of(curve.component))},
+                        1,
+                        false};
+      if (!curve.unchanged) figure.panels.push_back(curve.after);
+      host().pictures.start(std::move(figure), code);
     } else {
       return on_laser_chart_key(key, curve.before, curve.left_out, view_);
     }

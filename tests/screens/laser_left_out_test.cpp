@@ -61,6 +61,9 @@ TEST_CASE("what is left out never squashes the others: far ones stand at the edg
   CHECK(drawn.find("x 5000") != std::string::npos);
   CHECK(drawn.find("x -300") != std::string::npos);
   CHECK(left_out_legend(three_points(), out, "um") == "x left out: 3; beyond the edge: 5000 um at 50, -300 um at 150");
+  const PlotPanel picture = with_left_out(three_points(), out, "um");
+  CHECK(picture.title == "t (3 left out, beyond the edge: 5000 um at 50, -300 um at 150)");
+  CHECK(picture.series.front().points.size() == 1);
   const std::vector<PlotPoint> many(6, {50, 5000});
   CHECK(beyond_text(three_points(), many, "um") == "6 beyond the edge: 5000 to 5000 um");
 }
