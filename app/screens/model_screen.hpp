@@ -43,6 +43,7 @@ class ModelScreen final : public Screen {
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
   [[nodiscard]] std::string standing_text() const;
+  [[nodiscard]] int asked_rows(const Area& area) const;
   [[nodiscard]] int standing_rows(const Area& area) const;
   void draw_standing(Canvas& canvas, const Area& area) const;
   void draw_curves(Canvas& canvas, const Area& area) const;

@@ -357,3 +357,16 @@ TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wh
   (void)menu->on_key({Key::Name::wheel_up, 0, 0, 10, 10});
   CHECK(has(seen(*menu), "> E.C.S. PARAMETERS"));
 }
+
+TEST_CASE("a file can be typed on the model screen where the terminal is narrow") {
+  const Case one;
+  ModelScreen screen = one.screen();
+  (void)screen.on_key({Key::Name::letter, U'o'});
+  type(screen, "again.csv");
+  const std::string text = picture_of(screen, "MODEL", {}, Canvas(12, 40), false).plain_text();
+  CHECK(has(text, "measured again with compensation,"));
+  CHECK(has(text, "again.csv_"));
+  const Place cursor = screen.cursor(screen_area(Canvas(12, 40)));
+  CHECK(cursor.row == 10);
+  CHECK(cursor.column == 1 + 9);
+}
