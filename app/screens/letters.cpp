@@ -1,6 +1,7 @@
 #include "app/screens/letters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <memory>
 
@@ -189,6 +190,20 @@ std::vector<std::string> wrapped(std::string_view utf8, int columns) {
   return lines;
 }
 
+namespace {
+
+/// The letter of ASCII below the accents; '?' where there is none.
+char32_t without_accent(char32_t glyph) {
+  std::array<utf8proc_int32_t, 8> parts{};
+  int boundary = 0;
+  const auto count =
+      utf8proc_decompose_char(static_cast<utf8proc_int32_t>(glyph), parts.data(),
+                              static_cast<utf8proc_ssize_t>(parts.size()), UTF8PROC_DECOMPOSE, &boundary);
+  return count > 0 && parts[0] < 0x80 ? static_cast<char32_t>(parts[0]) : U'?';
+}
+
+}  // namespace
+
 char32_t in_ascii(char32_t glyph) {
   if (glyph < 0x80) return glyph;
   switch (glyph) {
@@ -239,7 +254,7 @@ char32_t in_ascii(char32_t glyph) {
     case U'σ':
       return U's';
     default:
-      return U'?';
+      return without_accent(glyph);
   }
 }
 

@@ -62,6 +62,12 @@ TEST_CASE("a terminal of ASCII shows a question mark in every column of a letter
   CHECK(canvas.plain_text() == "??.csv\n");
 }
 
+TEST_CASE("a terminal of ASCII shows the letter below an accent") {
+  Canvas canvas(1, 20, Glyphs::ascii);
+  canvas.text(canvas.whole(), 0, 0, "ré\u0301glage größe");
+  CHECK(canvas.plain_text() == "reglage gro?e\n");
+}
+
 TEST_CASE("words of wide letters are wrapped by columns and broken between letters") {
   CHECK(wrapped("测量 测量", 4) == std::vector<std::string>{"测量", "测量"});
   CHECK(wrapped("测量测", 4) == std::vector<std::string>{"测量", "测"});
