@@ -61,7 +61,7 @@ TEST_CASE("a port that is not there is named with what to do, and nothing waits 
 
 TEST_CASE("the form is edited, used, and stored only after a question where it has not answered") {
   LinkCase one("rtu:/dev/no-such-port:9600");
-  (void)picture(one.screen);
+  REQUIRE(until(one.screen, [&] { return !has(picture(one.screen), "looking"); }));
   (void)one.screen.on_key({Key::Name::mouse, 0, 0, 4, 10});  // the row of the port
   (void)press(one.screen, Key::Name::enter);
   CHECK(one.screen.typing());
@@ -75,7 +75,6 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   type(one.screen, "s");
   type(one.screen, "y");
   CHECK(stored_link().value() == "rtu:/dev/no-other-port:9600:8N1:1");
-  REQUIRE(until(one.screen, [&] { return !has(picture(one.screen), "looking for"); }));
   type(one.screen, "u");
   REQUIRE(until(one.screen, [&] { return one.unit->link() == "rtu:/dev/no-other-port:9600:8N1:1"; }));
   REQUIRE(shows(one.screen, "is in use now"));
