@@ -10,6 +10,7 @@ namespace ecs::app {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr const char* kFolder = "Folder ";
 constexpr std::uintmax_t kMostLookedAt = 16U << 20;  ///< bytes; larger files are read when they are chosen
 
 std::vector<FolderEntry> entries_of(const fs::path& folder) {
@@ -119,21 +120,24 @@ ListRow LaserChooser::picture_of_row(const Row& row, int columns) const {
   const FolderEntry& entry = entries_[row.entry];
   const char* mark = marked_.contains(entry.name) ? "[x] " : (entry.folder ? "    " : "[ ] ");
   const int names = std::clamp(columns * 2 / 5, 12, 40);
-  std::string name = entry.name + (entry.folder ? "/" : "");
-  if (width_of(name) > names) name = name.substr(0, static_cast<std::size_t>(names - 1)) + "~";
+  const std::string name = in_columns(entry.name + (entry.folder ? "/" : ""), names);
   std::string what = entry.folder ? "" : entry.what;
   if (what.empty() && !entry.folder) what = "...";
-  return {fmt::format("{}{:<{}} {}", mark, name, names, what),
-          entry.folder || entry.readable ? Tone::plain : Tone::faint};
+  return {fmt::format("{}{} {}", mark, name, what), entry.folder || entry.readable ? Tone::plain : Tone::faint};
+}
+
+/// The end of the path, where the whole of it would leave no room to type.
+std::string LaserChooser::folder_shown(int columns) const {
+  std::u32string shown = code_points(folder_.string() + (folder_ == folder_.root_path() ? "" : "/"));
+  const int room = std::max(10, columns - width_of(kFolder) - 20);
+  if (width_of(utf8_of(shown)) <= room) return utf8_of(shown);
+  while (width_of(utf8_of(shown)) > room - 3) shown.erase(0, 1);
+  return "..." + utf8_of(shown);
 }
 
 void LaserChooser::draw(Canvas& canvas, const Area& area) const {
-  const std::string folder = folder_.string() + (folder_ == folder_.root_path() ? "" : "/");
-  int at = canvas.text(area, 0, 0, "Folder ", Tone::faint);
-  const int room = std::max(10, area.columns - at - 20);
-  const std::string shown =
-      width_of(folder) > room ? "..." + folder.substr(folder.size() - static_cast<std::size_t>(room - 3)) : folder;
-  at += canvas.text(area, 0, at, shown, Tone::strong);
+  int at = canvas.text(area, 0, 0, kFolder, Tone::faint);
+  at += canvas.text(area, 0, at, folder_shown(area.columns), Tone::strong);
   typed_.draw(canvas, area, 0, at, std::max(1, area.columns - at), true);
   const auto all = rows();
   std::vector<ListRow> pictures;
@@ -149,15 +153,11 @@ void LaserChooser::draw(Canvas& canvas, const Area& area) const {
     hint = "Space marks files, Enter takes them or opens a folder; or type a path, Tab completes it.";
   if (hint.empty()) hint = fmt::format("{} marked: Enter takes them", marked_.size());
   const Area text{list.row + list.rows, area.column, below, area.columns};
-  const auto lines = wrapped(hint, text.columns);
-  for (int r = 0; r < std::min(text.rows, static_cast<int>(lines.size())); ++r)
-    canvas.text(text, r, 0, lines[static_cast<std::size_t>(r)], Tone::faint);
+  canvas.paragraph(text, 0, hint, Tone::faint);
 }
 
 Place LaserChooser::cursor(const Area& area) const {
-  const std::string folder = folder_.string() + (folder_ == folder_.root_path() ? "" : "/");
-  const int room = std::max(10, area.columns - 7 - 20);
-  const int at = 7 + std::min(width_of(folder), room);
+  const int at = width_of(kFolder) + width_of(folder_shown(area.columns));
   return {area.row, area.column + at + typed_.cursor_column(std::max(1, area.columns - at))};
 }
 

@@ -51,6 +51,7 @@ class LaserChooser {
   [[nodiscard]] std::vector<Row> rows() const;
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] ListRow picture_of_row(const Row& row, int columns) const;
+  [[nodiscard]] std::string folder_shown(int columns) const;
   void mark(const Row& row);
   [[nodiscard]] Answer enter();
   [[nodiscard]] Answer enter_typed();

@@ -58,9 +58,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
   if (hint_.empty() && field.path) hint += " (Tab completes)";
   const Area help{at.inside.row + at.fields, at.inside.column + 1, std::max(0, at.inside.rows - at.fields - 1),
                   at.inside.columns - 2};
-  const auto lines = wrapped(hint, help.columns);
-  for (int r = 0; r < std::min(help.rows, static_cast<int>(lines.size())); ++r)
-    canvas.text(help, r, 0, lines[static_cast<std::size_t>(r)], refused_ ? Tone::bad : Tone::faint);
+  canvas.paragraph(help, 0, hint, refused_ ? Tone::bad : Tone::faint);
   canvas.text(at.inside, at.inside.rows - 1, 1, "Enter takes it, Esc gives up", Tone::strong);
 }
 

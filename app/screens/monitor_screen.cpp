@@ -87,7 +87,9 @@ void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, dou
   int row = 3;
   for (const Axis axis : kAllAxes)
     if (sample.axes[index_of(axis)].present) draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um);
-  if (!unit.problem.empty()) canvas.text(area, row + 1, 1, unit.problem, Tone::bad);
+  if (!unit.problem.empty())
+    canvas.paragraph({area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2}, 0, unit.problem,
+                     Tone::bad);
 }
 
 void MonitorScreen::draw(Canvas& canvas, const Area& area) const {

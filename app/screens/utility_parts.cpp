@@ -78,10 +78,12 @@ void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& un
     return;
   }
   const std::string name = unit.standing.identity ? "unit " + unit.standing.identity->serial_number : "the unit";
-  int column = canvas.text(area, row, 0, fmt::format("{}, {}", name, ecs::name_of(unit.sample->mode)), Tone::strong);
-  if (unit.sample->fault != Fault::none)
-    column +=
-        canvas.text(area, row, column, fmt::format(", fault: {}", ecs::text_of(unit.sample->fault).meaning), Tone::bad);
+  const std::string mode = fmt::format("{}, {}", name, ecs::name_of(unit.sample->mode));
+  if (unit.sample->fault == Fault::none)
+    canvas.text(area, row, 0, mode, Tone::strong);
+  else
+    canvas.paragraph(area.below(row).top(2), 0,
+                     fmt::format("{}, fault: {}", mode, ecs::text_of(unit.sample->fault).meaning), Tone::bad);
   if (unit.age_s >= 1.5) canvas.text_right(area, row, age_text(unit.age_s), Tone::warning);
 }
 
@@ -165,10 +167,14 @@ void Prompt::draw(Canvas& canvas, const Area& area, int row) const {
   const int begin = canvas.text(area, row, 0, label_ + " ", Tone::strong);
   line_.draw(canvas, area, row, begin, columns(area), true);
   const std::string hint = !hint_.empty() ? hint_ : "Enter takes it, Esc leaves it";
-  if (kind_ == Kind::number) canvas.text(area, row, begin + columns(area) + 2, hint, Tone::faint);
+  const int beside = begin + columns(area) + 2;
+  if (kind_ == Kind::number)
+    canvas.paragraph({area.row + row, area.column + beside, 1, std::max(0, area.columns - beside)}, 0, hint,
+                     Tone::faint);
   if (kind_ == Kind::path && row > 0) {
     canvas.fill({area.row + row - 1, area.column, 1, area.columns});
-    canvas.text(area, row - 1, 0, hint_.empty() ? "Tab completes the path; " + hint : hint_, Tone::faint);
+    canvas.paragraph(area.below(row - 1).top(1), 0, hint_.empty() ? "Tab completes the path; " + hint : hint_,
+                     Tone::faint);
   }
 }
 
