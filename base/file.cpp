@@ -82,15 +82,22 @@ mode_t mode_for(const std::filesystem::path& path) {
   return 0666 & ~mask;
 }
 
-/// Where a name leads: a symbolic link stays one, its target is replaced.
+}  // namespace
+
 std::filesystem::path led_to(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  constexpr int kMostLinks = 40;  // as the kernel follows
   std::error_code error;
-  if (!std::filesystem::is_symlink(path, error)) return path;
-  const auto target = std::filesystem::weakly_canonical(path, error);
+  if (!fs::is_symlink(path, error)) return path;
+  fs::path target = path;
+  if (!fs::exists(path, error)) {
+    for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i)
+      target = target.parent_path() / fs::read_symlink(target, error);
+    if (fs::is_symlink(target, error)) return path;
+  }
+  target = fs::weakly_canonical(target, error);
   return error ? path : target;
 }
-
-}  // namespace
 
 Result<void> write_file(const std::filesystem::path& name, std::string_view content) {
   const std::filesystem::path path = led_to(name);

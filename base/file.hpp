@@ -14,8 +14,13 @@ namespace ecs {
 /// The whole file. A directory, a missing or an unreadable file is a `bad_input` problem; above 256 MiB too.
 [[nodiscard]] Result<std::string> read_file(const std::filesystem::path& path);
 
+/// Where a name leads: the target of a symbolic link, also one that does not exist yet; any other name, and a link that
+/// leads nowhere at all (a ring of links), as it is.
+[[nodiscard]] std::filesystem::path led_to(const std::filesystem::path& path);
+
 /// Replaces `path` by `content`: the old file stays whole until the new one is safely on disc. A symbolic link stays a
-/// link, its target is replaced and keeps its mode; a device or FIFO is written into. `output` problem if not possible.
+/// link, its target is replaced and keeps its mode, or is made; a device or FIFO is written into. `output` problem if
+/// not possible.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
 /// SHA-256 as 64 hexadecimal digits.

@@ -176,6 +176,30 @@ TEST_CASE("a symbolic link stays a link, and the file behind it keeps its mode")
   CHECK(std::filesystem::status(folder.path / "target.txt").permissions() == std::filesystem::perms(0640));
 }
 
+TEST_CASE("a link to a file that is not there yet stays a link, and the file is made where it leads") {
+  const Folder folder;
+  fs::create_directory(folder.path / "deep");
+  fs::create_symlink("deep/second", folder.path / "first");
+  fs::create_symlink("target.txt", folder.path / "deep" / "second");
+  CHECK(led_to(folder.path / "first") == fs::canonical(folder.path) / "deep" / "target.txt");
+  REQUIRE(write_file(folder.path / "first", "new"));
+  CHECK(fs::is_symlink(folder.path / "first"));
+  CHECK(fs::is_symlink(folder.path / "deep" / "second"));
+  CHECK(read_file(folder.path / "deep" / "target.txt").value() == "new");
+  CHECK(led_to(folder.path / "first") == fs::canonical(folder.path) / "deep" / "target.txt");
+  CHECK(led_to(folder.path / "plain") == folder.path / "plain");
+}
+
+TEST_CASE("a link into a folder that is not there is an output problem, and a ring of links leads nowhere") {
+  const Folder folder;
+  fs::create_symlink("none/target.txt", folder.path / "link");
+  CHECK(!write_file(folder.path / "link", "new"));
+  CHECK(fs::is_symlink(folder.path / "link"));
+  fs::create_symlink("b", folder.path / "a");
+  fs::create_symlink("a", folder.path / "b");
+  CHECK(led_to(folder.path / "a") == folder.path / "a");
+}
+
 TEST_CASE("a FIFO is written into, not replaced") {
   const Folder folder;
   const auto fifo = folder.path / "fifo";
