@@ -225,7 +225,7 @@ Result<void> write(const Built& b, const Arguments& arguments) {
 }
 
 void say_what_is_odd(Session& session, const Built& b) {
-  for (const std::string& objection : other_machine(b.map.map.header, b.identity)) session.face.warn(objection);
+  for (const std::string& objection : made_for_two_machines(b.map.map.header, b.identity)) session.face.warn(objection);
   const laser::MapHeader& header = b.map.map.header;
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})

@@ -17,16 +17,25 @@ struct Stated {
   const std::string& value;
 };
 
+constexpr std::string_view kTakeTheRightOne = "take the right file, or give --other-machine if this is meant";
+
 void take_difference(std::vector<std::string>& objections, const Stated& ours, const std::string& other,
-                     std::string_view where) {
+                     std::string_view where, std::string_view advice = kTakeTheRightOne) {
   if (ours.value.empty() || other.empty() || ours.value == other) return;
-  objections.push_back(
-      fmt::format("{} \"{}\", {} says \"{}\": take the right file, or give --other-machine if this is meant",
-                  ours.origin, ours.value, where, other));
+  objections.push_back(fmt::format("{} \"{}\", {} says \"{}\": {}", ours.origin, ours.value, where, other, advice));
 }
 
 constexpr std::string_view kMapSerial = "the map was made for serial number";
 constexpr std::string_view kOfParameters = "[identity] of the parameters";
+
+std::vector<std::string> two_machines(const laser::MapHeader& header, const params::Identity& identity,
+                                      std::string_view advice) {
+  std::vector<std::string> objections;
+  take_difference(objections, {"the map was made for machine", header.machine}, identity.machine, kOfParameters,
+                  advice);
+  take_difference(objections, {kMapSerial, header.serial_number}, identity.serial_number, kOfParameters, advice);
+  return objections;
+}
 
 }  // namespace
 
@@ -49,10 +58,11 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
 }
 
 std::vector<std::string> other_machine(const laser::MapHeader& header, const params::Identity& identity) {
-  std::vector<std::string> objections;
-  take_difference(objections, {"the map was made for machine", header.machine}, identity.machine, kOfParameters);
-  take_difference(objections, {kMapSerial, header.serial_number}, identity.serial_number, kOfParameters);
-  return objections;
+  return two_machines(header, identity, kTakeTheRightOne);
+}
+
+std::vector<std::string> made_for_two_machines(const laser::MapHeader& header, const params::Identity& identity) {
+  return two_machines(header, identity, "as they stand, `ecs map send` refuses the map with these parameters");
 }
 
 std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number) {

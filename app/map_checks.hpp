@@ -23,6 +23,10 @@ namespace ecs::app {
 /// serial number, and the names differ. What one side does not state is not judged.
 [[nodiscard]] std::vector<std::string> other_machine(const laser::MapHeader& header, const params::Identity& identity);
 
+/// The same, told to somebody who only makes the two files: that they will not be sent together.
+[[nodiscard]] std::vector<std::string> made_for_two_machines(const laser::MapHeader& header,
+                                                             const params::Identity& identity);
+
 /// The same against the serial number that the unit reports, for a map and for parameters.
 [[nodiscard]] std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number);
 [[nodiscard]] std::vector<std::string> other_unit(const params::Identity& identity, const std::string& serial_number);

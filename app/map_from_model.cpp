@@ -320,7 +320,7 @@ Result<Outcome> map_from_model(Session& session, const FromModelArguments& argum
   if (!built) return tl::unexpected(built.error());
   if (built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
   if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
-  for (const std::string& objection : other_machine(built->compiled.map.header, built->identity))
+  for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
     session.face.warn(objection);
   return Outcome{text_of(*built, arguments), one_line(json_of_built(*built, arguments)), kDone};
 }
