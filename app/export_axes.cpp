@@ -62,14 +62,16 @@ Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments)
 }
 
 void take_twincat_arguments(Verb& verb, TwinCatArguments& arguments) {
-  verb.choice("--ssfk-sign", arguments.sign, {"subtracts", "adds"},
-              "what TwinCAT does with a value; default subtracts, as its manual computes values");
+  verb.choice(
+      "--ssfk-sign", arguments.sign, {"subtracts", "adds"},
+      "what TwinCAT does with a value; default subtracts, as its manual computes values; a list of ours is read as it "
+      "says");
 }
 
 Result<laser::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes) {
   constexpr long long kMostAxes = 65'534;
   laser::TwinCatOptions options;
-  options.adds = arguments.sign == "adds";
+  if (!arguments.sign.empty()) options.adds = arguments.sign == "adds";
   for (const auto& [axis, name] : pairs_in(axes)) {
     const auto number = integer_in(name);
     if (!axis || !number || *number < 1 || *number > kMostAxes)

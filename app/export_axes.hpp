@@ -22,9 +22,9 @@ void take_siemens_arguments(Verb& verb, SiemensArguments& arguments);
 /// A `usage` problem names what is wrong with --axes.
 [[nodiscard]] Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments);
 
-/// As typed.
+/// As typed; empty: not given.
 struct TwinCatArguments {
-  std::string sign = "subtracts";
+  std::string sign;
 };
 
 /// Adds --ssfk-sign.

@@ -1,5 +1,6 @@
 #include "app/export_files.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -46,32 +47,32 @@ Result<void> check_target(const Staged& one, const StagedFiles& before) {
   std::error_code ignored;
   const auto status = fs::status(one.target, ignored);
   if (fs::is_directory(status))
-    return output_problem(one.name, "cannot write: a folder of that name is there; nothing was changed");
-  if (fs::is_other(status)) return output_problem(one.name, "cannot write: it is no file; nothing was changed");
+    return output_problem(one.name, "cannot write: a folder of that name is there; no file was changed");
+  if (fs::is_other(status)) return output_problem(one.name, "cannot write: it is no file; no file was changed");
+  const auto place = [&](const Staged& staged) { return fs::weakly_canonical(staged.target, ignored); };
   for (const Staged& other : before.all)
-    if (other.target == one.target)
+    if (place(other) == place(one))
       return output_problem(one.name,
-                            fmt::format("cannot write: {} leads to the same file; nothing was changed", other.name));
+                            fmt::format("cannot write: {} leads to the same file; no file was changed", other.name));
   return {};
 }
 
 Result<void> stage(const OutputFile& file, StagedFiles& staged) {
   std::error_code ignored;
-  Staged one{file.path, file.path, {}, std::nullopt};
-  if (fs::is_symlink(one.target, ignored)) one.target = fs::weakly_canonical(file.path, ignored);
+  Staged one{file.path, led_to(file.path), {}, std::nullopt};
   if (const auto fits = check_target(one, staged); !fits) return fits;
   if (fs::exists(one.target, ignored)) {
     auto old = read_file(one.target);
     if (!old)
       return output_problem(file.path, fmt::format("what is there cannot be kept in case another file fails ({}); "
-                                                   "nothing was changed",
+                                                   "no file was changed",
                                                    old.error().message));
     one.old = std::move(*old);
   }
   one.beside = one.target.string() + fmt::format(".new-{}", ::getpid());
   staged.all.push_back(one);
   if (const auto written = write_file(one.beside, file.content); !written)
-    return output_problem(file.path, written.error().message + "; nothing was changed");
+    return output_problem(file.path, written.error().message + "; no file was changed");
   if (one.old) fs::permissions(one.beside, fs::status(one.target, ignored).permissions(), ignored);
   return {};
 }
@@ -85,7 +86,7 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
     const bool back = one.old ? write_file(one.target, *one.old).has_value() : fs::remove(one.target, failed);
     if (!back) stuck.push_back(one.name);
   }
-  if (stuck.empty() && renamed == 0) return "nothing was changed";
+  if (stuck.empty() && renamed == 0) return "no file was changed";
   if (stuck.empty()) return "the files before it were taken back: everything stands as it was";
   return fmt::format(
       "{} could not be taken back and hold{} the new content, the others what they held: do not use them "
@@ -117,6 +118,20 @@ Result<std::vector<WrittenFile>> write_together(const std::vector<OutputFile>& f
     written.push_back({one.name, one.old.has_value()});
   }
   return written;
+}
+
+std::vector<std::string> left_from_before(const std::string& folder, const std::vector<WrittenFile>& written,
+                                          const std::function<bool(std::string_view)>& is_ours) {
+  std::vector<std::string> left;
+  std::error_code ignored;
+  for (fs::directory_iterator at(folder, ignored), end; at != end; at.increment(ignored)) {
+    const std::string name = at->path().filename().string();
+    const auto is_it = [&](const WrittenFile& file) { return fs::path(file.path).filename() == name; };
+    if (is_ours(name) && !at->is_directory(ignored) && std::none_of(written.begin(), written.end(), is_it))
+      left.push_back(name);
+  }
+  std::sort(left.begin(), left.end());
+  return left;
 }
 
 std::string to_text(const std::vector<WrittenFile>& files) {

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/export_axes.hpp"
 #include "app/export_files.hpp"
@@ -56,9 +57,17 @@ void note_silent_directions(ExportWork& work, const std::vector<laser::ResidualR
 
 struct Target {
   std::string control;
-  bool folder = true;  ///< several files
+  bool (*is_its_file)(std::string_view name) = nullptr;  ///< of several, in a folder; none: one file of any name
   bool levers_from_line = false;
 };
+
+/// A folder that holds files of two maps is named, nothing in it is taken away.
+void note_left_from_before(ExportWork& work, const std::string& folder, const std::vector<WrittenFile>& written,
+                           const Target& target) {
+  const auto left = left_from_before(folder, written, target.is_its_file);
+  if (!left.empty())
+    work.notes.push_back(fmt::format("left from before, not of this export: {}", fmt::join(left, ", ")));
+}
 
 Result<Outcome> exported(Session& session, const ExportArguments& arguments, const Target& target, const Maker& make) {
   auto work = export_work(session, arguments);
@@ -76,10 +85,12 @@ Result<Outcome> exported(Session& session, const ExportArguments& arguments, con
   const auto residuals = laser::residuals(work->source, made->applied, lines, *errors);
   if (!residuals) return tl::unexpected(residuals.error());
   note_silent_directions(*work, *residuals);
-  auto written = write_all(*made, arguments.output, target.folder, work->inputs);
+  const bool folder = target.is_its_file != nullptr;
+  auto written = write_all(*made, arguments.output, folder, work->inputs);
   if (!written) return tl::unexpected(written.error());
+  if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, target);
   const ToldExport told{
-      target.control, *work, *made, *residuals, std::move(*written), target.folder ? "-o FOLDER" : "-o FILE"};
+      target.control, *work, *made, *residuals, std::move(*written), folder ? "-o FOLDER" : "-o FILE"};
   return Outcome{export_text(told), one_line(json_of(told)), kDone};
 }
 
@@ -102,7 +113,7 @@ void add_linuxcnc(Menu& menu) {
             arguments->type == "0" ? 0 : 1,
             arguments->units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm,
             static_cast<std::size_t>(arguments->points)};
-        return exported(session, *arguments, {"LinuxCNC", true, false},
+        return exported(session, *arguments, {"LinuxCNC", laser::is_linuxcnc_file, false},
                         [&](const laser::ExportSource& source) { return laser::linuxcnc_export(source, options); });
       });
 }
@@ -127,7 +138,7 @@ void add_siemens(Menu& menu) {
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
         options->most_tables = static_cast<std::size_t>(arguments->tables);
-        return exported(session, *arguments, {"SINUMERIK 840D", true, false},
+        return exported(session, *arguments, {"SINUMERIK 840D", laser::is_siemens_file, false},
                         [&](const laser::ExportSource& source) { return laser::siemens_export(source, *options); });
       });
 }
@@ -147,7 +158,7 @@ void add_etalon(Menu& menu) {
       .runs([arguments](Session& session) {
         const laser::EtalonOptions options{"errors.txt", arguments->levers == "zero",
                                            static_cast<std::size_t>(arguments->points)};
-        return exported(session, *arguments, {"Etalon exchange format", false, arguments->levers == "lines"},
+        return exported(session, *arguments, {"Etalon exchange format", nullptr, arguments->levers == "lines"},
                         [&](const laser::ExportSource& source) { return laser::etalon_export(source, options); });
       });
 }
@@ -171,7 +182,7 @@ void add_twincat(Menu& menu) {
         auto options = twincat_options(arguments->twincat, arguments->axes);
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
-        return exported(session, *arguments, {"TwinCAT CNC, leadscrew compensation", true, false},
+        return exported(session, *arguments, {"TwinCAT CNC, leadscrew compensation", laser::is_twincat_file, false},
                         [&](const laser::ExportSource& source) { return laser::twincat_export(source, *options); });
       });
 }

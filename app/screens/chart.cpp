@@ -8,19 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/chart_plot.hpp"
+
 namespace ecs::app {
 namespace {
-
-struct Range {
-  double from = std::numeric_limits<double>::infinity();
-  double to = -std::numeric_limits<double>::infinity();
-  void take(double value) {
-    from = std::min(from, value);
-    to = std::max(to, value);
-  }
-  [[nodiscard]] bool empty() const { return from > to; }
-  [[nodiscard]] double width() const { return to - from; }
-};
 
 Range x_range(const PlotPanel& panel) {
   Range range;
@@ -234,9 +225,8 @@ std::string tick_label(double value, double apart) {
 }
 
 void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const ChartView& view) {
-  constexpr int kAxisColumns = 9;
-  constexpr int kRowsAround = 4;  // title, axis, its numbers, legend
-  if (area.rows < kRowsAround + 2 || area.columns < kAxisColumns + 8) {
+  const Area plot = plot_area(area);
+  if (plot.rows < 2 || plot.columns < 8) {
     canvas.text(area, 0, 0, "no room for a curve", Tone::faint);
     return;
   }
@@ -251,7 +241,6 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
   scale.y = seen_y(panel, view, scale.x);
   if (scale.x.width() <= 0.0) widen(scale.x, 0.0);
   if (!view.y_from && !view.y_to) widen(scale.y, 0.05);
-  const Area plot{area.row + 1, area.column + kAxisColumns, area.rows - kRowsAround, area.columns - kAxisColumns};
   Dots dots(plot, canvas.glyphs());
   scale.width = dots.width();
   scale.height = dots.height();
@@ -270,10 +259,10 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
   dots.draw(canvas);
   for (const PlotSeries& series : panel.series)
     if (!as_dots(series, plot.columns)) draw_signs(canvas, plot, series, scale);
-  draw_y_axis(canvas, {area.row + 1, area.column, plot.rows, kAxisColumns}, scale, plot.rows);
+  draw_y_axis(canvas, {area.row + 1, area.column, plot.rows, kYAxisColumns}, scale, plot.rows);
   const Area below = area.below(1 + plot.rows);
   draw_x_axis(canvas, {below.row, plot.column, 2, plot.columns}, scale);
-  canvas.text({below.row, below.column, 2, kAxisColumns}, 1, 0, panel.x_label, Tone::faint);
+  canvas.text({below.row, below.column, 2, kYAxisColumns}, 1, 0, panel.x_label, Tone::faint);
   if (view.cursor_x)
     canvas.text(below, 2, 0, read_out(panel, *view.cursor_x), Tone::strong);
   else

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "app/screens/chart_plot.hpp"
+
 namespace ecs::app {
 namespace {
 
@@ -13,20 +15,6 @@ namespace {
 constexpr double kReach = 1.0;
 constexpr std::size_t kMostToldOneByOne = 3;
 constexpr double kSamePlace_mm = 1e-6;
-
-struct Range {
-  double from = std::numeric_limits<double>::infinity();
-  double to = -std::numeric_limits<double>::infinity();
-  void take(double value) {
-    from = std::min(from, value);
-    to = std::max(to, value);
-  }
-  [[nodiscard]] bool empty() const { return from > to; }
-  [[nodiscard]] double width() const { return to - from; }
-  [[nodiscard]] bool has(double value) const { return value >= from && value <= to; }
-  /// Where it lies, 0 … 1.
-  [[nodiscard]] double part(double value) const { return (value - from) / width(); }
-};
 
 Range x_range(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, const ChartView& view) {
   Range x;
@@ -51,13 +39,6 @@ Range reach_of(const Range& counting) {
   if (counting.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const double width = counting.width() > 0.0 ? counting.width() : std::max(1.0, 0.1 * std::abs(counting.from));
   return {counting.from - kReach * width, counting.to + kReach * width};
-}
-
-/// The part of a chart in which its points lie, as draw_chart() lays it out: axis at the left, title above, the numbers
-/// of the axis and the legend below.
-Area plot_of(const Area& area) {
-  constexpr int kAxisColumns = 9, kRowsAround = 4;
-  return {area.row + 1, area.column + kAxisColumns, area.rows - kRowsAround, area.columns - kAxisColumns};
 }
 
 Place cell_of(const Canvas& canvas, const Area& plot, const Range& x, const Range& y, const PlotPoint& p) {
@@ -120,7 +101,7 @@ std::string means_at(const PlotPanel& panel, const std::vector<PlotPoint>& left_
 /// In the row of the legend.
 void draw_means_at(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
                    const ChartView& view) {
-  const Area plot = plot_of(area);
+  const Area plot = plot_area(area);
   if (!view.cursor_x || plot.rows < 2 || plot.columns < 8) return;
   const Area last{area.row + area.rows - 1, area.column, 1, area.columns};
   canvas.fill(last);
@@ -207,7 +188,7 @@ void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, 
   const LeftOutSeen seen = left_out_seen(panel, left_out, view);
   draw_chart(canvas, area, panel, seen.view);
   draw_means_at(canvas, area, panel, left_out, view);
-  const Area plot = plot_of(area);
+  const Area plot = plot_area(area);
   const Range x{*seen.view.x_from, *seen.view.x_to}, y{*seen.view.y_from, *seen.view.y_to};
   if (plot.rows < 2 || plot.columns < 8 || !(x.width() > 0.0)) return;
   draw_inside(canvas, plot, seen.inside, x, y);

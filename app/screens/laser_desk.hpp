@@ -59,7 +59,8 @@ class LaserDesk {
   void send();
   void not_now() { ready_.reset(); }
   void verify();
-  /// Refused, saying why, unless the unit holds the very map that was sent from here or found the same.
+  /// Refused, saying why, unless the unit holds the very map that was found the same, or sent from here if nothing was
+  /// compared since.
   void compensate();
   /// Every few seconds, while somebody looks at the verdict: whether it still holds of the unit.
   void watch_verdict();

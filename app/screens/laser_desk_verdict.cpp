@@ -38,7 +38,8 @@ void LaserDesk::compensate() {
     return message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again",
                         Tone::bad);
   start(Doing::switching, "compensation mode",
-        [expected = ExpectedMap{sent_, compared_}, unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
+        [expected = ExpectedMap{compared_ ? std::nullopt : sent_, compared_}, unit = unit_](JobSigns& signs, SendSigns&,
+                                                                                            Done& done) {
           const auto switched = switch_to_compensation(*unit, signs, expected);
           if (!switched) done.problem = switched.error();
         });

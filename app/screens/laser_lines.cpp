@@ -61,7 +61,8 @@ PerAxis<bool> places_named(const std::string& parked) {
   PerAxis<bool> named{};
   for (const std::string_view part : split(parked, ',')) {
     const std::string_view name = trimmed(part);
-    const auto axis = name.empty() ? std::nullopt : axis_of(static_cast<char>(std::toupper(name.front())));
+    const auto axis = name.empty() ? std::nullopt
+                                   : axis_of(static_cast<char>(std::toupper(static_cast<unsigned char>(name.front()))));
     if (axis) named[index_of(*axis)] = true;
   }
   return named;

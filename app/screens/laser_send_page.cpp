@@ -207,7 +207,7 @@ class VerifyPage final : public LaserPage {
     }
     if (is_letter(key, U'c')) {
       host().ask({"Switch the unit to compensation?",
-                  "The unit is asked once more whether it holds the map that was compared and sent. It then tests its "
+                  "The unit is asked once more whether it holds the map that was compared or sent. It then tests its "
                   "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "
                   "values of that map.",
                   "switch", "not now"},

@@ -37,7 +37,7 @@ Result<UnitHolding> holding_over(UnitDesk& unit, UnitLink& line) {
   return holding;
 }
 
-/// Why the unit may not compensate with what it holds; empty: it is what was sent and compared.
+/// Why the unit may not compensate with what it holds; empty: it is what is expected.
 std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
   const auto other_unit = [&](const std::string& serial, const char* what) {
     return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number, what, serial);

@@ -51,7 +51,8 @@ struct VerifiedMap {
   UnitHolding holding;
 };
 
-/// What the unit must still hold before it may compensate; absent: nothing was sent, or compared.
+/// What the unit must still hold before it may compensate: what was found the same last, or, if nothing was compared
+/// since, what was sent.
 struct ExpectedMap {
   std::optional<SentMap> sent;
   std::optional<UnitHolding> verified;
@@ -69,7 +70,7 @@ struct ExpectedMap {
 /// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
 [[nodiscard]] Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file);
 /// Compensation mode: the unit tests its memory, then waits for the axes to be referenced. Refused, saying why, unless
-/// the unit is the one, and holds the very map, that was sent from here and that was compared.
+/// the unit is the one, and holds the very map, that is expected.
 [[nodiscard]] Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected);
 
 }  // namespace ecs::app

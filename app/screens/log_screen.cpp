@@ -75,7 +75,6 @@ void LogScreen::draw(Canvas& canvas, const Area& area) const {
     for (const LogEntry* entry : rows)
       lines.push_back({row_of(*entry), entry->tone == Tone::good ? Tone::plain : entry->tone});
     draw_list(canvas, list, lines, place_);
-    list_row_ = list.row;
     const LogEntry& entry =
         *rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))];
     const Area below{area.row + area.rows - 2 - whole, area.column + 1, whole, area.columns - 2};
@@ -160,8 +159,7 @@ Step LogScreen::on_key(const Key& key) {
   said_.clear();
   const auto count = static_cast<int>(shown().size());
   if (key.name == Key::Name::mouse) {
-    const int at = place_.first + key.row - list_row_;
-    if (key.row >= list_row_ && at < count) place_.selected = at;
+    if (const auto clicked = place_.clicked(key); clicked && *clicked < count) place_.selected = *clicked;
     following_ = place_.selected >= count - 1;
   } else if (place_.on_key(key, count)) {
     following_ = place_.selected >= count - 1;

@@ -42,7 +42,6 @@ class LogScreen final : public Screen {
   bool only_errors_ = false;
   bool following_ = true;
   ListPlace place_;
-  mutable int list_row_ = 0;  ///< upper row of the list on the canvas
   Typing typing_ = Typing::nothing;
   TextLine text_;
   std::string sought_;

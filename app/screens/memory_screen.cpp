@@ -178,9 +178,7 @@ void MemoryScreen::on_list_key(const Key& key) {
   const bool differences = page_ == Page::differences;
   const int count = static_cast<int>(differences ? rows.size() : written.size());
   ListPlace& place = differences ? difference_ : write_;
-  if (const int clicked = place.first + key.row - list_row_;
-      key.name == Key::Name::mouse && key.row >= list_row_ && clicked < count)
-    place.selected = clicked;
+  if (const auto clicked = place.clicked(key); clicked && *clicked < count) place.selected = *clicked;
   if (place.on_key(key, count) || key.name != Key::Name::enter || count == 0) return;
   const auto chosen = static_cast<std::size_t>(std::clamp(place.selected, 0, count - 1));
   desk_.go(differences ? rows[chosen].first : written[chosen].address);

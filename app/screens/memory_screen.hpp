@@ -61,7 +61,6 @@ class MemoryScreen final : public Screen {
   std::string choices_;  ///< files that the typed path may become
   DumpScope scope_ = DumpScope::all;
   ListPlace target_;
-  mutable int list_row_ = 0;  ///< of the canvas, where the first difference or write that is seen stands
   ListPlace difference_;
   ListPlace write_;
   mutable MemoryRows rows_;

@@ -141,7 +141,6 @@ void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
               fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", desk_.compared_file()),
               Tone::faint);
-  list_row_ = area.row + 1;
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, difference_);
 }
 
@@ -155,7 +154,6 @@ void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   for (const ByteWrite& write : desk_.written())
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2, "time      address   before > after  where", Tone::faint);
-  list_row_ = area.row + 1;
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, write_);
 }
 

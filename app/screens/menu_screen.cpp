@@ -36,7 +36,6 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
     rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, choices_[k].help)});
   if (rows.empty()) canvas.text(inside, row, 2, "no entry has that in its name", Tone::warning);
   constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
-  list_row_ = inside.row + row;
   draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);
   if (list.empty()) return;
   const auto chosen = std::min(static_cast<std::size_t>(place_.selected), list.size() - 1);
@@ -55,10 +54,10 @@ void MenuScreen::stop_seeking(std::size_t entry) {
 
 /// A click chooses, one on what is chosen opens it.
 Step MenuScreen::on_click(const Key& key, int count) {
-  const int clicked = place_.first + key.row - list_row_;
-  if (key.row < list_row_ || clicked >= count) return stay();
-  if (clicked == place_.selected) return on_key({Key::Name::enter});
-  place_.selected = clicked;
+  const auto clicked = place_.clicked(key);
+  if (!clicked || *clicked >= count) return stay();
+  if (*clicked == place_.selected) return on_key({Key::Name::enter});
+  place_.selected = *clicked;
   return stay();
 }
 

@@ -37,7 +37,6 @@ class MenuScreen final : public Screen {
   std::string help_;
   std::vector<MenuChoice> choices_;
   ListPlace place_;
-  mutable int list_row_ = 0;  ///< of the canvas, where the first entry that is seen stands
   bool seeking_ = false;
   TextLine sought_;
 };

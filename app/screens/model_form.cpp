@@ -69,13 +69,20 @@ void ModelForm::open() {
     field_ = 1;
     return;
   }
-  if (named.model.empty()) {
+  const bool proposed = named.model.empty();
+  if (proposed) {
     const std::filesystem::path data(named.data.front());
     named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
     fields_[0].set(named.model);
   }
   std::error_code error;
-  if (std::filesystem::exists(named.model, error)) return start(false);
+  if (std::filesystem::exists(named.model, error)) {
+    if (!proposed) return start(false);
+    hint_ = fmt::format("{} is there already: Enter opens it, another name begins a new one", named.model);
+    problem_ = false;
+    field_ = 0;
+    return;
+  }
   question_ = Question{"Begin a new model?",
                        fmt::format("{} does not exist yet. A new model has no effect: all that was measured is still "
                                    "to be explained. Then d finds what is missing, a adds it and the error falls.",

@@ -140,8 +140,8 @@ Step ModelScreen::on_key(const Key& key) {
     (void)on_curve_key(key);
   } else if (page_ == Page::causes) {
     const int count = desk_->diagnosis() ? static_cast<int>(desk_->diagnosis()->candidates.size()) : 0;
-    if (key.name == Key::Name::mouse && key.row >= cause_row_ && key.row - cause_row_ + cause_.first < count)
-      cause_.selected = key.row - cause_row_ + cause_.first;
+    if (const auto clicked = cause_.clicked(key); clicked && *clicked < count)
+      cause_.selected = *clicked;
     else if (!cause_.on_key(key, count) || count == 0)
       (void)scroll_.on_key(key);
   } else {

@@ -63,7 +63,6 @@ class ModelScreen final : public Screen {
   int line_ = 0;
   ChartView view_;
   ListPlace cause_;
-  mutable int cause_row_ = 0;  ///< of the canvas, where the first that is seen stands
   ScrollPlace scroll_;
   std::optional<int> run_;  ///< absent: all runs
   mutable Curves curves_;

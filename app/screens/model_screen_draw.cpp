@@ -163,8 +163,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um));
   const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
-  cause_row_ = text.row + row;
-  draw_list(canvas, {cause_row_, text.column, list_rows, text.columns}, rows, cause_);
+  draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
   row += list_rows + 1;
   const auto chosen = static_cast<std::size_t>(std::clamp(cause_.selected, 0, static_cast<int>(rows.size()) - 1));
   const model::Candidate& candidate = d.candidates[chosen];

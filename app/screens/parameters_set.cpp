@@ -46,7 +46,7 @@ std::string in_words(std::string_view own, const std::string& unit) {
         part.resize(part.size() - suffix.size());
         break;
       }
-    if (part.size() == 1) part.front() = static_cast<char>(std::toupper(part.front()));
+    if (part.size() == 1) part.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(part.front())));
     std::replace(part.begin(), part.end(), '_', ' ');
     label += (label.empty() ? "" : " ") + part;
     at = dot + 1;

@@ -286,6 +286,7 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
     const attr_t looks = attributes[static_cast<std::size_t>(cell.tone)];
     cchar_t sign{};
     ::setcchar(&sign, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);
+    if (!agreed && columns_of(cell.glyph) == 2) mvaddch(r, c + 1, ' ');
     mvadd_wch(r, c, &sign);
     const int behind = c + columns_of(cell.glyph);
     const bool halved = sent.at(r, behind).glyph == kSecondHalf;  // of a letter that was overwritten: to be sent anew

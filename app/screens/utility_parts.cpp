@@ -40,7 +40,9 @@ bool UnitView::look(const UnitDesk& desk) {
 void UnitView::take(const protocol::MonitorSample& seen) { take(seen, Clock::now()); }
 
 void UnitView::take(const protocol::MonitorSample& seen, Clock::time_point at) {
-  if (sample && began_anew(*sample, seen, at - taken_at_)) ++restarts;
+  const bool was_away = standing.times_lost != times_lost_;  // a busy computer alone makes no unit late
+  if (sample && began_anew(*sample, seen, was_away ? at - taken_at_ : Clock::duration::zero())) ++restarts;
+  times_lost_ = standing.times_lost;
   sample = seen;
   fresh = true;
   taken_at_ = at;

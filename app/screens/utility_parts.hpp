@@ -33,10 +33,12 @@ struct UnitView {
  private:
   void take(const protocol::MonitorSample& seen, std::chrono::steady_clock::time_point at);
   std::chrono::steady_clock::time_point taken_at_{};
+  std::uint64_t times_lost_ = 0;  ///< lines, when `sample` came
 };
 
 /// Whether the unit was started again between two samples: it then shows less than it had run, or lacks, of the time
 /// that passed, at least all it had run before; half of that is the limit, for samples that came late.
+/// @param passed  from one sample to the other while the line was lost, else 0
 [[nodiscard]] bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after,
                               std::chrono::steady_clock::duration passed);
 

@@ -51,13 +51,19 @@ bool ListPlace::on_key(const Key& key, int count, int page) {
   return true;
 }
 
+std::optional<int> ListPlace::clicked(const Key& key) const {
+  if (key.name != Key::Name::mouse || key.row < seen.row || key.row >= seen.row + seen.rows) return std::nullopt;
+  return first + key.row - seen.row;
+}
+
 void draw_list(Canvas& canvas, const Area& area, const std::vector<ListRow>& rows, const ListPlace& place,
                bool active) {
   const int count = static_cast<int>(rows.size());
   const int selected = std::clamp(place.selected, 0, std::max(0, count - 1));
   place.first = std::clamp(place.first, std::max(0, selected - area.rows + 1), std::max(0, selected));
   place.first = std::clamp(place.first, 0, std::max(0, count - area.rows));
-  for (int r = 0; r < std::min(area.rows, count - place.first); ++r) {
+  place.seen = area.top(std::min(area.rows, count - place.first));
+  for (int r = 0; r < place.seen.rows; ++r) {
     const int k = place.first + r;
     const ListRow& row = rows[static_cast<std::size_t>(k)];
     const bool here = active && k == selected;

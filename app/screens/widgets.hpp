@@ -15,7 +15,10 @@ namespace ecs::app {
 struct ListPlace {
   int selected = 0;
   mutable int first = 0;  ///< row of the list in the upper row of its area; set while drawing
+  mutable Area seen{};    ///< rows that were drawn
 
+  /// The row of the list that a click hit.
+  [[nodiscard]] std::optional<int> clicked(const Key& key) const;
   /// Up, down, page, home, end, mouse wheel. @return whether the key was one of them
   [[nodiscard]] bool on_key(const Key& key, int count, int page = 10);
 };
