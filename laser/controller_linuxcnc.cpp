@@ -59,6 +59,8 @@ int joint_of(const UnitParameters& parameters, Axis axis) {
   return joint;
 }
 
+std::string file_of(Axis axis) { return fmt::format("{}.comp", static_cast<char>(letter_of(axis) - 'X' + 'x')); }
+
 }  // namespace
 
 std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type) {
@@ -75,7 +77,7 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
     const auto curve = curve_of(source.map, component);
     if (!curve || !source.parameters.axis_present[index_of(axis)]) continue;
     const ControlCurve kept = thinned(*curve, options.most_points);
-    const std::string name = fmt::format("{}.comp", static_cast<char>(letter_of(axis) - 'X' + 'x'));
+    const std::string name = file_of(axis);
     made.files.push_back({name, rows_text(kept, options)});
     const std::string& text = made.files.back().content;
     auto again = parse_linuxcnc(text, name, {axis, options.type, options.units, true});
@@ -102,6 +104,10 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
       "moves the axis",
       "a wrong file is not reported: read joint.N.backlash-filt back (docs/controllers.md)"};
   return made;
+}
+
+bool is_linuxcnc_file(std::string_view name) {
+  return std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == file_of(axis); });
 }
 
 }  // namespace ecs::laser

@@ -24,6 +24,9 @@ struct LinuxCncOptions {
 /// strictly increasing: LinuxCNC stops reading without a message at anything else. Refused: no positioning table.
 [[nodiscard]] Result<ControllerExport> linuxcnc_export(const ExportSource& source, const LinuxCncOptions& options);
 
+/// Whether the writer names files like that.
+[[nodiscard]] bool is_linuxcnc_file(std::string_view name);
+
 struct LinuxCncReadOptions {
   Axis axis = Axis::X;
   std::optional<int> type;  ///< absent: taken from the numbers, with a note; refused where they leave it open

@@ -10,6 +10,8 @@ namespace ecs::laser {
 namespace {
 
 constexpr double kUmPerMm = 1000.0;
+constexpr const char* kEncoderFile = "AX_EEC.INI";
+constexpr const char* kCrossFile = "NC_CEC.INI";
 
 std::size_t tables_in(const std::vector<SiemensGroup>& groups) {
   std::size_t count = 0;
@@ -159,8 +161,8 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
     if (group.square) carried.push_back(*group.square);
     made.tables.push_back(group.report);
   }
-  if (!positioning.encoder.empty()) made.files.push_back({"AX_EEC.INI", encoder_text(positioning.encoder, options)});
-  if (!groups.empty()) made.files.push_back({"NC_CEC.INI", cross_text(all_tables(groups), options)});
+  if (!positioning.encoder.empty()) made.files.push_back({kEncoderFile, encoder_text(positioning.encoder, options)});
+  if (!groups.empty()) made.files.push_back({kCrossFile, cross_text(all_tables(groups), options)});
   add_settings(made, positioning.encoder, groups, options);
   leave_behind(made, source, carried, "a table has no lever arm", kTooFew);
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
@@ -170,5 +172,7 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   if (auto done = take_back(made, options); !done) return tl::unexpected(done.error());
   return made;
 }
+
+bool is_siemens_file(std::string_view name) { return name == kEncoderFile || name == kCrossFile; }
 
 }  // namespace ecs::laser

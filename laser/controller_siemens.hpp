@@ -29,6 +29,9 @@ struct SiemensOptions {
 /// means are too many the smallest stay behind; the answer says so.
 [[nodiscard]] Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options);
 
+/// Whether the writer names files like that.
+[[nodiscard]] bool is_siemens_file(std::string_view name);
+
 /// Reads either kind of file, also of a whole-control backup: `N10` numbers, `%_N_…`, `CHANDATA`, M0, M02, M17, M30,
 /// RET, machine data, comments; blanks instead of `=`; `[0.1]` instead of `[0,1]`; EX exponents; any case. Left out
 /// with a note: tables without points, tables of rotary axes and modulo tables that are all zero. Refused, all at once:

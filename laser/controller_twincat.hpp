@@ -21,17 +21,23 @@ inline constexpr std::size_t kTwinCatMostPoints = 1499;
 struct TwinCatOptions {
   PerAxis<int> axis_number{1, 2, 3};             ///< logical axis numbers of the control, above 0, all different
   std::size_t most_points = kTwinCatMostPoints;  ///< 2 … 1499
-  bool adds = false;                             ///< the control adds the values instead of subtracting them
+  /// The control adds the values instead of subtracting them. Absent: a list of ours is read as it says; else no.
+  std::optional<bool> adds;
 };
 
 /// `achskw1.lis` and so on, named after the logical axis numbers, for the positioning tables of the axes that exist:
-/// a table for each direction, positions and errors as whole tenths of a micrometre. Refused: no positioning table.
+/// a table for each direction, positions and errors as whole tenths of a micrometre. Notes name the step of each axis
+/// when its list becomes active at the reference position, and values that TwinCAT 2 has no room for. Refused: no
+/// positioning table.
 [[nodiscard]] Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCatOptions& options);
+/// Whether the writer names files like that: "achskw12.lis".
+[[nodiscard]] bool is_twincat_file(std::string_view name);
 
 /// Reads `kopf.*` and `kw.ssfk.*`: points of their own or at even steps, one table or two; any case; comments behind
 /// `#` or behind the value. Left out with a note: other compensations of the same list. Refused, all at once: lines
 /// that are none of these, encoder increments, modulo axes, points that are missing or do not rise, values no machine
-/// can need, a list whose axis cannot be told.
+/// can need, a list whose axis cannot be told or is none of X, Y, Z by its name, a list of ours with the other sign
+/// than `options` ask for.
 /// @param axis  given: whatever the list says
 [[nodiscard]] Result<ControllerTables> parse_twincat(std::string_view text, const std::string& file_name,
                                                      const TwinCatOptions& options,

@@ -8,13 +8,12 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/controller_twincat.hpp"
+#include "laser/controller_twincat_list.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kTenthsPerUm = 10.0;
-constexpr double kTenthsPerMm = 10'000.0;
 constexpr double kLargest_um = 32'000.0;
 constexpr double kLargest_mm = 1e6;
 constexpr long long kMostPoints = 1'000'000;
@@ -44,12 +43,11 @@ Assignment assignment_in(std::string_view line) {
   return out;
 }
 
-/// "Y", "y-achse", "X1": a letter of its own.
-std::optional<Axis> axis_in(std::string_view name) {
-  if (name.empty()) return std::nullopt;
-  const bool apart = name.size() == 1 || lower(name.substr(1, 1)) < "a" || lower(name.substr(1, 1)) > "z";
-  const std::string first = lower(name.substr(0, 1));
-  return apart ? axis_of(static_cast<char>(first[0] >= 'a' ? first[0] - 'a' + 'A' : first[0])) : std::nullopt;
+/// The axis that a name begins with, as a capital: "Y", "y-achse", "X1", "B-ACHSE", but not "ACHSE1".
+std::optional<char> letter_in(std::string_view name) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  if (name.empty() || !is_letter(name[0]) || (name.size() > 1 && is_letter(name[1]))) return std::nullopt;
+  return static_cast<char>(name[0] & ~0x20);
 }
 
 class Reader {
@@ -59,10 +57,11 @@ class Reader {
   void take(std::string_view line, int number) {
     line_ = number;
     const std::string_view content = trimmed(line);
-    if (content.empty() || content.front() == '#' || content.starts_with("/*")) return;
+    if (content.empty() || content.front() == '#' || content.starts_with("/*")) return comment(content);
     const Assignment a = assignment_in(line);
     if (a.key == "kopf.log_achs_name") {
       name_ = std::string(trimmed(a.rest.substr(0, a.rest.find('('))));
+      name_line_ = number;
     } else if (a.key == "kopf.achs_nr" || a.key == "kopf.log_achs_nr") {
       keep("kopf.achs_nr", a);
     } else if (a.key.starts_with("kw.ssfk.table[")) {
@@ -90,13 +89,23 @@ class Reader {
       findings.add(first_line(table_.rbegin()->second), 1,
                    fmt::format("table[{}] stands behind the {} points that kw_nr_max announces", table_.rbegin()->first,
                                points));
-    for (long long i = 0; i < points && findings.empty(); ++i) point(i, two, forward, reverse);
+    for (long long i = 0; i < points; ++i) {
+      point(i, two, forward, reverse);
+      if (table_.count(i) == 0) break;
+    }
     reverse.position_mm = forward.position_mm;
     return {std::move(forward), std::move(reverse)};
   }
 
   [[nodiscard]] std::optional<Axis> axis() {
-    const auto by_name = axis_in(name_);
+    const auto letter = letter_in(name_);
+    const auto by_name = letter ? axis_of(*letter) : std::nullopt;
+    if (letter && !by_name) {
+      findings.add(name_line_, 1,
+                   fmt::format("the list is of axis {}: a map holds X, Y and Z; give --axis if it is one of them",
+                               in_quotes(name_)));
+      return std::nullopt;
+    }
     std::optional<Axis> by_number;
     const auto number = general_.find("kopf.achs_nr");
     if (number != general_.end())
@@ -134,6 +143,24 @@ class Reader {
       if (*entry) return (*entry)->line;
     return 0;
   }
+
+  /// A list of ours says its sign.
+  void comment(std::string_view content) {
+    for (const bool adds : {false, true}) {
+      if (!content.ends_with(list_sign(adds))) continue;
+      if (says_adds_.value_or(adds) != adds)
+        findings.add(line_, 1, "this comment says another sign than the one before it: read one list at a time");
+      else if (options_.adds.value_or(adds) != adds)
+        findings.add(
+            line_, 1,
+            fmt::format("the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option "
+                        "away",
+                        sign_name(adds), sign_name(!adds)));
+      says_adds_ = adds;
+    }
+  }
+  static const char* sign_name(bool adds) { return adds ? "adds" : "subtracts"; }
+  [[nodiscard]] double sign() const { return options_.adds.value_or(says_adds_.value_or(false)) ? 1.0 : -1.0; }
 
   std::optional<Entry> number(const Assignment& a) {
     const auto value = number_in(a.value);
@@ -224,13 +251,12 @@ class Reader {
     const double place =
         interval == 0.0 ? row.setpoint->value : value_of("kw_startpos") + interval * static_cast<double>(i);
     const double place_mm = place / kTenthsPerMm;
-    const double sign = options_.adds ? 1.0 : -1.0;
-    const double forward_um = sign * row.pos->value / kTenthsPerUm;
-    const double reverse_um = two ? sign * row.neg->value / kTenthsPerUm : forward_um;
+    const double forward_um = sign() * row.pos->value / kTenthsPerUm;
+    const double reverse_um = two ? sign() * row.neg->value / kTenthsPerUm : forward_um;
     if (std::abs(place_mm) > kLargest_mm)
-      findings.add(first_line(row), 1, fmt::format("{} mm is no position of a machine", place_mm));
+      return findings.add(first_line(row), 1, fmt::format("{} mm is no position of a machine", place_mm));
     if (!forward.position_mm.empty() && place_mm <= forward.position_mm.back())
-      findings.add(first_line(row), 1, fmt::format("position {} mm does not rise", place_mm));
+      return findings.add(first_line(row), 1, fmt::format("position {} mm does not rise", place_mm));
     for (const double value : {forward_um, reverse_um})
       if (std::abs(value) > kLargest_um)
         findings.add(row.pos->line, 1, fmt::format("an error of {:.6g} mm is none that a machine has", value / 1000.0));
@@ -242,6 +268,8 @@ class Reader {
   const TwinCatOptions& options_;
   int line_ = 0;
   std::string name_;
+  int name_line_ = 0;
+  std::optional<bool> says_adds_;
   std::map<std::string, Entry> general_;
   std::map<long long, Row> table_;
   std::set<std::string> other_;

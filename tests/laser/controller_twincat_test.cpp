@@ -1,5 +1,6 @@
 #include "laser/controller_twincat.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -31,6 +32,8 @@ TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table 
   REQUIRE(made);
   CHECK(file_named(*made, "achskw1.lis").content ==
         "# EXX error of X, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
+        "# sign after the manual's example, tried on no control: check one axis with the laser before use (--ssfk-sign "
+        "adds turns it)\n"
         "kopf.achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos 0\n"
         "kw.ssfk.kw_nr_max 3\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n"
         "kw.ssfk.table[0].setpoint 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg -30\n"
@@ -39,6 +42,48 @@ TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table 
   CHECK(made->tables[0].deviation == Approx(0.04));  // 9.04 um became 9.0
   CHECK(made->settings[1] == "start-up list: achs_kw_log_ax_nr[0] 1, achs_kw[0] achskw1.lis");
   CHECK(made->settings[2] == "list of axis 1: lr_param.ssfk 1");
+}
+
+bool notes_hold(const std::vector<std::string>& notes, const std::string& part) {
+  return std::any_of(notes.begin(), notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+TEST_CASE("each axis whose list is not zero at the reference position steps when it becomes active, and that is said") {
+  ExportSource source = example();
+  add_table(source, Component::EYY, {0, 100}, {0, 5}, {0, 5});
+  const auto at_zero = twincat_export(source, {});
+  REQUIRE(at_zero);
+  CHECK(notes_hold(at_zero->notes,
+                   "at the reference position of X (0 mm) the list holds 0.0 um in pos, -3.0 um in neg: the axis steps "
+                   "by it when the compensation becomes active"));
+  CHECK_FALSE(notes_hold(at_zero->notes, "reference position of Y"));
+  source.parameters.axes[index_of(Axis::Y)].datum.reference_position_mm = 50.0;
+  CHECK(notes_hold(twincat_export(source, {})->notes,
+                   "at the reference position of Y (50 mm) the list holds -2.5 um: the axis steps by it"));
+  CHECK(notes_hold(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list holds 2.5 um:"));
+}
+
+TEST_CASE("the parameter that selects backlash compensation is named, not the one that holds its size") {
+  const auto made = twincat_export(example(), {});
+  REQUIRE(made);
+  CHECK(notes_hold(made->notes,
+                   "no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0)"));
+}
+
+TEST_CASE("values that do not fit 16 bit are named: 3276.7 um is the last that TwinCAT 2 takes") {
+  ExportSource source = small_machine();
+  add_table(source, Component::EXX, {0, 100}, {0, 3276.7}, {0, -3276.7});
+  CHECK_FALSE(notes_hold(twincat_export(source, {})->notes, "TwinCAT 2"));
+  source.map.tables[1].compensation[1] = -3276.9;
+  CHECK(notes_hold(twincat_export(source, {})->notes,
+                   "achskw1.lis holds values up to 3276.9 um: beyond 3276.7 um they do not fit TwinCAT 2 (16 bit)"));
+}
+
+TEST_CASE("the writer's own file names are known, others are not") {
+  for (const char* own : {"achskw1.lis", "achskw12.lis", "achskw65534.lis"}) CHECK(is_twincat_file(own));
+  for (const char* other : {"achskw.lis", "achskw0.lis", "achskw01.lis", "achskw1.lis.bak", "Achskw1.lis", "x.comp"})
+    CHECK_FALSE(is_twincat_file(other));
 }
 
 TEST_CASE("the worked example of the manual is read as it says: short by 10.2 um forward, long by 8.0 um in reverse") {
@@ -69,9 +114,36 @@ TEST_CASE("a control that adds the values gets the other sign, and its lists are
   REQUIRE(made);
   const std::string& text = file_named(*made, "achskw1.lis").content;
   CHECK(text.starts_with("# EXX error of X, nominal minus actual"));
+  CHECK(text.find("\n# sign against the manual's example, tried on no control") != std::string::npos);
   CHECK(text.find("kw.ssfk.table[1].pos 40\nkw.ssfk.table[1].neg 70\n") != std::string::npos);
   CHECK(compensation_at(parse_twincat(text, "a.lis", options)->tables[1], 50.0) == Approx(7.0));
   CHECK(compensation_at(made->applied.tables[1], 50.0) == Approx(7.0));
+}
+
+TEST_CASE("a list of ours is read with the sign that it says, and not with another one") {
+  TwinCatOptions subtracts, adds;
+  subtracts.adds = false;
+  adds.adds = true;
+  for (const bool sign : {false, true}) {
+    const auto made = twincat_export(example(), sign ? adds : subtracts);
+    REQUIRE(made);
+    const std::string& text = file_named(*made, "achskw1.lis").content;
+    CHECK(compensation_at(parse_twincat(text, "a.lis", {})->tables[1], 50.0) == Approx(7.0));
+    CHECK(compensation_at(parse_twincat(text, "a.lis", sign ? adds : subtracts)->tables[1], 50.0) == Approx(7.0));
+    const auto wrong = parse_twincat(text, "a.lis", sign ? subtracts : adds);
+    REQUIRE_FALSE(wrong);
+    CHECK(to_text(wrong.error())
+              .starts_with("a.lis:1:1: the list was written with --ssfk-sign " +
+                           std::string(sign ? "adds" : "subtracts")));
+    const auto both =
+        parse_twincat(text + "# EXX error of X, " + (sign ? "actual minus nominal" : "nominal minus actual") +
+                          ", in 0.1 um; pos and neg: direction of motion\n",
+                      "a.lis", {});
+    REQUIRE_FALSE(both);
+    CHECK(both.error().message.find("another sign than the one before it") != std::string::npos);
+  }
+  CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", {})->tables[1], 50.0) == Approx(7.0));
+  CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", adds)->tables[1], 50.0) == Approx(-7.0));
 }
 
 TEST_CASE("what was written comes back, to a tenth of a micrometre") {
@@ -124,6 +196,22 @@ TEST_CASE("a list whose name and number say different axes is not guessed at") {
   CHECK(unknown.error().message.find("which axis is it?") != std::string::npos);
 }
 
+TEST_CASE(
+    "a list of an axis that is none of X, Y, Z by its name is refused, whatever its number, unless one is given") {
+  const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name B-ACHSE\n");
+  const auto rotary = parse_twincat(text, "a.lis", {});
+  REQUIRE_FALSE(rotary);
+  CHECK(to_text(rotary.error()) ==
+        "a.lis:2:1: the list is of axis \"B-ACHSE\": a map holds X, Y and Z; give --axis if it is one of them");
+  CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
+  for (const char* name : {"c", "U1"})
+    CHECK_FALSE(parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name " + std::string(name) + "\n"),
+                              "a.lis", {}));
+  for (const char* name : {"ACHSE3", "BETT", "3B"})
+    CHECK(parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name " + std::string(name) + "\n"), "a.lis",
+                        {}));
+}
+
 TEST_CASE("increments, rotary axes, and a list for one direction that says two things are refused") {
   const auto refused = [](std::string text) {
     const auto read = parse_twincat(text, "a.lis", {});
@@ -166,6 +254,15 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
             .find("does not rise") != std::string::npos);
   CHECK(said("kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 1e9\nkw.ssfk.table[0].neg 0\n", 1)
             .find("none that a machine has") != std::string::npos);
+  const std::string third = "kw.ssfk.table[2].setpoint 9\nkw.ssfk.table[2].pos 1e9\nkw.ssfk.table[2].neg 0\n";
+  const std::string all =
+      said(first + "kw.ssfk.table[1].setpoint 3\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n" + third +
+               "kw.ssfk.table[3].setpoint 10\nkw.ssfk.table[3].pos 0\n" + "kw.ssfk.table[6].pos 0\n",
+           6);
+  for (const char* part : {"position 0.0003 mm does not rise", "an error of", "table[3].neg is missing",
+                           "table[4].setpoint is missing", "table[6] stands behind the 6 points"})
+    CHECK_MESSAGE(all.find(part) != std::string::npos, all);
+  CHECK(all.find("table[5]") == std::string::npos);  // a first missing row stands for the rest
   CHECK(said("", 0).find("expected the number of points") != std::string::npos);
   CHECK_FALSE(parse_twincat("", "a.lis", {}, Axis::X));
 }
