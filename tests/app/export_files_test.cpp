@@ -45,7 +45,7 @@ TEST_CASE("where one of the names is a folder, nothing is changed at all") {
   REQUIRE_FALSE(written);
   CHECK(written.error().kind == ProblemKind::output);
   CHECK(written.error().file == folder / "z.comp");
-  CHECK(written.error().message == "cannot write: a folder of that name is there; nothing was changed");
+  CHECK(written.error().message == "cannot write: a folder of that name is there; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
   CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
   CHECK(entries_in(folder) == 2);
@@ -62,8 +62,31 @@ TEST_CASE("two names that lead to one file are refused, and a link stays a link"
   std::filesystem::create_symlink(folder / "real", folder / "z.comp");
   const auto twice = write_together({{folder / "x.comp", "1"}, {folder / "z.comp", "2"}});
   REQUIRE_FALSE(twice);
-  CHECK(twice.error().message.find("leads to the same file; nothing was changed") != std::string::npos);
+  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
   CHECK(content_of(folder / "real") == "new x");
+}
+
+TEST_CASE("a link to a file that is not there yet stays a link, and its target is counted as that file") {
+  const Folder folder;
+  std::filesystem::create_symlink("later", folder / "x.comp");
+  REQUIRE(write_together(three(folder)));
+  CHECK(std::filesystem::is_symlink(folder / "x.comp"));
+  CHECK(content_of(folder / "later") == "new x");
+  std::filesystem::create_symlink("nowhere", folder / "a");
+  std::filesystem::create_symlink("nowhere", folder / "b");
+  const auto twice = write_together({{folder / "a", "1"}, {folder / "b", "2"}});
+  REQUIRE_FALSE(twice);
+  CHECK(twice.error().message.find("leads to the same file; no file was changed") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder / "nowhere"));
+}
+
+TEST_CASE("a link and the file it leads to are one file, whichever comes first") {
+  const Folder folder;
+  (void)folder.with("real", "old");
+  std::filesystem::create_symlink("real", folder / "link");
+  CHECK_FALSE(write_together({{folder / "real", "1"}, {folder / "link", "2"}}));
+  CHECK_FALSE(write_together({{folder / "link", "1"}, {folder / "./real", "2"}}));
+  CHECK(content_of(folder / "real") == "old");
 }
 
 /// An ordinary user for some lines of a test that root runs.
@@ -86,7 +109,7 @@ TEST_CASE("in a folder that may not be written, nothing is changed") {
   const OrdinaryUser user;
   const auto written = write_together(three(folder));
   REQUIRE_FALSE(written);
-  CHECK(written.error().message == "cannot write: Permission denied; nothing was changed");
+  CHECK(written.error().message == "cannot write: Permission denied; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
 }
 

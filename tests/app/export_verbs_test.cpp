@@ -190,6 +190,13 @@ TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what t
   CHECK(laser::compensation_at(*laser::table_of(*map, Component::EYY, Approach::forward), -400.0) == Approx(-4.0));
   REQUIRE(desk.exported({"twincat", "--ssfk-sign", "adds"}, {"-o", out}).code == 0);
   CHECK(content_of(out + "/achskw1.lis").find("kw.ssfk.table[0].pos 90\n") != std::string::npos);
+  // The list says its sign: no option is needed, and a wrong one is refused.
+  REQUIRE(ran({"export", "read", out + "/achskw1.lis", "-o", back}).code == 0);
+  const auto added = laser::read_map_csv(back);
+  CHECK(laser::compensation_at(*laser::table_of(*added, Component::EXX, Approach::forward), -400.0) == Approx(9.0));
+  const Ran wrong = ran({"export", "read", out + "/achskw1.lis", "--ssfk-sign", "subtracts"});
+  CHECK(wrong.code == 3);
+  CHECK(wrong.messages.find("achskw1.lis:1:1: the list was written with --ssfk-sign adds") != std::string::npos);
   CHECK(desk.exported({"twincat", "--axes", "X=0"}).code == 2);
   CHECK(desk.exported({"twincat", "--axes", "X=2"}).code == 2);
 }
@@ -203,7 +210,7 @@ TEST_CASE("a folder in the place of one file: exit code 5, and the tables of bef
   std::filesystem::create_directory(out + "/y.comp");
   const Ran r = desk.exported({"linuxcnc", "--type", "0"}, {"-o", out});
   CHECK(r.code == 5);
-  CHECK(r.json()["error"]["message"] == "cannot write: a folder of that name is there; nothing was changed");
+  CHECK(r.json()["error"]["message"] == "cannot write: a folder of that name is there; no file was changed");
   CHECK(content_of(out + "/x.comp") == before);
 }
 
@@ -217,6 +224,27 @@ TEST_CASE("files that were there are replaced, and the answer says which") {
   CHECK(again["replaced"] == nlohmann::json::array({out + "/x.comp"}));
   const Ran text = ran({"export", "read", out + "/x.comp", "-o", desk.folder.with("old.csv", "what was there")});
   CHECK(text.out.find("replaced: " + (desk.folder / "old.csv")) != std::string::npos);
+}
+
+TEST_CASE("files of an earlier export that this one does not write are named, whichever control it is for") {
+  const Desk desk;
+  const std::string out = desk.folder / "out";
+  const auto left = [](const Ran& r) {
+    const auto answer = r.json();
+    for (const auto& note : answer["notes"])
+      if (note.get<std::string>().starts_with("left from before, ")) return note.get<std::string>();
+    return std::string();
+  };
+  for (const char* name : {"out/z.comp", "out/achskw9.lis", "out/achskw10.lis", "out/notes.txt", "out/x.compare"})
+    (void)desk.folder.with(name, "of another map");
+  CHECK(left(desk.exported({"linuxcnc"}, {"-o", out})) == "left from before, not of this export: z.comp");
+  CHECK(left(desk.exported({"twincat"}, {"-o", out})) ==
+        "left from before, not of this export: achskw10.lis, achskw9.lis");
+  CHECK(left(desk.exported({"siemens"}, {"-o", out})).empty());
+  CHECK(left(desk.exported({"siemens", "--tables", "0"}, {"-o", out})) ==
+        "left from before, not of this export: NC_CEC.INI");
+  CHECK(left(desk.exported({"linuxcnc"})).empty());
+  CHECK(content_of(out + "/z.comp") == "of another map");
 }
 
 TEST_CASE("a map of another machine than the parameters is refused, unless --other-machine says it is meant") {
