@@ -193,6 +193,17 @@ TEST_CASE("a map of another machine or serial number is refused; what is not sta
   CHECK(other_unit(header, "8").size() == 1);
 }
 
+TEST_CASE("build warns of readings from another machine than the parameters, in words of a verb that sends nothing") {
+  const Desk desk;
+  const std::string other = desk.folder.with("other.csv", exx("# machine: long lathe\n"));
+  const Ran r = ran({"map", "build", other, "--params", desk.params, "-o", desk.map});
+  CHECK(r.code == 0);
+  CHECK(r.messages.find("the map was made for machine \"long lathe\", [identity] of the parameters says \"short "
+                        "lathe\": as they stand, `ecs map send` refuses the map with these parameters") !=
+        std::string::npos);
+  CHECK(r.messages.find("--other-machine") == std::string::npos);
+}
+
 TEST_CASE("squareness that was measured must have reached the parameters") {
   laser::ErrorMap map;
   map.header.sources.push_back({"C0Y", "square.csv", "ab"});
