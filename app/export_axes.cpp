@@ -62,10 +62,8 @@ Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments)
 }
 
 void take_twincat_arguments(Verb& verb, TwinCatArguments& arguments) {
-  verb.choice(
-      "--ssfk-sign", arguments.sign, {"subtracts", "adds"},
-      "what TwinCAT does with a value; default subtracts, as its manual computes values; a list of ours is read as it "
-      "says");
+  verb.choice("--ssfk-sign", arguments.sign, {"subtracts", "adds"},
+              "what TwinCAT does with a value; default subtracts, as its manual computes; lists of ours say it");
 }
 
 Result<laser::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes) {
