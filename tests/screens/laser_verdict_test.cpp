@@ -97,6 +97,19 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     sitting.type("cy");
     CHECK(sitting.shows("the unit does not hold the map of the file"));
   }
+  SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
+    sitting.desk().change("the other map", [&](LaserChoices& c) {
+      c.components["EXX"].smoothing_mm = 800.0;
+      c.map_file = (folder.path / "other.csv").string();
+    });
+    REQUIRE(sitting.settled());
+    sitting.type("sy");
+    REQUIRE(sitting.shows("saved: "));
+    verify_at(sitting);
+    CHECK(sitting.desk().verified());
+    sitting.type("cy");
+    CHECK(sitting.shows("the unit watches: reference every axis"));
+  }
   SUBCASE("and compensation, asked for at once, is refused with both block checks") {
     sitting.type("cy");
     CHECK(sitting.shows("another host has changed it"));
