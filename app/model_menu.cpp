@@ -7,6 +7,7 @@ namespace ecs::app {
 void add_model_menu(Menu& root) {
   Menu menu = root.menu("model", "MODEL: the error model against measurements");
   add_model_effects(menu);
+  add_model_new(menu);
   add_model_predict(menu);
   add_model_fit(menu);
   add_model_compare(menu);

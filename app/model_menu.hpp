@@ -6,6 +6,7 @@
 namespace ecs::app {
 
 void add_model_effects(Menu& menu);
+void add_model_new(Menu& menu);
 void add_model_predict(Menu& menu);
 void add_model_fit(Menu& menu);
 void add_model_compare(Menu& menu);

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "model/candidates.hpp"
 
 namespace ecs::app {
 
@@ -59,6 +60,22 @@ Result<ModelWork> model_work(Session& session, const ModelArguments& arguments) 
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
   work.data = model::observations_of(work.set, work.model, work.machine);
+  return work;
+}
+
+Result<ModelWork> begun_model(Session& session, const ModelArguments& arguments) {
+  std::error_code error;
+  if (std::filesystem::exists(arguments.model, error))
+    return problem(ProblemKind::usage, arguments.model + " exists already: open it, or give another name");
+  if (const auto written = model::write_model(arguments.model, model::Model{}); !written)
+    return tl::unexpected(written.error());
+  auto work = model_work(session, arguments);
+  if (work) {
+    work->model.effects = model::usual_effects(work->data);
+    if (const auto written = model::write_model(arguments.model, work->model); !written)
+      work = tl::unexpected(written.error());
+  }
+  if (!work) std::filesystem::remove(arguments.model, error);
   return work;
 }
 

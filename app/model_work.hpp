@@ -45,6 +45,10 @@ struct ModelWork {
 
 [[nodiscard]] Result<ModelWork> model_work(Session& session, const ModelArguments& arguments);
 
+/// Writes a new model of what every measured curve has (model::usual_effects), its sizes to be fitted. A `usage` problem
+/// if there is such a file; nothing is left behind where the data cannot be read.
+[[nodiscard]] Result<ModelWork> begun_model(Session& session, const ModelArguments& arguments);
+
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);
 

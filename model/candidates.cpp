@@ -185,6 +185,19 @@ std::vector<EffectInstance> candidate_instances(const Observations& data) {
   return out;
 }
 
+std::vector<EffectInstance> usual_effects(const Observations& data) {
+  std::vector<EffectInstance> usual;
+  for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC}) {
+    if (!has(data, sense)) continue;
+    usual.push_back(instance(offset, natural_axis(data, sense), sense));
+    for (const Axis axis : moved_axes(data, sense)) {
+      if (places(data, sense, axis) >= 3) usual.push_back(instance(scale, axis, sense));
+      if (both_approaches(data, sense, axis)) usual.push_back(instance(backlash, axis, sense));
+    }
+  }
+  return usual;
+}
+
 std::vector<std::string> untried_effects(const Observations& data) {
   std::vector<std::string> notes;
   const auto note = [&](bool lacking, const char* text) {

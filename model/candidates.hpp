@@ -18,6 +18,11 @@ namespace ecs::model {
 /// sensor, feed, load, time or a known component only where the data have it.
 [[nodiscard]] std::vector<EffectInstance> candidate_instances(const Observations& data);
 
+/// What every measured curve has, to begin a model with: an offset (each instrument begins at a zero of its own), for
+/// each axis that moves a slope, and lost motion where both approaches were measured. One of them left out, a diagnosis
+/// would explain it by several others.
+[[nodiscard]] std::vector<EffectInstance> usual_effects(const Observations& data);
+
 /// Effects left out because the data lack what they need, in words.
 [[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
 

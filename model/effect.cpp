@@ -50,7 +50,7 @@ std::vector<EffectInfo> geometric_effects() {
        "Periodic error",
        "A sin(2 pi p/P + phi), harmonics 1-2",
        "screw pitch, grating pitch, gear mesh or electronic subdivision",
-       "one period, which matches a pitch of the machine",
+       "one period over the whole travel, often a pitch of screw or scale",
        {{"period_mm", "mm", 0, 0, true, "length of one period"},
         {"amplitude_um", "um", 0, 0, false, "of the fundamental"},
         {"phase_rad", "rad", 0, 0, false, "of the fundamental, sin(2 pi p/P + phase)"},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "model/candidates.hpp"
@@ -149,19 +150,34 @@ MatrixXd slopes(Assembly& assembly, const Regressors& regressors, const VectorXd
   return slope;
 }
 
+struct Limits {
+  double least = -std::numeric_limits<double>::infinity();
+  double greatest = std::numeric_limits<double>::infinity();
+};
+
+/// Far shorter or longer than the readings tell, an exponential is an offset or a line under another name.
+Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) {
+  if (slot.formulas) {
+    const UserParameter& parameter = slot.effect.user[slot.user_nonlinear[j]];
+    const Limits all;
+    return {parameter.least.value_or(all.least), parameter.greatest.value_or(all.greatest)};
+  }
+  if (slot.effect.id == EffectId::map_shift) return {};
+  const double now = std::abs(slot.nonlinear[j]);
+  Limits limits{1e-3 * now, std::numeric_limits<double>::infinity()};
+  if (slot.effect.id != EffectId::warm_up && slot.effect.id != EffectId::reversal_spike) return limits;
+  const Grid tried = grid_of(regressors, slot.effect, slot.acting, 16);
+  if (tried.values.empty()) return limits;
+  const auto [least, greatest] = std::minmax_element(tried.values.begin(), tried.values.end());
+  return {std::min(0.5 * *least, now), std::max(2.0 * *greatest, now)};
+}
+
 void set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::vector<FreeNonlinear>& free,
-                   const VectorXd& values) {
+                   const std::vector<Limits>& limits, const VectorXd& values) {
   for (std::size_t i = 0; i < free.size(); ++i) {
-    double value = values(static_cast<Index>(i));
     Slot& slot = assembly.slots[free[i].slot];
-    if (slot.formulas) {
-      const UserParameter& parameter = slot.effect.user[slot.user_nonlinear[free[i].j]];
-      if (parameter.least) value = std::max(value, *parameter.least);
-      if (parameter.greatest) value = std::min(value, *parameter.greatest);
-    } else if (slot.effect.id != EffectId::map_shift) {
-      value = std::max(value, 1e-3 * std::abs(slot.nonlinear[free[i].j]));
-    }
-    slot.nonlinear[free[i].j] = value;
+    slot.nonlinear[free[i].j] =
+        std::clamp(values(static_cast<Index>(i)), limits[i].least, std::max(limits[i].least, limits[i].greatest));
     assembly.renew(free[i].slot, regressors);
   }
 }
@@ -178,6 +194,8 @@ Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener&
   Solved now = solved_now(assembly, data, whitener);
   const auto free = free_nonlinear(assembly);
   if (free.empty()) return now;
+  std::vector<Limits> limits;
+  for (const FreeNonlinear& one : free) limits.push_back(limits_of(assembly.slots[one.slot], one.j, regressors));
   for (int round = 0; round < 25; ++round) {
     VectorXd values(static_cast<Index>(free.size()));
     for (std::size_t i = 0; i < free.size(); ++i)
@@ -189,13 +207,13 @@ Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener&
     const VectorXd change = step.sizes.tail(values.size());
     bool better = false;
     for (double part = 1.0; part > 0.01 && !better; part *= 0.4) {
-      set_nonlinear(assembly, regressors, free, values + part * change);
+      set_nonlinear(assembly, regressors, free, limits, values + part * change);
       Solved tried = solved_now(assembly, data, whitener);
       better = tried.chi2 < now.chi2 - 1e-9 * (1.0 + now.chi2);
       if (better) now = std::move(tried);
     }
     if (!better) {
-      set_nonlinear(assembly, regressors, free, values);
+      set_nonlinear(assembly, regressors, free, limits, values);
       break;
     }
   }

@@ -112,18 +112,16 @@ Result<std::unique_ptr<ModelDesk>> ModelDesk::open(Session& session, const Model
 }
 
 Result<std::unique_ptr<ModelDesk>> ModelDesk::begin_new(Session& session, const ModelArguments& files) {
-  std::error_code error;
-  if (std::filesystem::exists(files.model, error))
-    return problem(ProblemKind::usage, files.model + " exists already: open it, or give another name");
-  if (const auto written = model::write_model(files.model, model::Model{}); !written)
-    return tl::unexpected(written.error());
+  if (const auto begun = begun_model(session, files); !begun) return tl::unexpected(begun.error());
   auto desk = open(session, files);
   if (!desk) {
+    std::error_code error;
     std::filesystem::remove(files.model, error);
     return desk;
   }
-  (*desk)->message_.say(fmt::format("begun in {}: a model without any effect; d finds what is missing, a adds it",
-                                    std::filesystem::path(files.model).filename().string()));
+  (*desk)->message_.say(fmt::format(
+      "begun in {} with offset, slope and backlash of what was measured; d finds what else there is, a adds it",
+      std::filesystem::path(files.model).filename().string()));
   return desk;
 }
 

@@ -32,8 +32,7 @@ class ModelDesk {
  public:
   /// Reads and fits; takes up to seconds for large sets.
   [[nodiscard]] static Result<std::unique_ptr<ModelDesk>> open(Session& session, const ModelArguments& files);
-  /// The same with a model that is begun in a new file: without any effect, so that all of the error is still to be
-  /// explained. The file is there only if this succeeds.
+  /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
   [[nodiscard]] static Result<std::unique_ptr<ModelDesk>> begin_new(Session& session, const ModelArguments& files);
 
   [[nodiscard]] const model::Model& model() const { return model_; }

@@ -84,8 +84,9 @@ void ModelForm::open() {
     return;
   }
   question_ = Question{"Begin a new model?",
-                       fmt::format("{} does not exist yet. A new model has no effect: all that was measured is still "
-                                   "to be explained. Then d finds what is missing, a adds it and the error falls.",
+                       fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
+                                   "slope and backlash of each curve that was measured. Then d finds what is missing, "
+                                   "a adds it and the error falls.",
                                    named.model),
                        "begin it", "another file"};
 }
@@ -159,8 +160,9 @@ std::vector<KeyHelp> ModelForm::keys() const {
 
 std::string ModelForm::help() const {
   return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
-         "believed so far; who has none gives a new name, or none at all: a model without any effect is begun there, "
-         "and the screen finds from the measurements what belongs into it. The machine file tells lever arms and "
+         "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
+         "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
+         "lever arms and "
          "pitches; without it less can be told apart.";
 }
 

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "model/candidates.hpp"
 #include "model/next_measurement.hpp"
 #include "synthetic.hpp"
 
@@ -148,6 +149,21 @@ TEST_CASE("two causes at once are both named") {
   CHECK((in_group(found.candidates[0], "cyclic:X:EX") || in_group(found.candidates[1], "cyclic:X:EX")));
   CHECK((in_group(found.candidates[0], "backlash:X:EX") || in_group(found.candidates[1], "backlash:X:EX")));
   CHECK(found.rms_after_um == Approx(0.3).epsilon(0.15));
+}
+
+TEST_CASE(
+    "a new model has offset, slope and lost motion of every measured curve, and what is hidden is named over it") {
+  const auto set = measured({}, 0.3, [](const laser::Reading& r) {
+    return 8.0 + 0.01 * p(r) + 1.2 * d(r) + 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
+  });
+  Model begun;
+  begun.effects = usual_effects(observations_of(set, begun, std::nullopt));
+  std::vector<std::string> names;
+  for (const EffectInstance& effect : begun.effects) names.push_back(to_text(effect));
+  CHECK(names == std::vector<std::string>{"offset:X:EX", "scale:X:EX", "backlash:X:EX"});
+  const Diagnosis found = diagnosed(begun, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(in_group(found.candidates[0], "cyclic:X:EX"));
 }
 
 TEST_CASE("one bad run is structure that no effect explains") {

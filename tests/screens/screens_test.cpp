@@ -248,7 +248,7 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
   CHECK(fs::exists(fresh));
-  CHECK(has(seen(*screen), "a model without any effect"));
+  CHECK(has(seen(*screen), "with offset, slope and backlash"));
   (void)screen->on_key({Key::Name::letter, U'd'});
   finish(*screen);
   CHECK(has(seen(*screen), "cyclic:X:EX"));
