@@ -121,6 +121,20 @@ void check_null_offset(const DatumParameters& d, Axis axis, const MachineAxis& o
                                  shortest(d.reference_position_mm), shortest(on.datum_mm)));
 }
 
+/// A switch at the end of the travel is reached by driving towards that end.
+void check_approach_direction(const DatumParameters& d, Axis axis, const MachineAxis& on, Findings& findings) {
+  constexpr double kAtTheEnd = 0.02;  ///< of the travel
+  const double part = (on.datum_mm - on.travel_mm[0]) / (on.travel_mm[1] - on.travel_mm[0]);
+  const bool away = (part < kAtTheEnd && d.approach_direction == Approach::forward) ||
+                    (part > 1.0 - kAtTheEnd && d.approach_direction == Approach::reverse);
+  if (away)
+    findings.warning(
+        {key_of(axis, "datum.approach_direction")},
+        fmt::format("away from the datum, which stands at the {} end of the travel ({} mm): the unit would "
+                    "wait for the switch in the wrong direction; a recorded datum sequence shows it",
+                    part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
+}
+
 void check_transducer(const AxisParameters& a, Axis axis, const MachineAxis& on, Findings& findings) {
   if (a.transducer != on.transducer)
     findings.error({key_of(axis, "transducer")},
@@ -168,6 +182,7 @@ void check_against(const UnitParameters& p, const Machine& machine, Findings& fi
     if (!present || !on) continue;
     check_transducer(p.axes[index_of(axis)], axis, *on, findings);
     check_null_offset(p.axes[index_of(axis)].datum, axis, *on, findings);
+    check_approach_direction(p.axes[index_of(axis)].datum, axis, *on, findings);
   }
 }
 

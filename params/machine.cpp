@@ -285,6 +285,8 @@ UnitParameters default_parameters_for(const Machine& machine) {
     unit.position_scale_um_per_count = axis->resolution_um;
     unit.deadband_um = 5.0 * axis->resolution_um;
     unit.datum.reference_position_mm = axis->datum_mm;
+    const bool lower_half = axis->datum_mm < 0.5 * (axis->travel_mm[0] + axis->travel_mm[1]);
+    unit.datum.approach_direction = lower_half ? Approach::reverse : Approach::forward;
   }
   parameters.scope = widest_scope(parameters.axis_present);
   if (parameters.scope == Scope::planar) parameters.plane = plane_of(parameters.axis_present);

@@ -53,8 +53,9 @@ struct MachineFile {
 [[nodiscard]] MeasurementLines measurement_lines_of(const Machine& machine);
 
 /// Parameters that fit the machine to start from: its chain, axes and transducers, position scale = resolution,
-/// deadband = five counts, measurement lines, reference position at the datum, and the widest scope its axes allow.
-/// What only the control knows (datum kind, output scale, polarity) keeps the default.
+/// deadband = five counts, measurement lines, reference position at the datum, onto its switch from the farther end of
+/// the travel, and the widest scope its axes allow. What only the control knows (datum kind, output scale, polarity)
+/// keeps the default.
 [[nodiscard]] UnitParameters default_parameters_for(const Machine& machine);
 
 }  // namespace ecs::params

@@ -188,6 +188,17 @@ TEST_CASE("parameters that contradict the machine they are meant for are found")
          "the map is shifted", &machine);
 }
 
+TEST_CASE("a direction away from a datum at the end of the travel is found, one inside it may be either") {
+  Machine machine = mill();
+  machine.axes[0]->datum_mm = 0.0;
+  machine.axes[0]->travel_mm = {-4100.0, 0.0};
+  expect(kWarning, {{"axis.X.datum.approach_direction", "reverse"}}, "axis.X.datum.approach_direction",
+         "away from the datum, which stands at the upper end", &machine);
+  machine.axes[0]->travel_mm = {-4100.0, 500.0};
+  const UnitParameters inside = with({{"axis.X.datum.approach_direction", "reverse"}});
+  CHECK(to_text(check(inside, &machine)).find("approach_direction") == std::string::npos);
+}
+
 TEST_CASE("a null offset larger than the travel is an error") {
   Machine machine = mill();
   machine.axes[0]->travel_mm = {-50.0, 0.0};

@@ -63,6 +63,15 @@ TEST_CASE("default parameters fit their machine: no check has anything to say") 
   }
 }
 
+TEST_CASE("the axis comes onto the switch of its datum from the farther end of its travel") {
+  Machine machine = sample("samples/params/mill_machine.toml");
+  machine.axes[1]->travel_mm = {-1400.0, 0.0};
+  machine.axes[1]->datum_mm = -1400.0;
+  CHECK(default_parameters_for(machine).axes[1].datum.approach_direction == Approach::reverse);
+  machine.axes[1]->datum_mm = 0.0;
+  CHECK(default_parameters_for(machine).axes[1].datum.approach_direction == Approach::forward);
+}
+
 TEST_CASE("default parameters of the mill are volumetric, those of the lathe planar in Y and Z") {
   const UnitParameters mill = default_parameters_for(sample("samples/params/mill_machine.toml"));
   CHECK(configuration_of(mill) == "TXYZ");
