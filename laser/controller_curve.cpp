@@ -111,9 +111,10 @@ ControlCurve chosen_of(const ControlCurve& curve, const std::vector<std::size_t>
 }
 
 constexpr double kNanometre_mm = 1e-6;
+constexpr double kNanometresPerMm = 1e6;
 
 EvenGrid grid_with(const ControlCurve& curve, std::size_t points) {
-  const double first = curve.position_mm.front();
+  const double first = std::floor(curve.position_mm.front() * kNanometresPerMm + 1e-3) / kNanometresPerMm;
   const double exact = (curve.position_mm.back() - first) / static_cast<double>(points - 1);
   const double up = std::ceil(exact / kNanometre_mm - 1e-6) * kNanometre_mm;
   return {first, std::max(up, kNanometre_mm), points};

@@ -35,8 +35,8 @@ struct ControlCurve {
 
 /// An even grid.
 struct EvenGrid {
-  double first_mm = 0.0;
-  double step_mm = 0.0;  ///< above 0; a whole number of nanometres
+  double first_mm = 0.0;  ///< a whole number of nanometres
+  double step_mm = 0.0;   ///< above 0; a whole number of nanometres
   std::size_t points = 0;
   [[nodiscard]] std::vector<double> positions() const;
 };

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "laser/controller_curve.hpp"
 
 namespace ecs::laser {
@@ -65,16 +66,40 @@ std::optional<ControlCurve> moved_curve(const ErrorMap& map, const MeasurementLi
   return made;
 }
 
+constexpr int kPositionDigits = 6;  ///< of mm: one nanometre
+constexpr int kLengthDigits = 8;    ///< of mm
+constexpr int kAngleDigits = 11;    ///< of rad
+
 std::string number_text(double value, int digits) {
   const std::string text = fmt::format("{:.{}f}", value, digits);
   return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
 }
 
+double as_written(double value, int digits) { return number_in(number_text(value, digits)).value_or(value); }
+
+int digits_of(Component component) { return is_angular(component) ? kAngleDigits : kLengthDigits; }
+
+/// The curve in the digits of the file; of points that fall together the first. @param scale  of its values there
+ControlCurve in_digits(const ControlCurve& curve, Component component, double scale) {
+  const auto written = [&](double value) {
+    return scale == 0.0 ? value : as_written(value * scale, digits_of(component)) / scale;
+  };
+  ControlCurve out;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+    const double place = as_written(curve.position_mm[i], kPositionDigits);
+    if (!out.position_mm.empty() && place <= out.position_mm.back()) continue;
+    out.position_mm.push_back(place);
+    out.forward.push_back(written(curve.forward[i]));
+    out.reverse.push_back(written(curve.reverse[i]));
+  }
+  return out;
+}
+
 std::string function_text(Component component, const ControlCurve& curve, double scale) {
   std::string text = fmt::format("[{}]\nGridpoints = {{\n", name_of(component));
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
-    text += fmt::format("{:>14} {:>16}\n", number_text(curve.position_mm[i], 6),
-                        number_text(-curve.forward[i] * scale, is_angular(component) ? 11 : 8));
+    text += fmt::format("{:>14} {:>16}\n", number_text(curve.position_mm[i], kPositionDigits),
+                        number_text(-curve.forward[i] * scale, digits_of(component)));
   return text + fmt::format("}}  // end of {}\n", name_of(component));
 }
 
@@ -82,9 +107,7 @@ std::string head_text(const ExportSource& source, const EtalonOptions& options) 
   std::string text = "// Errors = actual - target, mm and rad, ISO 230-1; the control subtracts them.\n";
   if (!source.map.header.machine.empty()) text += fmt::format("// machine: {}\n", source.map.header.machine);
   text += fmt::format("// configuration: {}\n", configuration_of(source.parameters));
-  text += options.levers_from_zero
-              ? "// Lever arms count from the machine zero: the curves hold what the rotations do there.\n"
-              : "// The curves are those of their measurement lines; lever arms count from there.\n";
+  text += fmt::format("// {}\n", options.levers_from_zero ? kLeversFromZero : kLeversFromLines);
   return text + "// Both approaches: the mean. Own-axis levers of workpiece-side axes are inside the curves.\n";
 }
 
@@ -106,7 +129,9 @@ double add_functions(const ExportSource& source, const TermTable& terms, const E
     const auto curve = curve_for(source, terms, component, options.levers_from_zero);
     if (!curve) continue;
     const ControlCurve whole = mean_of(*curve);
-    const ControlCurve kept = options.most_points >= 2 ? thinned(whole, options.most_points) : whole;
+    const double scale = is_angular(component) ? kUrad * source.parameters.angular_scale : 1.0 / kUmPerMm;
+    const ControlCurve kept =
+        in_digits(options.most_points >= 2 ? thinned(whole, options.most_points) : whole, component, scale);
     ExportedTable report{
         std::string(name_of(component)), "function", whole.position_mm.size(), kept.position_mm.size(), 0.0, 0.0, 0.0};
     for (const double value : kept.forward) report.largest = std::max(report.largest, std::abs(value));
@@ -117,8 +142,7 @@ double add_functions(const ExportSource& source, const TermTable& terms, const E
       if (!is_angular(component))
         reversal_um = std::max(reversal_um, 0.5 * std::abs(curve->forward[k] - curve->reverse[k]));
     }
-    text += function_text(component, kept,
-                          is_angular(component) ? kUrad * source.parameters.angular_scale : 1.0 / kUmPerMm);
+    text += function_text(component, kept, scale);
     report.unit = unit_of(component);
     made.tables.push_back(std::move(report));
   }
@@ -163,7 +187,7 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   if (made.tables.empty()) return problem(ProblemKind::refused, "the map has no curve of an axis of the machine");
   made.files.push_back({options.file_name, std::move(text)});
   auto again = parse_etalon(made.files.front().content, options.file_name);
-  if (!again) return tl::unexpected(again.error());
+  if (!again) return unwritable(again.error());
   made.applied = std::move(*again);
   say_what_is_lost(source, reversal_um, made);
   made.settings = {fmt::format("chain of the control: {} (tool side after T, workpiece side before it)",
@@ -175,7 +199,7 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   return made;
 }
 
-ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters) {
+ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters, bool levers_from_lines) {
   const auto chain = chain_of(parameters);
   if (!chain) return read;
   const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
@@ -184,8 +208,9 @@ ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parame
   for (std::size_t i = 0; i < kCurves; ++i) {
     const auto component = static_cast<Component>(i);
     const bool angular = is_angular(component);
-    const auto curve = angular ? curve_of(read, component)
-                               : moved_curve(read, parameters.measurement_lines_mm, terms, component, 1.0, 1.0);
+    const auto curve = angular || levers_from_lines
+                           ? curve_of(read, component)
+                           : moved_curve(read, parameters.measurement_lines_mm, terms, component, 1.0, 1.0);
     if (!curve) continue;
     MapTable table{component, Approach::unknown, curve->position_mm, curve->forward};
     if (angular && parameters.angular_scale != 0.0)

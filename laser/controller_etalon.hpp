@@ -10,6 +10,12 @@
 
 namespace ecs::laser {
 
+/// Comments of our own files: where lever arms count from.
+inline constexpr std::string_view kLeversFromZero =
+    "Lever arms count from the machine zero: the curves hold what the rotations do there.";
+inline constexpr std::string_view kLeversFromLines =
+    "The curves are those of their measurement lines; lever arms count from there.";
+
 struct EtalonOptions {
   std::string file_name = "errors.txt";
   /// The control counts lever arms from the machine zero. True: the curves are brought there from the lines on which
@@ -23,12 +29,14 @@ struct EtalonOptions {
 [[nodiscard]] Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options);
 
 /// `[NAME]`, then `VALUE = number` or `Gridpoints = {` rows `}`; `//` comments; any case of the key words. Functions of
-/// rotary axes are left out with a note. Refused, all at once: other lines, names that are none, positions that do not
-/// rise or fall throughout, values no machine can have, functions that do not end.
+/// rotary axes are left out with a note. `levers_from_lines` is what the head of a file of ours says. Refused, all at
+/// once: other lines, names that are none, positions that do not rise or fall throughout, values no machine can have,
+/// functions that do not end.
 [[nodiscard]] Result<ControllerTables> parse_etalon(std::string_view text, const std::string& file_name);
 
-/// A map read from this format (lever arms from the machine zero) as parameters expect it: curves on their measurement
-/// lines, angles by their angular scale.
-[[nodiscard]] ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters);
+/// A map read from this format as parameters expect it: curves on their measurement lines, angles by their angular
+/// scale. @param levers_from_lines  the curves stand on the lines already; false: at the machine zero
+[[nodiscard]] ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters,
+                                            bool levers_from_lines = false);
 
 }  // namespace ecs::laser

@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kUmPerMm = 1000.0;
 constexpr double kUrad = 1e-6;
-constexpr double kLargest = 32'000.0;  ///< um, um/m
-constexpr double kLargest_mm = 1e6;
 
 /// E or a letter of a constant, then two of X Y Z A B C 0: the shape that all names have, rotary axes among them.
 bool is_a_name(std::string_view name) {
@@ -34,7 +32,9 @@ class Reader {
   void take(std::string_view raw, int number) {
     line_ = number;
     raw_ = raw;
-    std::string_view rest = trimmed(raw.substr(0, raw.find("//")));
+    const std::size_t comment = raw.find("//");
+    if (comment != std::string_view::npos) head(trimmed(raw.substr(comment + 2)));
+    std::string_view rest = trimmed(raw.substr(0, comment));
     while (!rest.empty()) rest = trimmed(in_grid_ ? grid(rest) : outside(rest));
     if (half_row_) findings.add(number, static_cast<int>(raw.size()) + 1, "expected a value behind the position");
     half_row_.reset();
@@ -53,6 +53,14 @@ class Reader {
 
  private:
   [[nodiscard]] int column(std::string_view at) const { return static_cast<int>(at.data() - raw_.data()) + 1; }
+  /// Where lever arms count from, as our own files say it.
+  void head(std::string_view comment) {
+    const bool lines = comment == kLeversFromLines;
+    if (!lines && comment != kLeversFromZero) return;
+    if (read.levers_from_lines && *read.levers_from_lines != lines)
+      findings.add(line_, 1, "the file says both of its lever arms: from the machine zero, and from measurement lines");
+    read.levers_from_lines = lines;
+  }
   void wrong(std::string_view at, std::string_view expected) {
     findings.add(line_, column(at), fmt::format("expected {}, found {}", expected, in_quotes(at)));
   }
@@ -106,10 +114,10 @@ class Reader {
 
   void value(std::string_view text) {
     const auto number = number_in(text);
-    if (!number || std::abs(*number) / kUrad > kLargest * kUmPerMm) return wrong_value(text);
+    if (!number || std::abs(*number) / kUrad > kLargestValue_um * kUmPerMm) return wrong_value(text);
     if (!component_) return;
     if (is_squareness(*component_)) {
-      if (std::abs(*number) / kUrad > kLargest) return wrong_value(text);
+      if (std::abs(*number) / kUrad > kLargestValue_um) return wrong_value(text);
       read.squareness[index_of(*component_)] = *number / kUrad;
       any_square_ = true;
     } else if (*number != 0.0) {
@@ -164,7 +172,7 @@ class Reader {
     for (const Point& point : points) {
       if (!table.position_mm.empty() && point.position_mm <= table.position_mm.back())
         findings.add(point.line, 0, fmt::format("{}: the positions do not rise throughout", name_));
-      if (std::abs(point.value) * scale > kLargest || std::abs(point.position_mm) > kLargest_mm)
+      if (std::abs(point.value) * scale > kLargestValue_um || std::abs(point.position_mm) > kLargestPosition_mm)
         findings.add(
             point.line, 0,
             fmt::format("{}: {} at {} is no error of a machine (mm, rad)", name_, point.value, point.position_mm));

@@ -38,10 +38,6 @@ std::string rows_text(const ControlCurve& curve, const LinuxCncOptions& options)
   return text;
 }
 
-std::size_t lines_in(const std::string& text) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-}
-
 double largest_in(const ControlCurve& curve) {
   double largest = 0.0;
   for (const auto* side : {&curve.forward, &curve.reverse})
@@ -76,16 +72,17 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
     const Component component = curve_of(static_cast<Sense>(axis), axis);
     const auto curve = curve_of(source.map, component);
     if (!curve || !source.parameters.axis_present[index_of(axis)]) continue;
-    const ControlCurve kept = thinned(*curve, options.most_points);
     const std::string name = file_of(axis);
-    made.files.push_back({name, rows_text(kept, options)});
+    made.files.push_back({name, rows_text(thinned(*curve, options.most_points), options)});
     const std::string& text = made.files.back().content;
     auto again = parse_linuxcnc(text, name, {axis, options.type, options.units, true});
-    if (!again) return tl::unexpected(again.error());
+    if (!again) return unwritable(again.error());
+    const ControlCurve written{again->tables[0].position_mm, again->tables[0].compensation,
+                               again->tables[1].compensation};
     if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
-    made.tables.push_back({std::string(name_of(component)), name, curve->position_mm.size(), lines_in(text),
-                           largest_in(kept),
-                           deviation_from_unit(kept, source.map, component, source.parameters.interpolation), 0.0});
+    made.tables.push_back({std::string(name_of(component)), name, curve->position_mm.size(), written.position_mm.size(),
+                           largest_in(written),
+                           deviation_from_unit(written, source.map, component, source.parameters.interpolation), 0.0});
     for (std::string& line : linuxcnc_ini_lines(joint_of(source.parameters, axis), name, options.type))
       made.settings.push_back(std::move(line));
     carried.push_back(component);

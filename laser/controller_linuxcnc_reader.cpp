@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kUmPerMm = 1000.0;
 constexpr double kMmPerInch = 25.4;
-constexpr double kLargest_um = 32'000.0;
-constexpr double kLargest_mm = 1e6;
 
 struct Row {
   double nominal = 0.0, forward = 0.0, reverse = 0.0;
@@ -64,6 +62,18 @@ class Reader {
     }
     if (words.size() > 3) warn(number, words[3].column, "LinuxCNC does not read what follows the third number");
     keep(row, words[0].column);
+  }
+
+  /// CR alone ends a line here, not in LinuxCNC.
+  void look_at_line_ends(std::string_view text) {
+    int line = 1;
+    for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+      if (text[i] == '\r' && text[i + 1] != '\n')
+        return warn(line, 0,
+                    "the line ends with CR alone: LinuxCNC parts lines at LF only and would take what follows for the "
+                    "same line; save the file with LF");
+      if (text[i] == '\n') ++line;
+    }
   }
 
   void stops(int line, int column, std::string_view at) {
@@ -155,6 +165,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     text.remove_prefix(3);
     reader.stops(1, 1, "the byte order mark");
   }
+  reader.look_at_line_ends(text);
   int number = 0;
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
   if (reader.findings().empty()) reader.finish();
@@ -171,11 +182,11 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   const Component component = curve_of(static_cast<Sense>(options.axis), options.axis);
   MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
   for (const Row& row : reader.rows()) {
-    if (std::abs(row.nominal * to_mm) > kLargest_mm)
+    if (std::abs(row.nominal * to_mm) > kLargestPosition_mm)
       reader.findings().add(row.line, 1, fmt::format("{} is no position of a machine", row.nominal));
     const auto trim_um = [&](double value) { return (*type == 0 ? row.nominal - value : value) * to_mm * kUmPerMm; };
     for (const double value : {row.forward, row.reverse})
-      if (std::abs(trim_um(value)) > kLargest_um)
+      if (std::abs(trim_um(value)) > kLargestValue_um)
         reader.findings().add(row.line, 1,
                               fmt::format("a compensation of {:.6g} mm is none that a machine needs: is the file of "
                                           "type {}, in these units?",

@@ -136,7 +136,7 @@ void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encod
 Result<void> take_back(ControllerExport& made, const SiemensOptions& options) {
   for (const ExportFile& file : made.files) {
     auto again = parse_siemens(file.content, file.name, options);
-    if (!again) return tl::unexpected(again.error());
+    if (!again) return unwritable(again.error());
     if (auto done = append(made.applied, std::move(*again), false); !done) return done;
   }
   made.applied.sources.clear();

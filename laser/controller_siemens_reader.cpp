@@ -15,8 +15,6 @@ namespace ecs::laser {
 namespace {
 
 constexpr double kUmPerMm = 1000.0;
-constexpr double kLargest_um = 32'000.0;
-constexpr double kLargest_mm = 1e6;
 constexpr double kLeastStep_mm = 1e-6;
 constexpr long long kMostIndex = 100'000;
 
@@ -188,7 +186,7 @@ class Reader {
       const auto k = integer_in(point);
       if (!k || *k < 0 || *k > kMostIndex)
         return findings.add(line, 1, fmt::format("expected a point from 0, found {}", in_quotes(point)));
-      if (std::abs(*value) * kUmPerMm > kLargest_um) return wrong(a, line, "a value in mm within ±32");
+      if (std::abs(*value) * kUmPerMm > kLargestValue_um) return wrong(a, line, "a value in mm within ±32");
       const auto [before, first] = draft.value.emplace(*k, *value);
       if (!first && before->second != *value)
         return findings.add(line, 1, fmt::format("point {} has another value before in this file: keep one", *k));
@@ -251,7 +249,7 @@ class Reader {
 
   void add_table(const std::string& name, const Draft& draft, Axis input, Axis output, double sign,
                  ControllerTables& read) {
-    const auto place = [](const std::optional<double>& mm) { return mm && std::abs(*mm) <= kLargest_mm; };
+    const auto place = [](const std::optional<double>& mm) { return mm && std::abs(*mm) <= kLargestPosition_mm; };
     if (!draft.step || *draft.step < kLeastStep_mm || !place(draft.min) || !place(draft.max) || *draft.max < *draft.min)
       return findings.add(draft.line, 1, name + ": expected STEP above 0, MIN, and MAX not below it");
     const double count = std::ceil((*draft.max - *draft.min) / *draft.step - 1e-6) + 1.0;
@@ -287,6 +285,7 @@ Result<ControllerTables> parse_siemens(std::string_view text, const std::string&
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
   ControllerTables read;
   if (reader.findings.empty()) read = reader.tables();
+  read.lines_are_squareness = true;
   if (reader.findings.empty() && read.tables.empty())
     reader.findings.add(0, 0, "no compensation table with values: expected $AA_ENC_COMP or $AN_CEC");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());

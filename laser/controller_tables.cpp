@@ -37,21 +37,22 @@ std::optional<Square> square_of(Component curve) {
 }
 
 /// A line of two points, for both approaches, across a pair of axes that has a squareness.
-bool is_square_line(const MapTable& table) {
-  return table.position_mm.size() == 2 && table.approach == Approach::unknown && square_of(table.component);
+bool is_square_line(const ControllerTables& all, const MapTable& table) {
+  return all.lines_are_squareness && table.position_mm.size() == 2 && table.approach == Approach::unknown &&
+         square_of(table.component);
 }
 
 /// All tables of a component that act for an approach, added up on the positions of all of them.
-MapTable sum_of(const std::vector<MapTable>& tables, Component component, Approach approach) {
+MapTable sum_of(const ControllerTables& all, Component component, Approach approach) {
   std::set<double> positions;
-  for (const MapTable& table : tables)
-    if (table.component == component && !is_square_line(table))
+  for (const MapTable& table : all.tables)
+    if (table.component == component && !is_square_line(all, table))
       positions.insert(table.position_mm.begin(), table.position_mm.end());
   MapTable sum{component, approach, {positions.begin(), positions.end()}, {}};
   for (const double p : sum.position_mm) {
     double value = 0.0;
-    for (const MapTable& table : tables)
-      if (table.component == component && !is_square_line(table) && acts_for(table, approach))
+    for (const MapTable& table : all.tables)
+      if (table.component == component && !is_square_line(all, table) && acts_for(table, approach))
         value += compensation_at(table, p);
     sum.compensation.push_back(value);
   }
@@ -75,6 +76,11 @@ Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
         if (table.component == other.component)
           return problem(ProblemKind::bad_input,
                          fmt::format("{} stands in two of the files", name_of(table.component)));
+  if (!all.sources.empty() && all.levers_from_lines != more.levers_from_lines)
+    return problem(ProblemKind::bad_input,
+                   "the files say different things of where lever arms count from: read them one by one");
+  all.levers_from_lines = more.levers_from_lines;
+  all.lines_are_squareness = all.lines_are_squareness || more.lines_are_squareness;
   const auto move_all = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
@@ -91,18 +97,24 @@ ReadMap map_of(const ControllerTables& tables) {
   read.squareness = tables.squareness;
   std::set<Component> curves;
   for (const MapTable& table : tables.tables) {
-    if (!is_square_line(table)) {
+    if (!is_square_line(tables, table)) {
       curves.insert(table.component);
       continue;
     }
     const Square square = *square_of(table.component);
     const double rise_um = table.compensation[1] - table.compensation[0];
     const double run_m = (table.position_mm[1] - table.position_mm[0]) / 1000.0;
-    read.squareness[index_of(square.component)] += -square.sign * rise_um / run_m;
+    const double value = -square.sign * rise_um / run_m;
+    read.squareness[index_of(square.component)] += value;
+    read.notes.push_back(fmt::format(
+        "a straight line of two points from {} to {} was taken as squareness {} ({:.2f} um/m), not as {}; what is "
+        "constant in it is a shift of the zero and left out",
+        letter_of(moving_axis(table.component)), letter_of(direction_of(sense_of(table.component))),
+        name_of(square.component), value, name_of(table.component)));
   }
   for (const Component component : curves) {
-    MapTable forward = sum_of(tables.tables, component, Approach::forward);
-    MapTable reverse = sum_of(tables.tables, component, Approach::reverse);
+    MapTable forward = sum_of(tables, component, Approach::forward);
+    MapTable reverse = sum_of(tables, component, Approach::reverse);
     if (forward.compensation == reverse.compensation) {
       forward.approach = Approach::unknown;
       read.map.tables.push_back(std::move(forward));
@@ -130,6 +142,33 @@ Vector3 compensation_by(const ControllerTables& tables, const TermTable& terms, 
   return tool_error_um(terms, values, place.position_mm, lines, tool_offset_mm);
 }
 
+namespace {
+
+const char* approach_text(Approach approach) {
+  return approach == Approach::forward ? " forward" : approach == Approach::reverse ? " reverse" : "";
+}
+
+/// The first point of a table that no machine has; empty: none.
+std::string beyond_any_machine(const MapTable& table) {
+  for (std::size_t i = 0; i < table.position_mm.size(); ++i) {
+    const bool place = !(std::abs(table.position_mm[i]) <= kLargestPosition_mm);
+    if (!place && std::abs(table.compensation[i]) <= kLargestValue_um) continue;
+    return fmt::format("{}{}, point {} at {:.6g} mm: {} is no {} of a machine (at most {:.6g} {})",
+                       name_of(table.component), approach_text(table.approach), i + 1, table.position_mm[i],
+                       fmt::format("{:.6g}", place ? table.position_mm[i] : table.compensation[i]),
+                       place ? "position" : "compensation", place ? kLargestPosition_mm : kLargestValue_um,
+                       place ? "mm" : unit_of(table.component));
+  }
+  return {};
+}
+
+}  // namespace
+
+tl::unexpected<Problem> unwritable(const Problem& why) {
+  return tl::unexpected(Problem{
+      ProblemKind::refused, "what the map says cannot be written for this control: " + why.message, {}, 0, 0, {}});
+}
+
 Result<void> check_exportable(const ErrorMap& map) {
   std::vector<Problem> problems;
   const auto refuse = [&](std::string why) {
@@ -141,6 +180,7 @@ Result<void> check_exportable(const ErrorMap& map) {
     if (table.position_mm.size() < 2)
       refuse(fmt::format("{} has a table of {}: it needs two points at least", name_of(table.component),
                          table.position_mm.empty() ? "none" : "one point"));
+    if (std::string beyond = beyond_any_machine(table); !beyond.empty()) refuse(std::move(beyond));
   }
   if (map.tables.empty()) refuse("the map has no tables");
   for (const auto& [component, count] : approaches)

@@ -17,21 +17,27 @@ namespace ecs::laser {
 struct ControllerTables {
   std::vector<MapTable> tables;                  ///< compensation, um or um/m
   std::array<double, kComponents> squareness{};  ///< errors, um/m; only C0Y, B0Z, A0Z are used
+  /// The control has no squareness of its own: a straight line of two points across C0Y, B0Z or A0Z stands for it.
+  bool lines_are_squareness = false;
+  /// What a file says of its lever arms: they count from the measurement lines of its curves, or from the machine zero.
+  /// Absent: nothing.
+  std::optional<bool> levers_from_lines;
   std::vector<SourceFile> sources;
   std::vector<std::string> notes;  ///< what had to be assumed, what was left out
   std::vector<Problem> warnings;   ///< places where the control itself would not read what is written
 };
 
 /// Adds what a further file of the same machine says. Refused: a component that both hold, where `alone` is set
-/// (controls that add tables up allow it).
+/// (controls that add tables up allow it), and files whose lever arms count from different places.
 [[nodiscard]] Result<void> append(ControllerTables& all, ControllerTables more, bool alone);
 
 /// The tables as a map: tables of one component added up on all their positions, one table for both approaches where
-/// they are the same. A straight line of two points across C0Y, B0Z or A0Z becomes squareness, with a note.
+/// they are the same. Where lines are squareness, each of them becomes that, with a note.
 struct ReadMap {
   ErrorMap map;
   std::array<double, kComponents> squareness{};  ///< errors, um/m
   std::vector<Component> squareness_found;
+  std::vector<std::string> notes;
 };
 [[nodiscard]] ReadMap map_of(const ControllerTables& tables);
 
@@ -88,8 +94,15 @@ struct ExportSource {
   PerAxis<std::optional<std::array<double, 2>>> travel_mm{};  ///< of the axes that exist; lower end, upper end
 };
 
-/// Refused, with every reason: no table at all, a table of one point, a component with one approach only.
+inline constexpr double kLargestPosition_mm = 1e6;    ///< in any file of a control
+inline constexpr double kLargestValue_um = 32'000.0;  ///< um, um/m, in any of them
+
+/// Refused, with every reason: no table at all, a table of one point, a component with one approach only, a position or
+/// a value that no machine has, by its table and point.
 [[nodiscard]] Result<void> check_exportable(const ErrorMap& map);
+
+/// What our own reader objects to in what was to be written, as an objection to the map: no file of that name exists.
+[[nodiscard]] tl::unexpected<Problem> unwritable(const Problem& why);
 
 /// Adds each component of the map, and each squareness, that is not zero and not among `carried`.
 void leave_behind(ControllerExport& made, const ExportSource& source, const std::vector<Component>& carried,

@@ -97,7 +97,7 @@ Result<bool> add_axis(const ExportSource& source, const TwinCatOptions& options,
   const std::string name = file_of(options.axis_number[index_of(axis)]);
   made.files.push_back({name, list_text(kept, axis, options)});
   auto again = parse_twincat(made.files.back().content, name, options);
-  if (!again) return tl::unexpected(again.error());
+  if (!again) return unwritable(again.error());
   if (auto done = append(made.applied, std::move(*again), true); !done) return tl::unexpected(done.error());
   made.tables.push_back({std::string(name_of(component)), name, curve->position_mm.size(), kept.position_mm.size(),
                          largest_in(kept),

@@ -14,8 +14,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kLargest_um = 32'000.0;
-constexpr double kLargest_mm = 1e6;
 constexpr long long kMostPoints = 1'000'000;
 
 struct Entry {
@@ -225,12 +223,14 @@ class Reader {
                    "kw.ssfk.unit is not 1: the list is in increments of an encoder, whose length it does not say");
     if (value_of("modulo") == 1.0)
       findings.add(line_of("modulo"), 1, "kw.ssfk.modulo 1: a rotary axis, a map holds linear ones");
-    if (const double interval = value_of("interval"); interval < 0.0 || std::abs(interval) > kLargest_mm * kTenthsPerMm)
+    if (const double interval = value_of("interval");
+        interval < 0.0 || std::abs(interval) > kLargestPosition_mm * kTenthsPerMm)
       findings.add(line_of("interval"), 1, "kw.ssfk.interval: expected the step between points, or 0");
     const double points = value_of("kw_nr_max");
     if (points < 1.0 || points > static_cast<double>(kMostPoints) || points != std::floor(points))
-      findings.add(line_of("kw_nr_max"), line_of("kw_nr_max") > 0 ? 1 : 0,
-                   "kw.ssfk.kw_nr_max: expected the number of points, 1 at least");
+      findings.add(
+          line_of("kw_nr_max"), line_of("kw_nr_max") > 0 ? 1 : 0,
+          fmt::format("kw.ssfk.kw_nr_max: expected the number of points, a whole number from 1 to {}", kMostPoints));
   }
 
   void point(long long i, bool two, MapTable& forward, MapTable& reverse) {
@@ -253,12 +253,12 @@ class Reader {
     const double place_mm = place / kTenthsPerMm;
     const double forward_um = sign() * row.pos->value / kTenthsPerUm;
     const double reverse_um = two ? sign() * row.neg->value / kTenthsPerUm : forward_um;
-    if (std::abs(place_mm) > kLargest_mm)
+    if (std::abs(place_mm) > kLargestPosition_mm)
       return findings.add(first_line(row), 1, fmt::format("{} mm is no position of a machine", place_mm));
     if (!forward.position_mm.empty() && place_mm <= forward.position_mm.back())
       return findings.add(first_line(row), 1, fmt::format("position {} mm does not rise", place_mm));
     for (const double value : {forward_um, reverse_um})
-      if (std::abs(value) > kLargest_um)
+      if (std::abs(value) > kLargestValue_um)
         findings.add(row.pos->line, 1, fmt::format("an error of {:.6g} mm is none that a machine has", value / 1000.0));
     forward.position_mm.push_back(place_mm);
     forward.compensation.push_back(forward_um + 0.0);

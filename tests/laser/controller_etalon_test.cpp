@@ -132,8 +132,9 @@ TEST_CASE("what was written comes back: means of the map, squareness, on the lin
     const auto read = parse_etalon(made->files.front().content, "e.txt");
     REQUIRE(read);
     CHECK(read->squareness[index_of(Component::A0Z)] == Approx(10.0));
-    ErrorMap back = map_of(*read).map;
-    if (zero) back = at_measurement_lines(back, source.parameters);
+    REQUIRE(read->levers_from_lines);
+    CHECK(*read->levers_from_lines == !zero);
+    const ErrorMap back = at_measurement_lines(map_of(*read).map, source.parameters, *read->levers_from_lines);
     for (std::size_t c = 0; c < kCurves; ++c)
       for (const double p : {0.0, 50.0, 75.0, 100.0, 200.0}) {
         const auto component = static_cast<Component>(c);
@@ -141,6 +142,58 @@ TEST_CASE("what was written comes back: means of the map, squareness, on the lin
                                    compensation_at(*table_of(source.map, component, Approach::reverse), p));
         CHECK(compensation_at(*table_of(back, component, Approach::forward), p) == Approx(mean).epsilon(1e-4));
       }
+  }
+}
+
+TEST_CASE("a straightness of two points stays the straightness that it is, its constant part with it") {
+  const auto read = parse_etalon(
+      "[EXY]\nGridpoints = {\n 0 -0.004\n 200 -0.010\n}\n[C0Y]\nVALUE = 0.00003\n[EYZ]\nGridpoints = {\n 0 0.001\n 100 "
+      "0.001\n}\n",
+      "e");
+  REQUIRE(read);
+  CHECK_FALSE(read->levers_from_lines);
+  const ReadMap map = map_of(*read);
+  REQUIRE(map.map.tables.size() == 2);
+  CHECK(map.map.tables[0].component == Component::EXY);
+  CHECK(map.map.tables[0].compensation[0] == Approx(4.0));
+  CHECK(map.map.tables[0].compensation[1] == Approx(10.0));
+  CHECK(map.map.tables[1].compensation[1] == Approx(-1.0));
+  CHECK(map.squareness[index_of(Component::C0Y)] == Approx(30.0));
+  CHECK(map.squareness[index_of(Component::A0Z)] == 0.0);
+}
+
+TEST_CASE("a file that says both of its lever arms is refused, and so are two files that say different things") {
+  const std::string grid = "[EXX]\nGridpoints = { 0 0.001 }\n";
+  const std::string zero = "// " + std::string(kLeversFromZero) + "\n";
+  const std::string lines = "// " + std::string(kLeversFromLines) + "\n";
+  CHECK_FALSE(parse_etalon(zero + lines + grid, "e"));
+  auto all = parse_etalon(zero + grid, "e");
+  auto more = parse_etalon(lines + "[EYY]\nGridpoints = { 0 0.001 }\n", "f");
+  REQUIRE(all);
+  REQUIRE(more);
+  CHECK_FALSE(append(*all, *more, true));
+}
+
+TEST_CASE("points closer than a nanometre fall together, and what is lost by that is told") {
+  ExportSource source = small_machine();
+  source.parameters.measurement_lines_mm = {};
+  add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});
+  const auto made = etalon_export(source, {});
+  REQUIRE(made);
+  CHECK(made->tables[0].points == 2);
+  CHECK(made->tables[0].deviation == Approx(50.0));
+}
+
+TEST_CASE("positions and values that no machine has are refused by table and point") {
+  for (const double far : {1e308, -1e308}) {
+    ExportSource source = small_machine();
+    add_table(source, Component::EXX, far < 0 ? std::vector{far, 0.0} : std::vector{0.0, far}, {0, 5}, {0, 5});
+    const auto made = etalon_export(source, {});
+    REQUIRE_FALSE(made);
+    CHECK(made.error().kind == ProblemKind::refused);
+    CHECK(made.error().file.empty());
+    CHECK(made.error().message.find(far < 0 ? "EXX forward, point 1 at -1e+308 mm"
+                                            : "EXX forward, point 2 at 1e+308") != std::string::npos);
   }
 }
 

@@ -71,6 +71,26 @@ TEST_CASE("what was written comes back, whatever the type") {
   }
 }
 
+TEST_CASE("points closer than a nanometre fall together, and what is lost by that is told") {
+  ExportSource source = small_machine();
+  add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});
+  const auto made = linuxcnc_export(source, {});
+  REQUIRE(made);
+  CHECK(made->tables[0].points == 2);
+  CHECK(made->tables[0].deviation == Approx(50.0));
+}
+
+TEST_CASE("lines that end in CR alone are read, with a word on what LinuxCNC would do") {
+  LinuxCncReadOptions options;
+  options.type = 1;
+  const auto read = parse_linuxcnc("0 0.001 0.001\r100 0.002 0.002\r", "x.comp", options);
+  REQUIRE(read);
+  CHECK(read->tables[0].position_mm == std::vector<double>{0, 100});
+  REQUIRE(read->warnings.size() == 1);
+  CHECK(read->warnings[0].message.find("CR alone") != std::string::npos);
+  CHECK(parse_linuxcnc("0 0.001 0.001\r\n100 0.002 0.002\r\n", "x.comp", options)->warnings.empty());
+}
+
 TEST_CASE("more points than LinuxCNC takes are thinned to 256, and the deviation is told") {
   ExportSource source = small_machine();
   std::vector<double> p, forward, reverse;

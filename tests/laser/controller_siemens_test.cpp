@@ -131,6 +131,17 @@ TEST_CASE("the written files do what the map says at every place, without our re
       }
 }
 
+TEST_CASE("a line of two points that is taken as squareness is named in a note") {
+  const auto read = parse_siemens(
+      "$AN_CEC_INPUT_AXIS[0]=(AX2)\n$AN_CEC_OUTPUT_AXIS[0]=(AX1)\n$AN_CEC_STEP[0]=100\n$AN_CEC_MIN[0]=0\n"
+      "$AN_CEC_MAX[0]=100\n$AN_CEC_DIRECTION[0]=0\n$AN_CEC[0,0]=0.001\n$AN_CEC[0,1]=0.004\n",
+      "c", {});
+  REQUIRE(read);
+  const ReadMap map = map_of(*read);
+  CHECK(map.squareness[index_of(Component::C0Y)] == Approx(-30.0));
+  CHECK(says(map.notes, "squareness C0Y"));
+}
+
 TEST_CASE("what was written comes back as the same compensation and the same squareness") {
   const ExportSource source = whole_machine();
   for (const bool adds : {false, true}) {
