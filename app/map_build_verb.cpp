@@ -8,9 +8,11 @@
 #include "app/declared_zero.hpp"
 #include "app/laser_files.hpp"
 #include "app/map_checks.hpp"
+#include "app/map_findings.hpp"
 #include "app/map_from_model.hpp"
 #include "app/map_menu.hpp"
 #include "app/map_view.hpp"
+#include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/map_build.hpp"
@@ -124,7 +126,13 @@ Result<Built> built(const Arguments& arguments) {
   laser::MapHeader& header = map->map.header;
   if (header.machine.empty()) header.machine = parameters->identity.machine;
   if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
-  auto findings = laser::findings_for(map->map, map->parameters);
+  auto travels = travels_beside(arguments.params, *parameters);
+  if (!arguments.machine.empty()) {
+    const auto machine = params::read_machine(arguments.machine);
+    if (!machine) return tl::unexpected(machine.error());
+    travels = travels_of(machine->machine);
+  }
+  auto findings = laser::findings_for(map->map, map->parameters, travels);
   return Built{std::move(*recipe), std::move(*map), parameters->identity, std::move(findings)};
 }
 
@@ -154,12 +162,6 @@ std::string squareness_text(const Built& b, const Arguments& arguments) {
   return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
 }
 
-std::string findings_part(const Built& b) {
-  if (b.findings.empty()) return "nothing is missing: the map can be sent\n";
-  return findings_text(b.findings) +
-         (b.complete() ? "" : "the map is not complete: `ecs map send` will refuse it until this is mended\n");
-}
-
 std::string text_of(const Built& b, const Arguments& arguments) {
   std::string text = outcomes_text(b);
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
@@ -170,7 +172,7 @@ std::string text_of(const Built& b, const Arguments& arguments) {
       "taken away, per m; smth: rms that smoothing took away; n: points per table\n";
   for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
   for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
-  text += squareness_text(b, arguments) + findings_part(b);
+  text += squareness_text(b, arguments) + findings_text(b.findings) + verdict_text(b.findings);
   text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
                                    : fmt::format("map written to {}\n", arguments.output);
   if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
@@ -259,6 +261,7 @@ Result<void> enough_given(const Arguments& arguments) {
 }
 
 Result<Outcome> build(Session& session, const Arguments& arguments) {
+  if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!arguments.from_model.empty()) return from_model(session, arguments);
   if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
   for (const std::string& output : {arguments.output, arguments.params_out})
@@ -281,7 +284,9 @@ void add_map_build(Menu& menu) {
       .texts("FILE", arguments->files, "a recipe (.toml), or measurement files")
       .text("--params", arguments->params, "parameters of the unit; with --from-model those of the machine by default")
       .text("--from-model", arguments->from_model, "a fitted model (.toml) in place of measured files")
-      .text("--machine", arguments->machine, "the machine (.toml), for --from-model")
+      .text("--machine", arguments->machine,
+            "the machine (.toml): for --from-model, else for the travels to cover; "
+            "by default machine.toml beside the parameters")
       .number("--increment", arguments->increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
       .text("-o,--output", arguments->output, "map CSV to write")
       .text("--params-out", arguments->params_out, "parameters to write, with the squareness that was measured")

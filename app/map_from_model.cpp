@@ -11,6 +11,7 @@
 #include "app/declared_zero.hpp"
 #include "app/laser_files.hpp"
 #include "app/map_checks.hpp"
+#include "app/map_findings.hpp"
 #include "app/map_own_levers.hpp"
 #include "app/map_view.hpp"
 #include "app/model_work.hpp"
@@ -201,7 +202,7 @@ Result<Built> built_from(Session& session, const FromModelArguments& arguments) 
   trace(built, *model, levers, arguments.model);
   if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
   take_squareness(built.parameters, built.compiled);
-  built.findings = laser::findings_for(built.compiled.map, built.parameters);
+  built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(**machine));
   return built;
 }
 
@@ -251,8 +252,7 @@ std::string text_of(const Built& b, const FromModelArguments& arguments) {
   for (const laser::DeclaredZero& zero : b.compiled.map.header.declared_zero)
     text += paragraph(fmt::format("{} declared zero: {}", name_of(zero.component), zero.reason), 0, 5);
   for (const std::string& note : b.notes) text += paragraph("note: " + note, 0, 6);
-  text += b.findings.empty() ? "nothing is missing: the map can be sent\n" : findings_text(b.findings);
-  if (!b.complete()) text += "the map is not complete: `ecs map send` will refuse it until this is mended\n";
+  text += findings_text(b.findings) + verdict_text(b.findings);
   text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
                                    : fmt::format("map written to {}\n", arguments.output);
   if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);

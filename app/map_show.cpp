@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/map_findings.hpp"
 #include "app/map_menu.hpp"
 #include "app/map_source.hpp"
 #include "app/map_view.hpp"
@@ -18,6 +19,7 @@ struct Arguments {
   bool unit = false;
   std::string component;
   std::string params;
+  std::string machine;
   std::string plot;
 };
 
@@ -31,12 +33,24 @@ Result<std::optional<Component>> chosen(const std::string& name) {
   return component;
 }
 
-/// The parameters to judge the map by: --params, else the unit's; nothing if neither.
-Result<std::optional<UnitParameters>> judged_by(const Arguments& arguments, const FoundMap& found) {
-  if (arguments.params.empty()) return found.parameters;
-  const auto file = params::read_parameters(arguments.params);
-  if (!file) return tl::unexpected(file.error());
-  return std::optional(file->parameters);
+using Judged = std::optional<std::vector<laser::MapFinding>>;
+
+/// By --params, else by the parameters of the unit; nothing if neither. Travels: of --machine, else beside --params.
+Result<Judged> judged(const Arguments& arguments, const FoundMap& found) {
+  params::ParametersFile by;
+  if (!arguments.params.empty()) {
+    auto file = params::read_parameters(arguments.params);
+    if (!file) return tl::unexpected(file.error());
+    by = std::move(*file);
+  } else if (found.parameters) {
+    by.parameters = *found.parameters;
+  } else {
+    return Judged();
+  }
+  if (arguments.machine.empty()) return Judged(findings_with_travels(found.map, by, arguments.params));
+  const auto machine = params::read_machine(arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine->machine)));
 }
 
 Result<Outcome> show(Session& session, const Arguments& arguments) {
@@ -46,8 +60,8 @@ Result<Outcome> show(Session& session, const Arguments& arguments) {
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
   const auto found = found_map(session, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
-  const auto parameters = judged_by(arguments, *found);
-  if (!parameters) return tl::unexpected(parameters.error());
+  const auto findings = judged(arguments, *found);
+  if (!findings) return tl::unexpected(findings.error());
   std::vector<laser::MapTable> tables;
   for (const laser::MapTable& table : found->map.tables)
     if (!*only || table.component == **only) tables.push_back(table);
@@ -57,10 +71,9 @@ Result<Outcome> show(Session& session, const Arguments& arguments) {
   for (const laser::MapTable& table : tables) object["tables"].push_back(json_of(table, only->has_value()));
   std::string text = header_view(found->map.header) + "\n" + tables_text(tables);
   object["findings"] = nullptr;
-  if (*parameters) {
-    const auto findings = laser::findings_for(found->map, **parameters);
-    object["findings"] = json_of(findings);
-    text += findings.empty() ? "no findings\n" : findings_text(findings);
+  if (*findings) {
+    object["findings"] = json_of(**findings);
+    text += (*findings)->empty() ? "no findings\n" : findings_text(**findings);
   } else {
     text += "not judged: give --params to see what stands against sending it\n";
   }
@@ -93,6 +106,8 @@ void add_map_show(Menu& menu) {
       .flag("--unit", arguments->unit, "the map in the unit")
       .text("--component", arguments->component, "one of the 18 curves, with its values in --json")
       .text("--params", arguments->params, "parameters to judge the map by; with --unit the unit's own")
+      .text("--machine", arguments->machine,
+            "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
       .text("--plot", arguments->plot, "OUT.svg or OUT.png")
       .uses_link()
       .runs([arguments](Session& session) { return show(session, *arguments); });

@@ -62,7 +62,7 @@ std::string header_view(const laser::MapHeader& header) {
 std::string findings_text(const std::vector<laser::MapFinding>& findings) {
   std::string text;
   for (const laser::MapFinding& finding : findings)
-    text += fmt::format("{}: {}\n", finding.objection ? "objection" : "note", finding.message);
+    text += fmt::format("{}: {}\n", finding.objection ? "objection" : "remark", finding.message);
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include "app/prepared_map.hpp"
 
 #include "app/map_checks.hpp"
+#include "app/map_findings.hpp"
 #include "app/transfer.hpp"
 #include "laser/map_csv.hpp"
 #include "params/parameters_toml.hpp"
@@ -20,9 +21,7 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
   if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
   auto image = laser::image_of(*map, parameters->parameters);
   if (!image) return tl::unexpected(image.error());
-  std::vector<std::string> remarks;
-  for (laser::MapFinding& finding : laser::findings_for(*map, parameters->parameters))
-    if (!finding.objection) remarks.push_back(std::move(finding.message));
+  std::vector<std::string> remarks = remarks_in(findings_with_travels(*map, *parameters, params_file));
   return PreparedMap{map->header, parameters->identity, std::move(*image), std::move(remarks)};
 }
 

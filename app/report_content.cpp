@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/map_checks.hpp"
+#include "app/map_findings.hpp"
 #include "app/report_model.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -48,8 +49,8 @@ std::vector<PlannedMeasurement> found_in(const ReportFiles& files, std::vector<P
   for (const std::string& name : names) {
     std::error_code error;
     const fs::path before = files.before / (name + ".csv");
-    const bool has_before = !files.before.empty() && fs::exists(before, error);
-    const bool has_after = !files.after.empty() && fs::exists(files.after / (name + ".csv"), error);
+    const bool has_before = !files.before.empty() && fs::is_regular_file(before, error);
+    const bool has_after = !files.after.empty() && fs::is_regular_file(files.after / (name + ".csv"), error);
     auto planned = unplanned(name, has_before ? before : files.after / (name + ".csv"));
     if (!planned) {
       problems.push_back(planned.error());
@@ -209,8 +210,8 @@ void judge_map(ReportContent& content) {
   }
   const UnitParameters& parameters = content.parameters->file.parameters;
   content.map->objections = objections_to_map(content.map->map, parameters);
-  for (laser::MapFinding& finding : laser::findings_for(content.map->map, parameters))
-    if (!finding.objection) content.map->remarks.push_back(std::move(finding.message));
+  const laser::Travels travels = content.machine ? travels_of(*content.machine) : laser::Travels{};
+  content.map->remarks = remarks_in(laser::findings_for(content.map->map, parameters, travels));
   auto predicted = predicted_rows(content.rows, content.map->map, parameters);
   if (!predicted) {
     content.no_prediction = fmt::format("the map cannot be sent with these parameters ({})", predicted.error().message);

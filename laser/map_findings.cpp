@@ -1,11 +1,14 @@
 // What stands against sending a map: completeness, limits, extent.
+// Does not live here: how far tables reach (map_coverage.cpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "laser/error_map.hpp"
+#include "laser/map_coverage.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -142,6 +145,10 @@ void find_in_tables(const ErrorMap& map, const UnitParameters& parameters, std::
 }  // namespace
 
 std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters) {
+  return findings_for(map, parameters, Travels{});
+}
+
+std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters, const Travels& travels) {
   std::vector<MapFinding> findings;
   if (!terms_of(parameters)) {
     findings.push_back({true, "the parameters describe no machine: run `ecs params check`"});
@@ -156,6 +163,7 @@ std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& 
           {true, fmt::format("{} is declared zero and has values too: keep one", name_of(zero.component))});
   find_missing(map, parameters, findings);
   find_squareness(map, parameters, findings);
+  for (MapFinding& warning : coverage_warnings(map, parameters, travels)) findings.push_back(std::move(warning));
   find_in_tables(map, parameters, findings);
   return findings;
 }

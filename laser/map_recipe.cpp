@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/findings.hpp"
@@ -29,6 +30,7 @@ class RecipeReader {
     recipe.customer = reader_.word(*table, "customer").value_or("");
     recipe.engineer = reader_.word(*table, "engineer").value_or("");
     recipe.date = reader_.word(*table, "date").value_or("");
+    if (const auto wrong = wrong_date(recipe.date)) reader_.complain(*table->get("date"), "date: " + *wrong);
     recipe.machine = reader_.word(*table, "machine").value_or("");
     recipe.serial_number = reader_.word(*table, "serial_number").value_or("");
     for (const toml::table* each : reader_.children(*table, "component")) take_component(*each, recipe);

@@ -199,7 +199,7 @@ LaserMark LaserDesk::mark(LaserStep step) const {
                                      [](const auto& result) { return !result->iso || !result->iso->notes.empty(); }));
     case LaserStep::map:
       if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
-      return done_unless(!w.map.complete());
+      return done_unless(!w.map.complete() || !w.map.findings.empty());
     case LaserStep::header: {
       if (!w.map.built) return LaserMark::open;
       const laser::MapHeader& h = w.map.built->map.header;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/laser_page.hpp"
+#include "base/date.hpp"
 
 namespace ecs::app {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::array<HeaderField, 6> kFields{{
     {"serial number", "of the machine; a map goes only into the unit with this number",
      &LaserHeaderChoice::serial_number},
     {"engineer", "who measured and commissioned", &LaserHeaderChoice::engineer},
-    {"date", "as in 2026-03-12; preset: of the measurement", &LaserHeaderChoice::date},
+    {"date", "year-month-day, as in 2026-03-12; preset: of the measurement", &LaserHeaderChoice::date},
     {"remarks", "anything worth knowing; a line of the header", &LaserHeaderChoice::remarks},
 }};
 
@@ -110,6 +111,11 @@ class HeaderPage final : public LaserPage {
     }
     const HeaderField& field = kFields[at()];
     const std::string value = line_.text();
+    if (field.value == &LaserHeaderChoice::date)
+      if (const auto wrong = wrong_date(value)) {
+        desk().message().say("date: " + *wrong, Tone::bad);
+        return true;
+      }
     if (value != in_effect().*field.value)
       desk().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
     editing_ = false;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/map_findings.hpp"
 #include "app/plot_curves.hpp"
 #include "app/screens/laser_page.hpp"
 #include "base/text.hpp"
@@ -48,7 +49,7 @@ class MapPage final : public LaserPage {
                            : map.parameters_problem);
       return;
     }
-    canvas.text(area, 0, 1, standing_of(map), map.complete() ? Tone::good : Tone::warning);
+    canvas.text(area, 0, 1, standing_of(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
     const LaserHalves halves = laser_halves(area.below(1));
     std::vector<ListRow> rows;
     for (const LaserComponent& one : map.components) rows.push_back(row_of(one));
@@ -121,7 +122,9 @@ class MapPage final : public LaserPage {
     std::string text =
         fmt::format("{} ({}, {}): {} needed", name, configuration_of(p), word_for(p.scope), map.components.size());
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
-    return text + (map.complete() ? ", nothing is missing" : ", see the findings");
+    if (!map.complete()) return text + ", see the findings";
+    text += ", nothing is missing";
+    return map.findings.empty() ? text : text + ", " + remarks_counted(map.findings.size());
   }
 
   static ListRow row_of(const LaserComponent& one) {
@@ -174,7 +177,7 @@ class MapPage final : public LaserPage {
     };
     for (const std::string& refusal : map.refusals) add("refused: " + refusal);
     for (const laser::MapFinding& finding : map.findings)
-      add((finding.objection ? "objection: " : "note: ") + finding.message);
+      add((finding.objection ? "objection: " : "remark: ") + finding.message);
     if (map.built)
       for (const std::string& note : map.built->notes) add("note: " + note);
     for (const std::string& unused : map.assignment.unused) add("not used: " + unused);

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/map_findings.hpp"
+#include "base/date.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/map_csv.hpp"
@@ -162,6 +164,22 @@ std::size_t LaserMapWork::missing() const {
   }));
 }
 
+namespace {
+
+/// The first date of the files that is one; else today, where no file is dated in any form.
+std::string date_of(const std::vector<LaserLine>& lines) {
+  bool dated = false;
+  for (const LaserLine& line : lines)
+    for (const char* key : {"date", "Date"}) {
+      const std::string date = laser::metadata_value(*line.set, key).value_or("");
+      if (is_iso_date(date)) return date;
+      dated = dated || !date.empty();
+    }
+  return dated ? "" : fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+}
+
+}  // namespace
+
 LaserHeaderChoice header_with_files(const LaserHeaderChoice& chosen, const std::vector<LaserLine>& lines) {
   LaserHeaderChoice header = chosen;
   const auto fill = [&](std::string& field, std::initializer_list<const char*> keys) {
@@ -173,8 +191,7 @@ LaserHeaderChoice header_with_files(const LaserHeaderChoice& chosen, const std::
   fill(header.machine, {"machine", "Machine"});
   fill(header.serial_number, {"serial_number", "Serial No"});
   fill(header.engineer, {"engineer", "operator", "Operator", "By"});
-  fill(header.date, {"date", "Date"});
-  if (header.date.empty()) header.date = fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+  if (!is_iso_date(header.date)) header.date = date_of(lines);
   return header;
 }
 
@@ -258,7 +275,8 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
       if (header.machine.empty()) header.machine = work.parameters->identity.machine;
       if (header.serial_number.empty()) header.serial_number = work.parameters->identity.serial_number;
       if (!choices.header.remarks.empty()) header.processing.push_back("remark: " + choices.header.remarks);
-      work.findings = laser::findings_for(built->map, built->parameters);
+      work.findings =
+          laser::findings_for(built->map, built->parameters, travels_beside(choices.params_file, *work.parameters));
       work.csv = laser::to_map_csv(built->map);
       work.built = std::move(*built);
     }

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/map_findings.hpp"
 #include "app/screens/laser_page.hpp"
 #include "base/text.hpp"
+#include "laser/map_coverage.hpp"
 #include "params/diff.hpp"
 
 namespace ecs::app {
@@ -53,12 +55,14 @@ class SendPage final : public LaserPage {
     told.say("map file", d.choices().map_file, Tone::strong);
     told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
     told.skip();
-    told.say("map", map_text(map), map.complete() ? Tone::good : Tone::warning);
+    told.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    if (map.complete() && !d.ready())
+      for (const std::string& remark : remarks_in(map.findings)) told.say("remark", remark, Tone::warning);
     const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
     told.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
     told.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) told.say("after that", d.after_failure(), Tone::warning);
-    if (d.ready()) told.say("remarks", remarks_of(*d.ready()));
+    if (d.ready()) told.say("checked", checked_text(map, *d.ready()));
     told.skip();
     if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
@@ -104,8 +108,8 @@ class SendPage final : public LaserPage {
     const ReadyMap& ready = *desk().ready();
     host().ask(
         {fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
-         fmt::format("{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
-                     ready.map->image.bytes.size(), ready.check,
+         fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
+                     doubts_of(desk().work().map), ready.map->image.bytes.size(), ready.check,
                      ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
                                                 "the new map is whole and checked",
                                                 check_text(ready.active))
@@ -128,8 +132,7 @@ class SendPage final : public LaserPage {
     if (!map.parameters) return "none yet: step 6 takes the parameters";
     if (!map.built) return "cannot be built: step 6 says why";
     return fmt::format("{} tables, {} declared zero, {}", map.built->map.tables.size(),
-                       map.built->map.header.declared_zero.size(),
-                       map.complete() ? "complete" : std::string("not complete"));
+                       map.built->map.header.declared_zero.size(), completeness(map.findings));
   }
   static std::string lacking_of(const LaserMapWork& map) {
     std::vector<std::string> names;
@@ -138,9 +141,19 @@ class SendPage final : public LaserPage {
         names.emplace_back(name_of(one.component));
     return names.empty() ? "see the findings of step 6" : fmt::format("{} (step 6)", fmt::join(names, ", "));
   }
-  static std::string remarks_of(const ReadyMap& ready) {
-    std::string text = "checked: the unit has room and is the one of the map";
-    for (const std::string& remark : ready.map->remarks) text += "; " + remark;
+  /// What speaks against sending and does not forbid it, before the question covers it.
+  static std::string doubts_of(const LaserMapWork& map) {
+    std::string text;
+    if (const auto remarks = remarks_in(map.findings); !remarks.empty())
+      text = fmt::format("{}{} {}. ", remarks_counted(remarks.size()),
+                         remarks.size() == 1 ? ":" : ", the first:", remarks.front());
+    if (!map.built) return text;
+    const auto missing = laser::missing_in(map.built->map.header);
+    return missing.empty() ? text : text + fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
+  }
+  static std::string checked_text(const LaserMapWork& map, const ReadyMap& ready) {
+    std::string text = "the unit has room and is the one of the map";
+    for (const std::string& remark : remarks_in(map.findings)) text += "; " + remark;
     for (const std::string& note : ready.map->image.notes) text += "; " + note;
     return text;
   }
