@@ -56,13 +56,13 @@ class SendPage final : public LaserPage {
     told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
     told.skip();
     told.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
-    if (map.complete() && !d.ready())
-      for (const std::string& remark : remarks_in(map.findings)) told.say("remark", remark, Tone::warning);
+    if (map.complete())
+      for (const std::string& remark : remarks_shown(map)) told.say("remark", remark, Tone::warning);
     const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
     told.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
     told.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) told.say("after that", d.after_failure(), Tone::warning);
-    if (d.ready()) told.say("checked", checked_text(map, *d.ready()));
+    if (d.ready()) told.say("checked", checked_text(*d.ready()));
     told.skip();
     if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
@@ -151,9 +151,18 @@ class SendPage final : public LaserPage {
     const auto missing = laser::missing_in(map.built->map.header);
     return missing.empty() ? text : text + fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
   }
-  static std::string checked_text(const LaserMapWork& map, const ReadyMap& ready) {
+  /// As many as leave room for the rest of the page.
+  static std::vector<std::string> remarks_shown(const LaserMapWork& map) {
+    constexpr std::size_t kMost = 3;
+    std::vector<std::string> remarks = remarks_in(map.findings);
+    if (remarks.size() <= kMost) return remarks;
+    const std::size_t more = remarks.size() - (kMost - 1);
+    remarks.resize(kMost - 1);
+    remarks.push_back(fmt::format("and {} more: step 6", more));
+    return remarks;
+  }
+  static std::string checked_text(const ReadyMap& ready) {
     std::string text = "the unit has room and is the one of the map";
-    for (const std::string& remark : remarks_in(map.findings)) text += "; " + remark;
     for (const std::string& note : ready.map->image.notes) text += "; " + note;
     return text;
   }
