@@ -11,7 +11,6 @@
 #include "app/monitor_record.hpp"
 #include "app/status_view.hpp"
 #include "app/unit_link.hpp"
-#include "base/file.hpp"
 #include "core/fault.hpp"
 
 namespace ecs::app {
@@ -80,7 +79,8 @@ std::string text_of(const MonitorSample& sample) {
 }
 
 /// Samples until the count is reached, a signal comes or the line is lost.
-Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments, std::string& rows) {
+Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments,
+                   std::optional<MonitorRecording>& recording) {
   std::optional<EnvironmentWatch> environment;
   if (!arguments.environment.empty()) environment.emplace(arguments.environment, kEnvironment_s);
   for (int i = 0; arguments.count == 0 || i < arguments.count; ++i) {
@@ -96,22 +96,26 @@ Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arg
     }
     session.face.print(text);
     session.face.print_json(one_line(object));
-    if (!arguments.record.empty()) rows += monitor_rows(*sample, surroundings.values);
+    if (recording)
+      if (auto added = recording->add(*sample, surroundings.values); !added) return added;
     if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
   }
   return {};
 }
 
 Result<Outcome> monitor(Session& session, const MonitorArguments& arguments) {
-  std::string rows(kMonitorColumns);
-  if (!arguments.record.empty())
-    if (auto writable = write_file(arguments.record, rows); !writable) return tl::unexpected(writable.error());
+  std::optional<MonitorRecording> recording;
+  if (!arguments.record.empty()) {
+    auto begun = MonitorRecording::begun(arguments.record);
+    if (!begun) return tl::unexpected(begun.error());
+    recording.emplace(std::move(*begun));
+  }
   auto unit = open_unit(session, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
-  const auto watched = watch(session, *unit, arguments, rows);
-  if (!arguments.record.empty()) {
-    if (auto written = write_file(arguments.record, rows); !written) return tl::unexpected(written.error());
-    session.face.note(fmt::format("samples written to {}", arguments.record));
+  const auto watched = watch(session, *unit, arguments, recording);
+  if (recording && recording->runs() && recording->samples() > 0) {
+    if (auto ended = recording->end(); !ended) return tl::unexpected(ended.error());
+    session.face.note(fmt::format("{} samples written to {}", recording->samples(), arguments.record));
   }
   if (!watched) return tl::unexpected(watched.error());
   return Outcome{};
@@ -128,7 +132,7 @@ void add_monitor_verb(Menu& root) {
       .text("--environment", arguments->environment,
             "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
       .text("--record", arguments->record,
-            "CSV file to write, one row for each axis and sample, temperatures in the last columns")
+            "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves")
       .uses_link()
       .runs([arguments](Session& session) { return monitor(session, *arguments); });
 }

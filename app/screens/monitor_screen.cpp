@@ -7,7 +7,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "app/monitor_record.hpp"
 #include "app/screens/chart.hpp"
 #include "app/status_view.hpp"
 #include "core/fault.hpp"
@@ -105,8 +104,9 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows > kAbove + 6)
     draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
   const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
-  if (recording_.is_open())
-    canvas.text(last, 0, 0, fmt::format("RECORDING, {} samples in {}; r ends it", recorded_, record_name_),
+  if (recording_)
+    canvas.text(last, 0, 0,
+                fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
                 Tone::warning);
   else
     message_.draw(canvas, last);
@@ -142,7 +142,7 @@ bool MonitorScreen::advance() {
   changes_ = changes;
   WatchedUnit now = desk_->now();
   record(now);
-  if (frozen_) return recording_.is_open() || weather;
+  if (frozen_) return recording_.has_value() || weather;
   seen_ = std::move(now);
   (void)picture_.advance(message_);
   return true;
@@ -152,36 +152,40 @@ bool MonitorScreen::advance() {
 void MonitorScreen::record(const WatchedUnit& unit) {
   const std::uint64_t missed = unit.received - std::min(unit.received, received_);
   received_ = unit.received;
-  if (!recording_.is_open()) return;
+  if (!recording_) return;
   const laser::Values surroundings = environment_ ? environment_->now().values : laser::Values();
   const auto kept = unit.samples.size();
-  for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k, ++recorded_)
-    recording_ << monitor_rows(unit.samples[k], surroundings);
-  recording_.flush();
-  if (recording_) return;
-  recording_.close();
-  message_.say(fmt::format("{}: cannot be written on; {} samples may be in it", record_name_, recorded_), Tone::bad);
+  for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
+    if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {
+      message_.say(added.error());
+      recording_.reset();
+      return;
+    }
 }
 
 void MonitorScreen::toggle_recording() {
-  if (recording_.is_open()) {
-    recording_.close();
-    message_.say(fmt::format("{} samples written to {}", recorded_, record_name_));
+  if (recording_) {
+    if (const auto ended = recording_->end(); !ended)
+      message_.say(ended.error());
+    else if (recording_->samples() == 0)
+      message_.say("no sample came: nothing was written", Tone::warning);
+    else
+      message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
+    recording_.reset();
     return;
   }
-  record_name_ = fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr)));
-  recorded_ = 0;
-  recording_.clear();
-  recording_.open(record_name_, std::ios::trunc);
-  recording_ << kMonitorColumns;
-  if (!recording_) message_.say(record_name_ + ": cannot be written", Tone::bad);
+  auto begun = MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
+  if (begun)
+    recording_.emplace(std::move(*begun));
+  else
+    message_.say(begun.error());
 }
 
 Step MonitorScreen::on_key(const Key& key) {
   message_.clear();
   strip_at_ = {};
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!recording_.is_open()) return back();
+    if (!recording_) return back();
     toggle_recording();
     return stay();
   }
@@ -197,7 +201,7 @@ Step MonitorScreen::on_key(const Key& key) {
 
 std::vector<KeyHelp> MonitorScreen::keys() const {
   return {{"f", frozen_ ? "go on" : "freeze"},
-          {"r", recording_.is_open() ? "end recording" : "record to CSV"},
+          {"r", recording_ ? "end recording" : "record to CSV"},
           {"x y z", "axis of the strip"},
           {"v", "position, speed, um"},
           {"t", environment_ ? "no thermometer" : "thermometer"},
@@ -211,7 +215,8 @@ std::string MonitorScreen::help() const {
          "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
          "the "
          "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
-         "pressed again; f freezes the picture, not the recording. t shows air and material temperature of a USB "
+         "pressed again, until then beside it as .part; f freezes the picture, not the recording. t shows air and "
+         "material temperature of a USB "
          "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";
 }
 

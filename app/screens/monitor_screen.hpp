@@ -2,9 +2,10 @@
 #pragma once
 
 #include <chrono>
-#include <fstream>
+#include <optional>
 
 #include "app/environment_watch.hpp"
+#include "app/monitor_record.hpp"
 #include "app/plot_figure.hpp"
 #include "app/screens/picture_export.hpp"
 #include "app/screens/screen.hpp"
@@ -37,9 +38,7 @@ class MonitorScreen final : public Screen {
   std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
   PictureExport picture_;
-  std::ofstream recording_;
-  std::string record_name_;
-  std::size_t recorded_ = 0;
+  std::optional<MonitorRecording> recording_;
   std::uint64_t received_ = 0;     ///< samples that the desk had when it was looked at last
   mutable PlotPanel strip_panel_;  ///< as drawn last
   mutable std::chrono::steady_clock::time_point strip_at_{};

@@ -362,5 +362,32 @@ TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what i
   }
 }
 
+TEST_CASE("what a killed monitor had recorded stands in FILE.part, and the former file is still there") {
+  if (!built(kEmulator) || !built(kEcs)) return;
+  const Desk desk;
+  const std::string output = desk.folder / "out";
+  const std::string record = desk.folder.with("m.csv", "former\n");
+  const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
+  wait_for_bytes(record + ".part");
+  for (int i = 0; i < 200 && std::filesystem::file_size(record + ".part") < 1000; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ::kill(child, SIGKILL);
+  CHECK(exit_code_of_child(child) == -1);
+  CHECK(content_of(record) == "former\n");
+  const std::string part = content_of(record + ".part");
+  CHECK(part.starts_with("time_s,"));
+  CHECK(part.size() >= 1000);
+  // the next one does not write over it
+  const Ran again = ran({"monitor", "--count", "1", "--record", record});
+  CHECK(again.code == 5);
+  CHECK(again.messages.find("m.csv.part") != std::string::npos);
+  CHECK(content_of(record + ".part") == part);
+  std::filesystem::remove(record + ".part");
+  CHECK(ran({"monitor", "--count", "2", "--interval", "5", "--record", record}).code == 0);
+  const std::string replaced = content_of(record);
+  CHECK(std::count(replaced.begin(), replaced.end(), '\n') == 7);
+  CHECK_FALSE(std::filesystem::exists(record + ".part"));
+}
+
 }  // namespace
 }  // namespace ecs::app

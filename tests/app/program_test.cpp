@@ -118,6 +118,16 @@ TEST_CASE("a writing verb that is refused before its link is opened still says E
 TEST_CASE("a record that cannot be written is told before the link is opened") {
   const Ran r = ran({"monitor", "--record", "/no/such/folder/x.csv", "--link", "rtu:/dev/no-such-port:9600"});
   CHECK(r.code == 5);
+  const Folder folder;
+  CHECK(ran({"monitor", "--record", folder / ".", "--link", "rtu:/dev/no-such-port:9600"}).code == 5);
+}
+
+TEST_CASE("a monitor without a unit leaves the former record as it was, and nothing beside it") {
+  const Folder folder;
+  const std::string record = folder.with("m.csv", "former\n");
+  CHECK(ran({"monitor", "--record", record, "--link", "rtu:/dev/no-such-port:9600"}).code == 3);
+  CHECK(content_of(record) == "former\n");
+  CHECK_FALSE(std::filesystem::exists(record + ".part"));
 }
 
 TEST_CASE("a transfer of no bytes is refused with the number that is allowed") {
