@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/export_axes.hpp"
 #include "app/export_files.hpp"
@@ -31,6 +32,7 @@ struct Arguments {
   std::string type;
   std::string units = "mm";
   bool as_loaded = false;
+  std::string levers;
   SiemensArguments siemens;
   TwinCatArguments twincat;
   std::string params;
@@ -151,28 +153,89 @@ Result<ReadFiles> read_files(const Arguments& arguments) {
 /// The map with its header, on the lines of the parameters where the format counts from the machine zero.
 struct Taken {
   laser::ReadMap read;
+  std::string levers_from;  ///< as read: "machine zero", "measurement lines"; empty: the format has no lever arms
+  bool moved = false;       ///< from the machine zero to the measurement lines
   std::optional<params::ParametersFile> parameters;
   std::vector<std::string> notes;
 };
 
-Result<Taken> taken(const Arguments& arguments, ReadFiles files) {
-  Taken made{laser::map_of(files.tables), std::nullopt, std::move(files.tables.notes)};
+/// "X at Y 50, Z 100 mm; …"
+std::string lines_in_words(const UnitParameters& parameters) {
+  std::vector<std::string> words;
+  for (const Axis axis : kAllAxes) {
+    if (!parameters.axis_present[index_of(axis)]) continue;
+    std::vector<std::string> at;
+    for (const Axis other : kAllAxes)
+      if (other != axis && parameters.axis_present[index_of(other)])
+        at.push_back(fmt::format("{} {:.6g}", letter_of(other),
+                                 parameters.measurement_lines_mm[index_of(axis)][index_of(other)]));
+    if (!at.empty()) words.push_back(fmt::format("{} at {}", letter_of(axis), fmt::join(at, ", ")));
+  }
+  return fmt::format("{} mm", fmt::join(words, "; "));
+}
+
+/// Where the lever arms of an Etalon file count from: as --levers says, else its head, else the machine zero.
+Result<bool> levers_from_lines(const Arguments& arguments, const ReadFiles& files) {
+  const auto& said = files.tables.levers_from_lines;
+  if (arguments.levers.empty()) return said.value_or(false);
+  const bool lines = arguments.levers == "lines";
+  if (said && *said != lines)
+    return problem(ProblemKind::usage,
+                   fmt::format("--levers {}: the file says of itself that its lever arms count from the {}",
+                               arguments.levers, *said ? "measurement lines" : "machine zero"));
+  return lines;
+}
+
+/// Etalon curves onto the lines of the parameters, and a word on it whatever was done.
+Result<void> bring_to_lines(const Arguments& arguments, const ReadFiles& files, Taken& made) {
+  const auto lines = levers_from_lines(arguments, files);
+  if (!lines) return tl::unexpected(lines.error());
+  const std::string by = !arguments.levers.empty()        ? "as --levers says"
+                         : files.tables.levers_from_lines ? "as the head of the file says"
+                                                          : "the file does not say it: --levers lines if it is not so";
+  made.levers_from = *lines ? "measurement lines" : "machine zero";
+  made.moved = !*lines && made.parameters.has_value();
+  std::string done;
+  if (made.parameters) {
+    const UnitParameters& parameters = made.parameters->parameters;
+    made.read.map = laser::at_measurement_lines(made.read.map, parameters, *lines);
+    done = *lines
+               ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
+                             lines_in_words(parameters))
+               : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
+                             lines_in_words(parameters));
+    made.read.map.header.processing.push_back(
+        made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
+                   : "curves as on their measurement lines, not moved");
+  } else {
+    done = *lines ? "the curves were not moved; the file does not hold the lines: the parameters must have those they "
+                    "were measured on"
+                  : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
+                    "have them brought to its measurement lines";
+  }
+  made.notes.push_back(fmt::format("lever arms count from the {} ({}); {}", made.levers_from, by, done));
+  return {};
+}
+
+Result<Taken> taken(const Arguments& arguments, const ReadFiles& files) {
+  Taken made;
+  made.read = laser::map_of(files.tables);
+  made.notes = files.tables.notes;
+  made.notes.insert(made.notes.end(), made.read.notes.begin(), made.read.notes.end());
+  if (!arguments.levers.empty() && files.format != "etalon")
+    return problem(ProblemKind::usage, "--levers is for the Etalon format: no other has lever arms");
   auto& header = made.read.map.header;
   if (!arguments.params.empty()) {
     auto file = params::read_parameters(arguments.params);
     if (!file) return tl::unexpected(file.error());
     made.parameters = std::move(*file);
-    if (files.format == "etalon")
-      made.read.map = laser::at_measurement_lines(made.read.map, made.parameters->parameters);
     header.configuration = configuration_of(made.parameters->parameters);
     header.machine = made.parameters->identity.machine;
     header.serial_number = made.parameters->identity.serial_number;
-  } else if (files.format == "etalon") {
-    made.notes.push_back(
-        "the curves are those at the machine zero: set measurement_line_mm to 0 in the parameters, or "
-        "give --params to have them brought to its measurement lines");
   }
   header.processing.push_back(fmt::format("read from tables of a control ({})", files.format));
+  if (files.format == "etalon")
+    if (const auto done = bring_to_lines(arguments, files, made); !done) return tl::unexpected(done.error());
   return made;
 }
 
@@ -218,6 +281,8 @@ Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Take
           {"map", text_or_null(arguments.output)},
           {"tables", std::move(tables)},
           {"squareness", std::move(squareness)},
+          {"levers_from", text_or_null(made.levers_from)},
+          {"curves_moved", made.moved},
           {"replaced", std::move(replaced)},
           {"warnings", std::move(warnings)},
           {"notes", made.notes}};
@@ -259,6 +324,8 @@ void add_export_read(Menu& menu) {
       .text("--axis", arguments->axis, "LinuxCNC, TwinCAT: the axis; default from the file's name, from what it says")
       .choice("--type", arguments->type, {"0", "1"}, "LinuxCNC: COMP_FILE_TYPE; default by the numbers")
       .choice("--units", arguments->units, {"mm", "inch"}, "LinuxCNC: LINEAR_UNITS; default mm")
+      .choice("--levers", arguments->levers, {"zero", "lines"},
+              "Etalon: where its lever arms count from; default as its head says, else zero")
       .flag("--as-loaded", arguments->as_loaded, "LinuxCNC: only the rows that it would take itself")
       .text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
       .text("--params-out", arguments->params_out, "the same with the squareness that was read");

@@ -121,6 +121,68 @@ parameters = { period_mm = 7.3, amplitude_um = 3.0, phase_rad = 0.0 }
   CHECK(largest(j, "line of X", "this_export", "X") == Approx(4.0).epsilon(0.02));
 }
 
+TEST_CASE(
+    "an Etalon file of ours is read by what its head says of its lever arms, and the answer says what was moved") {
+  Desk desk;
+  desk.params = desk.folder.with(
+      "lines.toml", std::string(kParameters) + "[axis.X]\nmeasurement_line_mm = { y = -250.0, z = -100.0 }\n");
+  const std::string back = desk.folder / "back.csv", errors = desk.folder / "errors.txt";
+  const auto original = laser::read_map_csv(desk.map);
+  REQUIRE(original);
+  for (const std::string levers : {"zero", "lines"}) {
+    CAPTURE(levers);
+    REQUIRE(desk.exported({"etalon", "--levers", levers}, {"-o", errors}).code == 0);
+    const Ran r = ran({"export", "read", errors, "--params", desk.params, "-o", back, "--json"});
+    REQUIRE(r.code == 0);
+    const auto j = r.json();
+    CHECK(j["curves_moved"] == (levers == "zero"));
+    CHECK(j["levers_from"] == (levers == "zero" ? "machine zero" : "measurement lines"));
+    CHECK(j["notes"].dump().find(levers == "zero" ? "X at Y -250, Z -100" : "were not moved") != std::string::npos);
+    const auto map = laser::read_map_csv(back);
+    REQUIRE(map);
+    for (const Component component : {Component::EXX, Component::EYY, Component::EXY, Component::ECX})
+      for (const double p : {-400.0, -375.0, -110.0, 0.0}) {
+        const auto at = [&](const laser::ErrorMap& from, Approach approach) {
+          return laser::compensation_at(*laser::table_of(from, component, approach), p);
+        };
+        const double mean = 0.5 * (at(*original, Approach::forward) + at(*original, Approach::reverse));
+        CHECK(at(*map, Approach::forward) == Approx(mean).epsilon(0.001));
+      }
+    const std::string other = levers == "zero" ? "lines" : "zero";
+    CHECK(ran({"export", "read", errors, "--params", desk.params, "--levers", other}).code == 2);
+  }
+  const std::string foreign = desk.folder.with("foreign.txt", "[EXX]\nGridpoints = {\n-400 0.001\n0 0.002\n}\n");
+  const auto read = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"export", "read", foreign, "--params", desk.params, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return ran(words).json();
+  };
+  CHECK(read({})["curves_moved"] == true);
+  CHECK(read({"--levers", "lines"})["curves_moved"] == false);
+}
+
+TEST_CASE("what a control cannot hold is told of the map, not of a file that does not exist") {
+  const Desk desk;
+  const std::string close =
+      desk.folder.with("close.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,1\nX,EX,0,1e-9,50\nX,EX,0,100,2\n");
+  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat"}) {
+    CAPTURE(control);
+    const Ran r = ran({"export", control, close, "--json"});
+    REQUIRE(r.code == 0);
+    CHECK(r.json()["tables"][0]["deviation_from_unit"].get<double>() > 40.0);
+  }
+  const std::string far =
+      desk.folder.with("far.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,-1e308,1\nX,EX,0,1e308,2\n");
+  for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat"}) {
+    CAPTURE(control);
+    const Ran r = ran({"export", control, far, "--json"});
+    CHECK(r.code == 1);
+    const auto error = r.json()["error"];
+    CHECK(error["file"] == far);
+    CHECK(error["message"].get<std::string>().find("EXX, point 1 at -1e+308 mm") != std::string::npos);
+  }
+}
+
 TEST_CASE("every format comes back as the map it was made from") {
   const Desk desk;
   const std::string out = desk.folder / "out", back = desk.folder / "back.csv", errors = desk.folder / "errors.txt";
