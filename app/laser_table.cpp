@@ -45,6 +45,7 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
   const std::filesystem::path file = folder / (planned.name + ".csv");
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or take it off the plan");
+  if (std::filesystem::is_other(file, error)) return unfit(file, "is no plain file (a pipe or a device): not read");
   const auto set = laser::read_measurement_set(file);
   if (!set) return tl::unexpected(set.error());
   const auto group = line_for(planned, compensated, *set, file);

@@ -18,6 +18,12 @@ bool is_file(const fs::path& path) {
   return fs::exists(path, error) && !fs::is_directory(path, error);
 }
 
+/// Found, not named: a FIFO that nobody writes into would be waited for.
+bool is_plain_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
 struct UsualName {
   fs::path ReportFiles::*into;
   const char* name;
@@ -34,7 +40,7 @@ constexpr UsualName kUsualNames[] = {
 void take_folder(ReportFiles& files, const fs::path& folder) {
   for (const UsualName& usual : kUsualNames) {
     const fs::path path = folder / usual.name;
-    if (usual.folder ? is_folder(path) : is_file(path)) files.*(usual.into) = path;
+    if (usual.folder ? is_folder(path) : is_plain_file(path)) files.*(usual.into) = path;
   }
 }
 
@@ -82,7 +88,8 @@ std::vector<std::string> measurement_names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().extension() == ".csv") names.push_back(entry->path().stem().string());
+    if (entry->path().extension() == ".csv" && is_plain_file(entry->path()))
+      names.push_back(entry->path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }

@@ -46,7 +46,7 @@ struct ReportFiles {
 /// for a place that is neither a plan nor a folder, and if there is no folder of measurements at all.
 [[nodiscard]] Result<ReportFiles> report_files(const ReportArguments& arguments);
 
-/// The measurement files of a folder, NAME of each NAME.csv, sorted.
+/// The measurement files of a folder, NAME of each NAME.csv that is a plain file, sorted.
 [[nodiscard]] std::vector<std::string> measurement_names_in(const std::filesystem::path& folder);
 
 }  // namespace ecs::app

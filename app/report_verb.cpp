@@ -132,6 +132,11 @@ Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles&
 }
 
 Result<Outcome> report(Session& session, const ReportArguments& arguments) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(arguments.output, ignored))
+    return problem(ProblemKind::usage,
+                   fmt::format("-o {} is a folder: name the page in it, as in {}", arguments.output,
+                               (std::filesystem::path(arguments.output) / "report.html").lexically_normal().string()));
   const auto files = report_files(arguments);
   if (!files) return tl::unexpected(files.error());
   if (!arguments.data.empty() && files->model.empty())
@@ -140,7 +145,6 @@ Result<Outcome> report(Session& session, const ReportArguments& arguments) {
   if (!content) return tl::unexpected(content.error());
   if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
   const Judgement judgement = judgement_of(*content);
-  std::error_code ignored;
   const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
   if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());
   return Outcome{text_of(*content, judgement, arguments.output, page),

@@ -1,4 +1,7 @@
+#include <filesystem>
+
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include "app/json.hpp"
 #include "app/status_snapshot.hpp"
@@ -92,6 +95,25 @@ TEST_CASE("a missing file after compensation leaves its row, and the report says
   CHECK(holds(j["error"]["message"], "file missing"));
   CHECK(holds(c.html(), "file missing: measure it"));
   CHECK(fault_of(c.html()) == "");
+}
+
+TEST_CASE("a pipe among the measurements is not waited for") {
+  const Commissioning c;
+  REQUIRE(::mkfifo((c.folder / "before/EZX.csv").c_str(), 0600) == 0);
+  std::filesystem::remove(c.folder / "before/EYX.csv");
+  REQUIRE(::mkfifo((c.folder / "before/EYX.csv").c_str(), 0600) == 0);
+  CHECK(c.report({"--json"}).json()["error"]["message"].get<std::string>().find("no plain file") != std::string::npos);
+  std::filesystem::remove(c.folder / "plan.toml");
+  const Ran r = c.report({"--json"});
+  CHECK(r.code == 0);
+  CHECK(r.json()["rows"].size() == 2);
+}
+
+TEST_CASE("a folder is no page") {
+  const Commissioning c;
+  const Ran r = ran({"report", c.folder / ".", "-o", c.folder / "."});
+  CHECK(r.code == 2);
+  CHECK(holds(r.messages, "is a folder"));
 }
 
 TEST_CASE("before compensation alone is a report too, without complaint") {
