@@ -70,7 +70,10 @@ Result<SendReport> send_head(protocol::UnitClient& client, Image image, const Un
   const auto held = receive_parameters(client);
   if (!held) return after_commit(held.error());
   if (*held != parameters)
-    return problem(ProblemKind::link, "the parameters read back from the unit are not those sent; test its memory");
+    return problem(ProblemKind::link,
+                   "the parameters read back from the unit are not those sent: another host has changed them, or the "
+                   "unit's memory "
+                   "fails (`ecs utility ramtest`); read its status");
   const auto status = client.status();
   if (!status) return after_commit(status.error());
   return SendReport{changed->size(), status->commit_sequence, false, false, {}};

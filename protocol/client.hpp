@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/result.hpp"
@@ -59,8 +60,8 @@ class UnitClient {
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
   [[nodiscard]] Result<void> output_off();
   [[nodiscard]] Result<Address> begin_staging(bool copy_active);
-  /// If the reply does not come, the unit's status tells what became of the commit: done if it was taken (unless the
-  /// flag cancels), else a problem that says which map is active, or that nobody knows.
+  /// If the reply does not come, the unit tells what became of the commit: done if what was committed is active by its
+  /// length and CRC (unless the flag cancels), else a problem that says which map is active, or that nobody knows.
   [[nodiscard]] Result<void> commit_staged(std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] Result<void> abandon_staged();
   [[nodiscard]] Result<CommandResult> test_datum(Axis axis, std::chrono::milliseconds limit,
@@ -98,7 +99,10 @@ class UnitClient {
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
   [[nodiscard]] Result<UnitStatus> status_when_idle();
-  [[nodiscard]] Result<void> settled(const UnitStatus& before, Problem why);
+  [[nodiscard]] Result<bool> holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] Result<void> settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why);
+  [[nodiscard]] Result<void> run_acting(const Command& command, std::chrono::milliseconds limit,
+                                        std::string_view if_unanswered);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
   [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window, bool open);

@@ -53,6 +53,16 @@ Result<CommandResult> outcome_of(const Command& command, const CommandResult& re
   }
 }
 
+constexpr std::string_view kOpensByItself =
+    "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
+
+std::string another_is_active(const UnitStatus& now) {
+  return fmt::format(
+      "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
+      "line now; compare before compensating",
+      now.image_length_bytes, now.commit_sequence);
+}
+
 }  // namespace
 
 Result<CommandResult> UnitClient::result_now() {
@@ -123,28 +133,44 @@ Result<void> UnitClient::run_plain(const Command& command, std::chrono::millisec
   return run(command, limit).map([](const CommandResult&) {});
 }
 
+/// Of a command that acts on the machine: without an answer nobody knows whether it was done, and that is said.
+Result<void> UnitClient::run_acting(const Command& command, std::chrono::milliseconds limit,
+                                    std::string_view if_unanswered) {
+  auto done = run_plain(command, limit);
+  if (!done && done.error().kind == ProblemKind::link)
+    done.error().message += fmt::format("; it may have been carried out: {}", if_unanswered);
+  return done;
+}
+
 Result<void> UnitClient::enter_integration() {
-  return run_plain(command_of(CommandCode::enter_integration), kShortLimit);
+  return run_acting(command_of(CommandCode::enter_integration), kShortLimit,
+                    "until the unit's status says so, count on it compensating as before");
 }
 
 Result<void> UnitClient::enter_compensation() {
-  return run_plain(command_of(CommandCode::enter_compensation), kRamTestLimit);
+  return run_acting(command_of(CommandCode::enter_compensation), kRamTestLimit,
+                    "the unit then closes its relays as soon as every axis is referenced; read its status");
 }
 
 Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
   Command command = command_of(CommandCode::set_axis_position, axis);
   command.position_mm = position_mm;
-  return run_plain(command, kShortLimit);
+  return run_acting(command, kShortLimit, "compare the position with the control's");
 }
 
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
   Command command = command_of(CommandCode::output_compensation, axis);
   command.output_um = output_um;
   command.relay_on = relay_on;
-  return run_plain(command, kShortLimit);
+  return run_acting(command, kShortLimit,
+                    fmt::format("the relay of {} may be closed, or still be closed, and {} um act; {}", letter_of(axis),
+                                output_um, kOpensByItself));
 }
 
-Result<void> UnitClient::output_off() { return run_plain(command_of(CommandCode::output_off), kShortLimit); }
+Result<void> UnitClient::output_off() {
+  return run_acting(command_of(CommandCode::output_off), kShortLimit,
+                    fmt::format("if it was not, a relay that was closed still is; {}", kOpensByItself));
+}
 
 Result<Address> UnitClient::begin_staging(bool copy_active) {
   Command command = command_of(CommandCode::begin_staging);
@@ -164,24 +190,35 @@ Result<UnitStatus> UnitClient::status_when_idle() {
   return problem(ProblemKind::link, "the unit does not say what became of the commit");
 }
 
+/// Whether the active map is of that length and CRC: its sequence alone does not tell whose it is.
+Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc) {
+  if (now.active_bank == Bank::none || now.image_length_bytes != length) return false;
+  return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
+}
+
 /// A commit was given and it was not answered with `done`: the unit itself says what became of it.
-Result<void> UnitClient::settled(const UnitStatus& before, Problem why) {
+Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why) {
   const bool cancelled = link_.cancelled();
   link_.heed_cancel(false);
   const auto now = status_when_idle();
-  const bool taken = now && now->commit_sequence != before.commit_sequence;
-  if (now && !taken) static_cast<void>(abandon_staged());
+  const bool changed = now && now->commit_sequence != before.commit_sequence;
+  const auto ours = changed ? holds(*now, length, crc) : Result<bool>(false);
+  if (now && !changed) static_cast<void>(abandon_staged());
   link_.heed_cancel(true);
-  if (!now)
+  if (!now || !ours)
     why.message +=
         "; the commit had been sent and its reply did not come: the unit may have taken the new map; read its status "
         "(`ecs utility status`) before it is used";
-  else if (!taken)
+  else if (!changed)
     why.message += before.active_bank == Bank::none ? "; the unit has not taken the map: it holds none, as before"
                                                     : "; the unit has not taken the new map: the old map is active";
+  else if (!*ours)
+    why.message += "; " + another_is_active(*now);
   else if (cancelled)
     why.message +=
         fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
+  else if (why.kind == ProblemKind::refused)
+    why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
   else
     return {};
   return tl::unexpected(std::move(why));
@@ -194,7 +231,7 @@ Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) 
   command.length = length;
   command.crc = crc;
   auto done = run_plain(command, kStagingLimit);
-  return done ? confirmed(*before, length, crc) : settled(*before, std::move(done.error()));
+  return done ? confirmed(*before, length, crc) : settled(*before, length, crc, std::move(done.error()));
 }
 
 /// Whether the unit at the end of the line now holds, active, what was committed: another host or another unit on the
@@ -202,16 +239,10 @@ Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) 
 Result<void> UnitClient::confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
   const auto now = status_when_idle();
   if (!now) return tl::unexpected(now.error());
-  const bool advanced = now->commit_sequence != before.commit_sequence && now->image_length_bytes == length;
-  const auto found = advanced ? check_memory(address_of(now->active_bank), length) : Result<std::uint32_t>(~crc);
-  if (!found) return tl::unexpected(found.error());
-  if (*found == crc) return {};
-  return problem(
-      ProblemKind::link,
-      fmt::format("the commit was answered as done, but the active map is another one ({} bytes, commit {}): "
-                  "another host uses the unit, or another unit is on this line now; compare before "
-                  "compensating",
-                  now->image_length_bytes, now->commit_sequence));
+  const auto ours = now->commit_sequence != before.commit_sequence ? holds(*now, length, crc) : Result<bool>(false);
+  if (!ours) return tl::unexpected(ours.error());
+  if (*ours) return {};
+  return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
 }
 
 Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }
@@ -240,7 +271,7 @@ Result<CommandResult> UnitClient::run_ram_test(const CommandCallback& busy) {
 Result<void> UnitClient::clear_fault() { return run_plain(command_of(CommandCode::clear_fault), kShortLimit); }
 
 Result<void> UnitClient::reset_unit() {
-  auto done = run_plain(command_of(CommandCode::reset_unit), kShortLimit);
+  auto done = run_acting(command_of(CommandCode::reset_unit), kShortLimit, "read the unit's status");
   sequence_ = 0;
   return done;
 }

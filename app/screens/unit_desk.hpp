@@ -75,6 +75,15 @@ class UnitDesk {
     settle();
     return result;
   }
+  /// The same, whichever unit answers: to switch everything off.
+  template <class Work>
+  [[nodiscard]] auto on_line_of_any_unit(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+    const Turn turn(*this, signs);
+    if (auto line = opened(); !line) return tl::unexpected(line.error());
+    auto result = work(*line_);
+    settle();
+    return result;
+  }
 
   /// Closes the line and keeps hands off it as long as the token lives, so that a verb can open it by itself.
   class Lent {

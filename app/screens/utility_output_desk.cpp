@@ -59,8 +59,9 @@ OutputDesk::~OutputDesk() {
   while (job_.running() && !job_.take()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   if (setting_.at_rest()) return;
   JobSigns signs;
-  const bool off = desk_->standing().open &&
-                   desk_->on_line(signs, [](UnitLink& line) { return line.client().output_off(); }).has_value();
+  const bool off =
+      desk_->standing().open &&
+      desk_->on_line_of_any_unit(signs, [](UnitLink& line) { return line.client().output_off(); }).has_value();
   if (!off && setting_.relay)
     leave_word(
         fmt::format("axis {}: the unit could not be told to open its relay. It opens it by itself 60 s after it "
@@ -76,10 +77,23 @@ void OutputDesk::follow_unit() {
     message_.say("The unit has opened the relay by itself: a restart, another mode, a fault, or another host.",
                  Tone::warning);
   }
+  follow_value();
   if (!setting_.at_rest() || !unit_.integrating()) return;
   for (const Axis a : unit_.axes())
     if (const auto* s = unit_.axis(a); s != nullptr && (s->relay_closed || s->output_counts != 0))
       setting_ = {a, s->compensation_um, s->relay_closed};
+}
+
+/// The value that acts is the one shown, and the one that the next step starts from.
+void OutputDesk::follow_value() {
+  const auto* s = unit_.axis(setting_.axis);
+  if (s == nullptr || setting_.at_rest() || !unit_.integrating()) return;
+  const double count_um = 1.0 / std::max(1e-9, std::abs(parameters().output_scale_counts_per_um));
+  if (std::abs(s->compensation_um - setting_.um) <= count_um + 1e-6) return;
+  setting_.um = s->compensation_um;
+  message_.say(fmt::format("Another host has changed the output of axis {}: {} now. o ends it.",
+                           letter_of(setting_.axis), um_text(setting_.um)),
+               Tone::bad);
 }
 
 double OutputDesk::step_um() const { return kSteps_um[static_cast<std::size_t>(step_)]; }
@@ -173,7 +187,7 @@ void OutputDesk::off() {
     return;
   }
   job_.start([desk = desk_, axis = setting_.axis](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) -> Result<Taken> {
+    return desk->on_line_of_any_unit(signs, [&](UnitLink& line) -> Result<Taken> {
       if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
       const auto seen = line.client().monitor();
       if (!seen) return tl::unexpected(seen.error());

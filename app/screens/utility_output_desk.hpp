@@ -75,6 +75,7 @@ class OutputDesk {
   };
   void take(const Result<Taken>& taken);
   void follow_unit();
+  void follow_value();
   void start_reading_parameters();
 
   std::shared_ptr<UnitDesk> desk_;

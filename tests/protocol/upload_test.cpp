@@ -267,3 +267,72 @@ TEST_CASE("a commit after which the active map is another one is told as such") 
   REQUIRE(!sent);
   CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
 }
+
+/// Just before our commit another host makes a map of its own active, from the same staging.
+void another_host_commits_first(Workshop& shop, const std::vector<std::uint8_t>& image) {
+  shop.in_server([image](ModbusServer&, UnitModel& model) {
+    model.on_commit = [image, &model] {
+      auto& spare = model.active == Bank::A ? model.bank_b : model.bank_a;
+      std::copy(image.begin(), image.end(), spare.begin());
+      model.active = model.active == Bank::A ? Bank::B : Bank::A;
+      model.image_length = static_cast<std::uint32_t>(image.size());
+      ++model.commits;
+      model.staging = false;
+    };
+  });
+}
+
+TEST_CASE("a refused commit is never told as done, whatever another host has made active meanwhile") {
+  const auto ours = noise_image(4000, 1);
+  for (const std::size_t length : {std::size_t{5000}, std::size_t{4000}}) {
+    auto shop = Workshop::on_tcp();
+    install_old(shop);
+    another_host_commits_first(shop, noise_image(length, 2));
+    auto unit = shop.client();
+    const auto sent = unit.upload_image(ours);
+    REQUIRE_FALSE(sent.has_value());
+    CHECK(sent.error().kind == ProblemKind::refused);
+    CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+  }
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  another_host_commits_first(shop, ours);
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(ours);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("another host has sent this very map") != std::string::npos);
+}
+
+TEST_CASE("a commit whose replies were lost while another host committed is not taken for ours") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  another_host_commits_first(shop, noise_image(4000, 2));
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    model.on_commit = [before = model.on_commit, &model] {
+      before();
+      model.replies_to_lose = 2;
+    };
+  });
+  const auto sent = unit.upload_image(noise_image(4000, 1));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+}
+
+TEST_CASE("of a command that acts on the machine and is not answered it is said that it may have been carried out") {
+  auto shop = Workshop::on_pty();
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  REQUIRE(unit.output_compensation(Axis::X, 5.0, true));
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.replies_to_lose = 1'000; });
+  const auto output = unit.output_compensation(Axis::X, 6.0, true);
+  REQUIRE_FALSE(output);
+  CHECK(output.error().message.find("the relay of X may be closed") != std::string::npos);
+  const auto off = unit.output_off();
+  REQUIRE_FALSE(off);
+  CHECK(off.error().message.find("a relay that was closed still is") != std::string::npos);
+  CHECK(off.error().message.find("60 s") != std::string::npos);
+}

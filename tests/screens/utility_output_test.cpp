@@ -91,6 +91,23 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   CHECK(has(picture(screen), "RELAY OPEN       nothing is put out"));
 }
 
+TEST_CASE("what another host puts out is shown, and steps go on from there") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.desk);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
+  REQUIRE(comes(screen, "Another host has changed the output of axis X: +30 um now"));
+  CHECK(has(picture(screen), "axis X is moved by +30 um"));
+  (void)letter(screen, '+');
+  REQUIRE(comes(screen, "axis X is moved by +31 um"));
+  CHECK(bench.desk->newest()->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
+}
+
 TEST_CASE("a unit that lacks what it had run was started again; one that is as much later as time passed was not") {
   using std::chrono::milliseconds;
   const auto at = [](double s) {
