@@ -18,7 +18,7 @@ struct Stated {
 };
 
 constexpr std::string_view kTakeTheRightOne =
-    "take the right file; if this is meant, map send, params send and memory load take it with --other-machine";
+    "take the right file; if this is meant, map send, params send, memory load and export take it with --other-machine";
 
 void take_difference(std::vector<std::string>& objections, const Stated& ours, const std::string& other,
                      std::string_view where, std::string_view advice = kTakeTheRightOne) {

@@ -318,7 +318,7 @@ TEST_CASE("a map of another machine than the parameters is refused, unless --oth
     const Ran r = ran(words);
     CHECK(r.code == 1);
     CHECK(r.messages.find("\"lathe\"") != std::string::npos);
-    CHECK(r.messages.find("give --other-machine") != std::string::npos);
+    CHECK(r.messages.find("--other-machine") != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(desk.folder / "lc"));
     std::vector<std::string> meant = words;
     meant.push_back("--other-machine");
