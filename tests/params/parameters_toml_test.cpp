@@ -75,7 +75,7 @@ TEST_CASE("a short file takes the defaults for the rest and says which") {
   CHECK(p.axes[0].deadband_um == 4.0);
   CHECK(p.axes[0].datum.kind == DatumKind::siemens);
   CHECK(p.axes[0].datum.switch_finally_active);
-  CHECK(p.axes[0].datum.approach_direction == Approach::reverse);
+  CHECK(p.axes[0].datum.approach_direction == Approach::forward);
   CHECK(p.axes[1] == AxisParameters{});
   CHECK(lists(file->defaulted, "axis.Y.deadband_um"));
   CHECK(lists(file->defaulted, "compensation.loop_period_us"));

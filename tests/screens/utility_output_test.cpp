@@ -105,7 +105,9 @@ TEST_CASE("what another host puts out is shown, and steps go on from there") {
   CHECK(has(picture(screen), "axis X is moved by +30 um"));
   (void)letter(screen, '+');
   REQUIRE(comes(screen, "axis X is moved by +31 um"));
-  CHECK(bench.desk->newest()->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
+  const auto seen = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
+  REQUIRE(seen);
+  CHECK(seen->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
 }
 
 TEST_CASE("a unit that lacks what it had run was started again; one that is as much later as time passed was not") {
