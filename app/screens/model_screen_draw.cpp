@@ -22,14 +22,17 @@ std::vector<std::string> lines_in(const std::string& text) {
   return lines;
 }
 
+constexpr int kCauseNumbers = 45;  ///< columns behind the name of a cause
+
 /// "cyclic:X:EX    4.81 -> 0.55 um   98.7 %   false 0.25 %   1 rival"
-ListRow cause_row(const model::Candidate& candidate, double rms_um) {
+ListRow cause_row(const model::Candidate& candidate, double rms_um, int name_columns) {
   const std::string rivals = candidate.indistinguishable_from.empty()
                                  ? ""
                                  : fmt::format("{} rival{}", candidate.indistinguishable_from.size(),
                                                candidate.indistinguishable_from.size() == 1 ? "" : "s");
-  return {fmt::format("{:<30} {:>8.3f} > {:<8.3f} {:>5.1f} %  {:>7.2g} %  {}", place_text(candidate.effect), rms_um,
-                      candidate.rms_after_um, 100.0 * candidate.explained, 100.0 * candidate.false_naming, rivals),
+  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {:>5.2g} %  {}",
+                      in_columns(place_text(candidate.effect), name_columns), rms_um, candidate.rms_after_um,
+                      100.0 * candidate.explained, 100.0 * candidate.false_naming, rivals),
           candidate.named ? Tone::strong : Tone::plain};
 }
 
@@ -158,10 +161,14 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     draw_scrolled(canvas, wide, sentences_wrapped(lines_in(diagnosis_text(d)), wide.columns), scroll_);
     return;
   }
-  canvas.text(text, row++, 2, fmt::format("{:<30} {:>19}  explained  by chance", "effect:axis:sense", "rms um"),
+  int names = 24;  // as wide as the longest, where the numbers leave room
+  for (const model::Candidate& candidate : d.candidates)
+    names = std::max(names, width_of(place_text(candidate.effect)));
+  names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
+  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained by chance", "effect:axis:sense", names, "rms um"),
               Tone::faint);
   std::vector<ListRow> rows;
-  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um));
+  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um, names));
   const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
   draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
   row += list_rows + 1;
