@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
@@ -38,7 +39,7 @@ class OwnEmulator {
     ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0600);
     ::posix_spawn(&child_, pointers.front(), &files, nullptr, pointers.data(), environ);
     ::posix_spawn_file_actions_destroy(&files);
-    for (int k = 0; k < 500 && !std::filesystem::exists(workshop(one)); ++k)
+    for (int k = 0; k < 3000 && !std::filesystem::exists(workshop(one)); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   OwnEmulator(const OwnEmulator&) = delete;
@@ -72,7 +73,11 @@ class BadLine {
     keep_ = ::open(device.c_str(), O_RDWR | O_NOCTTY);  // so that the near end does not hang up
     make_raw(keep_);
     if (!to_.empty()) {
-      far_ = ::open(to_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+      for (int k = 0; k < 3000 && far_ < 0; ++k) {  // what it leads to may still be starting
+        far_ = ::open(to_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+        if (far_ < 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      REQUIRE(far_ >= 0);
       make_raw(far_);
     }
     thread_ = std::jthread([this](const std::stop_token& stop) {
