@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <string>
 #include <thread>
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include "app/screens/screens_program.hpp"
 #include "base/file.hpp"
@@ -18,9 +20,9 @@ std::string seen(const Screen& screen) {
   return picture_of(screen, screen.title(), {}, Canvas(24, 80, Glyphs::unicode), false).plain_text();
 }
 
-/// Until the picture shows it; ten seconds at most.
+/// Until the picture shows it; a minute at most.
 bool shows(LiveScreen& screen, const std::string& text) {
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < 6000; ++k) {
     (void)screen.advance();
     if (seen(screen).find(text) != std::string::npos) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -34,7 +36,8 @@ void enter(LiveScreen& screen, const std::string& text) {
 }
 
 struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / "ecs-live-screen-test";
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("ecs-live-screen-test-" + std::to_string(::getpid()));
   Folder() { std::filesystem::create_directories(path); }
   ~Folder() { std::filesystem::remove_all(path); }
 };
