@@ -1,9 +1,9 @@
 // The program `ecs`.
 #include <iostream>
 
-#include "app/interrupt.hpp"
-#include "app/program.hpp"
+#include "app/cli/program.hpp"
 #include "app/screens/start.hpp"
+#include "base/interrupt.hpp"
 
 int main(int argc, char** argv) {
   ecs::app::catch_signals();

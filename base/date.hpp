@@ -1,4 +1,4 @@
-// Calendar dates as ECS writes them. Does not live here: dates of other programs' files (laser/import_time.hpp).
+// Calendar dates as ECS writes them. Does not live here: dates of other programs' files (laser/import/time.hpp).
 #pragma once
 
 #include <optional>

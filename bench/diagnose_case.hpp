@@ -12,7 +12,7 @@
 
 #include "base/result.hpp"
 #include "laser/measurement_set.hpp"
-#include "model/model_file.hpp"
+#include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::bench {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "model/candidates.hpp"
-#include "model/fit_core.hpp"
-#include "model/search.hpp"
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/search.hpp"
+#include "model/fit/core.hpp"
 
 namespace ecs::bench {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "model/observations.hpp"
+#include "model/data/observations.hpp"
 
 namespace ecs::bench {
 

@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 
 #include "diagnose_score.hpp"
-#include "model/statistics.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diagnose_case.hpp"
-#include "model/diagnose.hpp"
+#include "model/diagnosis/diagnose.hpp"
 
 namespace ecs::bench {
 

@@ -10,9 +10,9 @@
 #include <fmt/core.h>
 
 #include "base/file.hpp"
-#include "protocol/client.hpp"
-#include "protocol/server.hpp"
-#include "protocol/unit_face.hpp"
+#include "protocol/client/client.hpp"
+#include "protocol/server/register_server.hpp"
+#include "protocol/server/server.hpp"
 
 namespace {
 

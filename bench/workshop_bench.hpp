@@ -7,9 +7,9 @@
 
 #include "base/file.hpp"
 #include "bench/tick_map.hpp"
-#include "ecs_emulator/referencing.hpp"
-#include "ecs_emulator/simulation.hpp"
-#include "ecs_emulator/unit.hpp"
+#include "ecs_emulator/machine/simulation.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "ecs_emulator/workshop/referencing.hpp"
 
 namespace ecs::bench {
 

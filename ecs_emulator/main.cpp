@@ -13,14 +13,14 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include "ecs_emulator/hide_verb.hpp"
-#include "ecs_emulator/plan_file.hpp"
-#include "ecs_emulator/program_verb.hpp"
-#include "ecs_emulator/rig_verb.hpp"
-#include "ecs_emulator/serve.hpp"
-#include "ecs_emulator/workshop.hpp"
-#include "ecs_emulator/workshop_socket.hpp"
-#include "ecs_emulator/workshop_verbs.hpp"
+#include "ecs_emulator/hidden_cases/verb.hpp"
+#include "ecs_emulator/instruments/plan_file.hpp"
+#include "ecs_emulator/part_programs/verb.hpp"
+#include "ecs_emulator/rig/verb.hpp"
+#include "ecs_emulator/unit/workshop_socket.hpp"
+#include "ecs_emulator/workshop/serve.hpp"
+#include "ecs_emulator/workshop/verbs.hpp"
+#include "ecs_emulator/workshop/workshop.hpp"
 
 namespace {
 

@@ -1,4 +1,5 @@
-// One line of an environment log. Does not live here: reading and writing such logs (import.hpp, table_writers.hpp).
+// One line of an environment log. Does not live here: reading and writing such logs (laser/import/import.hpp,
+// laser/writers/table_writers.hpp).
 #pragma once
 
 #include "core/axis.hpp"

@@ -10,8 +10,8 @@
 #include "laser/csv_columns.hpp"
 #include "laser/csv_line.hpp"
 #include "laser/findings.hpp"
-#include "laser/import_units.hpp"
 #include "laser/text_decoding.hpp"
+#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,6 +1,6 @@
 // Measurements as values: readings of one or more axes with what was known about each, and the reader of their CSV
-// form. Does not live here: the writer (measurement_writer.hpp), instruments' own files (import.hpp), statistics
-// (iso230.hpp).
+// form. Does not live here: the writer (laser/writers/measurement_writer.hpp), instruments' own files
+// (laser/import/import.hpp), statistics (laser/analysis/iso230.hpp).
 #pragma once
 
 #include <filesystem>

@@ -1,17 +1,17 @@
-// The tree of menus: what stands where. Does not live here: how a menu looks (menu_screen.cpp).
+// The tree of menus: what stands where. Does not live here: how a menu looks (app/ui/menu_screen.cpp).
 #include <algorithm>
 #include <functional>
 
-#include "app/screens/laser_screen.hpp"
-#include "app/screens/link_screen.hpp"
-#include "app/screens/log_screen.hpp"
-#include "app/screens/memory_screen.hpp"
-#include "app/screens/menu_screen.hpp"
-#include "app/screens/model_form.hpp"
-#include "app/screens/monitor_screen.hpp"
-#include "app/screens/parameters_screen.hpp"
-#include "app/screens/utility_choices.hpp"
-#include "app/screens/verb_screen.hpp"
+#include "app/screens/laser/screen.hpp"
+#include "app/screens/memory/screen.hpp"
+#include "app/screens/model/form.hpp"
+#include "app/screens/parameters/screen.hpp"
+#include "app/screens/unit/link_screen.hpp"
+#include "app/screens/unit/log_screen.hpp"
+#include "app/screens/unit/monitor_screen.hpp"
+#include "app/screens/utility/choices.hpp"
+#include "app/screens/verbs/verb_screen.hpp"
+#include "app/ui/menu_screen.hpp"
 
 namespace ecs::app {
 namespace {

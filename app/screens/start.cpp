@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "app/outcome.hpp"
-#include "app/screens/event_log.hpp"
-#include "app/screens/menu_screen.hpp"
-#include "app/screens/screens_program.hpp"
-#include "app/screens/unit_desk.hpp"
-#include "app/screens/unit_standing.hpp"
+#include "app/screens/unit/status_line.hpp"
+#include "app/ui/menu_screen.hpp"
+#include "app/ui/screen_program.hpp"
+#include "base/outcome.hpp"
+#include "commissioning/link/event_log.hpp"
+#include "commissioning/link/unit_connection.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,9 +1,9 @@
 // Plans of many units, and the doctor, as far as they go without a unit.
 #include <doctest/doctest.h>
 
-#include "app/batch_plan.hpp"
-#include "app/link_choice.hpp"
-#include "app/port_survey.hpp"
+#include "commissioning/batch/plan.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/link/port_survey.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

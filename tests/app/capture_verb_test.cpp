@@ -3,8 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "app/capture_source.hpp"
-#include "app/keyboard.hpp"
+#include "app/cli/keyboard.hpp"
+#include "commissioning/measurements/capture_source.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser_run.hpp"
 

@@ -1,5 +1,5 @@
 // Recorded datum sequences as files and as events.
-#include "app/datum_recording.hpp"
+#include "commissioning/unit/datum_recording.hpp"
 
 #include <doctest/doctest.h>
 

@@ -9,9 +9,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/emulator_process.hpp"
-#include "app/link_choice.hpp"
-#include "app/memory_dump.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/link/emulator_process.hpp"
+#include "commissioning/memory/dump.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

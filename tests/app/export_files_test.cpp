@@ -1,4 +1,4 @@
-#include "app/export_files.hpp"
+#include "commissioning/maps/export_files.hpp"
 
 #include <algorithm>
 #include <filesystem>

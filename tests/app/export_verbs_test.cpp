@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "laser/map_csv.hpp"
+#include "laser/map/csv.hpp"
 #include "laser_run.hpp"
 #include "model_case.hpp"
 

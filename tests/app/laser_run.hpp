@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "app/program.hpp"
+#include "app/cli/program.hpp"
 
 namespace ecs::app {
 

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/laser_plan.hpp"
+#include "commissioning/measurements/plan.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/laser_files.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

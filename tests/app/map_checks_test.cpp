@@ -1,12 +1,12 @@
 // Whether an image, a map or parameters are for this unit.
-#include "app/map_checks.hpp"
+#include "commissioning/unit/map_checks.hpp"
 
 #include <doctest/doctest.h>
 
 #include "../protocol/unit_model.hpp"
-#include "app/transfer.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
-#include "laser/map_image.hpp"
+#include "laser/map/image.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,7 +1,7 @@
 // The sample samples/laser/x_axis.csv holds 200 mm of an axis of 4100 mm: what the verbs say of a map made from it.
 #include <doctest/doctest.h>
 
-#include "app/map_findings.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include "core/terms.hpp"
-#include "laser/map_csv.hpp"
-#include "model/compare.hpp"
+#include "laser/map/csv.hpp"
+#include "model/fit/compare.hpp"
 #include "model_case.hpp"
 #include "params/machine.hpp"
 

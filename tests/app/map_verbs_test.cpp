@@ -3,11 +3,11 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "app/link_choice.hpp"
-#include "app/map_checks.hpp"
-#include "app/map_compare.hpp"
-#include "laser/map_csv.hpp"
-#include "laser/map_image.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/maps/compare.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/map/image.hpp"
 #include "laser_run.hpp"
 #include "params/parameters_toml.hpp"
 

@@ -2,11 +2,11 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/json.hpp"
-#include "app/memory_compare.hpp"
-#include "app/memory_decode.hpp"
-#include "app/memory_view.hpp"
-#include "laser/map_image.hpp"
+#include "base/json.hpp"
+#include "commissioning/memory/compare.hpp"
+#include "commissioning/memory/decode.hpp"
+#include "commissioning/memory/view.hpp"
+#include "laser/map/image.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

@@ -1,7 +1,7 @@
 // The menu E.C.S. PARAMETERS on files.
 #include <doctest/doctest.h>
 
-#include "app/memory_fields.hpp"
+#include "commissioning/memory/fields.hpp"
 #include "core/memory_image.hpp"
 #include "laser_run.hpp"
 #include "params/fields.hpp"

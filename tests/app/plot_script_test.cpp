@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "app/plot_curves.hpp"
-#include "app/plot_gnuplot.hpp"
-#include "laser/groups.hpp"
+#include "app/plot/curves.hpp"
+#include "app/plot/gnuplot.hpp"
+#include "laser/analysis/groups.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
-#include "app/json.hpp"
-#include "app/status_snapshot.hpp"
+#include "base/json.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
 #include "model_case.hpp"
-#include "protocol/unit_registers.hpp"
+#include "protocol/registers/unit_registers.hpp"
 #include "report_case.hpp"
 
 namespace ecs::app {

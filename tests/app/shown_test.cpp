@@ -1,12 +1,12 @@
 // Text of files and units on a terminal, and in JSON.
-#include "app/shown.hpp"
+#include "base/shown.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/face.hpp"
-#include "app/json.hpp"
+#include "app/cli/console.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "laser_run.hpp"
 
 namespace ecs::app {

@@ -2,11 +2,11 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/json.hpp"
-#include "app/status_snapshot.hpp"
-#include "app/status_view.hpp"
+#include "base/json.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
 #include "laser_run.hpp"
-#include "protocol/unit_registers.hpp"
+#include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::app {
 namespace {

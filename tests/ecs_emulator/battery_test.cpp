@@ -1,4 +1,4 @@
-#include "ecs_emulator/battery.hpp"
+#include "ecs_emulator/unit/battery.hpp"
 
 #include <doctest/doctest.h>
 

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "base/file.hpp"
-#include "ecs_emulator/referencing.hpp"
-#include "ecs_emulator/unit.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "ecs_emulator/workshop/referencing.hpp"
 #include "maps.hpp"
 #include "workshop_machines.hpp"
 

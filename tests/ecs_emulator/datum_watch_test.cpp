@@ -1,4 +1,4 @@
-#include "ecs_emulator/datum_watch.hpp"
+#include "ecs_emulator/unit/datum_watch.hpp"
 
 #include <algorithm>
 #include <functional>

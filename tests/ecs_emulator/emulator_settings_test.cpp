@@ -1,4 +1,4 @@
-#include "ecs_emulator/emulator_settings.hpp"
+#include "ecs_emulator/machine/emulator_settings.hpp"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/hide_files.hpp"
+#include "ecs_emulator/hidden_cases/files.hpp"
 
 namespace ecs::emulator::test {
 

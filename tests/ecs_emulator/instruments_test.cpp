@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/laser.hpp"
+#include "ecs_emulator/instruments/laser.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

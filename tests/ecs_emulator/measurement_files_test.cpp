@@ -1,6 +1,6 @@
 // Every raw format that the virtual workshop writes, read back by the host's readers: nothing of a measurement is lost
 // but what the format cannot hold.
-#include "ecs_emulator/measurement_files.hpp"
+#include "ecs_emulator/instruments/measurement_files.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "laser/import.hpp"
+#include "laser/import/import.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,10 +1,10 @@
-#include "ecs_emulator/measurement.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "laser/measurement_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

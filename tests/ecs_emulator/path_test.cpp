@@ -1,4 +1,4 @@
-#include "ecs_emulator/path.hpp"
+#include "ecs_emulator/machine/path.hpp"
 
 #include <chrono>
 #include <cmath>

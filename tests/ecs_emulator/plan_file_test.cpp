@@ -1,4 +1,4 @@
-#include "ecs_emulator/plan_file.hpp"
+#include "ecs_emulator/instruments/plan_file.hpp"
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>

@@ -1,12 +1,11 @@
-#include "ecs_emulator/program_reader.hpp"
-
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "ecs_emulator/program_interpreter.hpp"
+#include "ecs_emulator/part_programs/interpreter.hpp"
+#include "ecs_emulator/part_programs/reader.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,5 +1,3 @@
-#include "ecs_emulator/program_run.hpp"
-
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -8,10 +6,11 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "ecs_emulator/measurement.hpp"
-#include "ecs_emulator/program_files.hpp"
-#include "ecs_emulator/program_writer.hpp"
-#include "ecs_emulator/workshop.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
+#include "ecs_emulator/part_programs/files.hpp"
+#include "ecs_emulator/part_programs/run.hpp"
+#include "ecs_emulator/part_programs/writer.hpp"
+#include "ecs_emulator/workshop/workshop.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "bench_of.hpp"
-#include "ecs_emulator/rack.hpp"
+#include "ecs_emulator/unit/rack.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

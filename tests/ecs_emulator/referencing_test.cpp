@@ -1,4 +1,4 @@
-#include "ecs_emulator/referencing.hpp"
+#include "ecs_emulator/workshop/referencing.hpp"
 
 #include <cmath>
 #include <optional>

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/rig_figures.hpp"
+#include "ecs_emulator/rig/figures.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,4 +1,4 @@
-#include "ecs_emulator/serve.hpp"
+#include "ecs_emulator/workshop/serve.hpp"
 
 #include <chrono>
 #include <future>
@@ -12,9 +12,9 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "ecs_emulator/workshop_socket.hpp"
+#include "ecs_emulator/unit/workshop_socket.hpp"
 #include "maps.hpp"
-#include "protocol/client.hpp"
+#include "protocol/client/client.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,4 +1,4 @@
-#include "ecs_emulator/simulation.hpp"
+#include "ecs_emulator/machine/simulation.hpp"
 
 #include <cmath>
 

@@ -3,10 +3,10 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/measurement.hpp"
-#include "ecs_emulator/serve.hpp"
-#include "ecs_emulator/workshop.hpp"
-#include "laser/measurement_writer.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
+#include "ecs_emulator/workshop/serve.hpp"
+#include "ecs_emulator/workshop/workshop.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,4 +1,4 @@
-#include "ecs_emulator/survey.hpp"
+#include "ecs_emulator/workshop/survey.hpp"
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "bench_of.hpp"
-#include "ecs_emulator/unit.hpp"
-#include "protocol/register_map.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "protocol/registers/register_map.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -1,11 +1,11 @@
-#include "ecs_emulator/unit.hpp"
+#include "ecs_emulator/unit/unit.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "bench_of.hpp"
-#include "ecs_emulator/measurement.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

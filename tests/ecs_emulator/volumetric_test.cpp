@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "bench_of.hpp"
-#include "ecs_emulator/measurement.hpp"
-#include "ecs_emulator/survey.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
+#include "ecs_emulator/workshop/survey.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

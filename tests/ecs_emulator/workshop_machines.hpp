@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/simulation.hpp"
+#include "ecs_emulator/machine/simulation.hpp"
 
 namespace ecs::emulator::test {
 

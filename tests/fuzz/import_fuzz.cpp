@@ -8,15 +8,15 @@
 #include <string>
 #include <string_view>
 
-#include "laser/controller_etalon.hpp"
-#include "laser/controller_linuxcnc.hpp"
-#include "laser/controller_siemens.hpp"
-#include "laser/controller_twincat.hpp"
-#include "laser/import.hpp"
-#include "laser/iso230.hpp"
-#include "laser/map_csv.hpp"
-#include "laser/measurement_writer.hpp"
-#include "laser/readers.hpp"
+#include "controllers/etalon.hpp"
+#include "controllers/linuxcnc.hpp"
+#include "controllers/siemens.hpp"
+#include "controllers/twincat.hpp"
+#include "laser/analysis/iso230.hpp"
+#include "laser/import/import.hpp"
+#include "laser/import/readers.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // Surroundings beside the monitor: run under umockdev-wrapper.
-#include "app/environment_watch.hpp"
+#include "commissioning/measurements/environment_watch.hpp"
 
 #include <chrono>
 #include <thread>

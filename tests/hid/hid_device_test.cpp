@@ -1,5 +1,5 @@
 // The real hidapi over devices that umockdev plays: run under umockdev-wrapper.
-#include "laser/hid_device.hpp"
+#include "devices/hid_device.hpp"
 
 #include <chrono>
 #include <thread>
@@ -7,10 +7,10 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include "devices/builtin.hpp"
+#include "devices/sensor.hpp"
+#include "devices/trigger.hpp"
 #include "fake_hid.hpp"
-#include "laser/device_builtin.hpp"
-#include "laser/device_sensor.hpp"
-#include "laser/device_trigger.hpp"
 
 namespace ecs::laser {
 namespace {

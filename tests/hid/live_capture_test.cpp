@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "../app/laser_run.hpp"
-#include "app/screens/live_screen.hpp"
-#include "app/screens/screens_program.hpp"
+#include "app/screens/verbs/live_screen.hpp"
+#include "app/ui/screen_program.hpp"
 #include "fake_hid.hpp"
 #include "laser/measurement_set.hpp"
 

@@ -8,8 +8,8 @@
 
 #include "../app/laser_run.hpp"
 #include "../protocol/unit_model.hpp"
-#include "app/screens/monitor_screen.hpp"
-#include "app/screens/screens_program.hpp"
+#include "app/screens/unit/monitor_screen.hpp"
+#include "app/ui/screen_program.hpp"
 #include "base/text.hpp"
 #include "fake_hid.hpp"
 

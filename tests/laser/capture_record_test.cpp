@@ -1,9 +1,9 @@
-#include "laser/capture_record.hpp"
+#include "devices/capture_record.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "laser/measurement_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::laser {
 namespace {

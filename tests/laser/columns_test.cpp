@@ -1,4 +1,6 @@
 // Any table as measurements, by a mapping of its columns.
+#include "laser/import/columns.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,10 +9,9 @@
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
-#include "laser/import.hpp"
-#include "laser/import_columns.hpp"
-#include "laser/import_motion.hpp"
-#include "laser/import_time.hpp"
+#include "laser/import/import.hpp"
+#include "laser/import/motion.hpp"
+#include "laser/import/time.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

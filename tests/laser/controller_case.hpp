@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "laser/controller_tables.hpp"
+#include "controllers/tables.hpp"
 #include "made_up.hpp"
 
 namespace ecs::laser {

@@ -1,10 +1,10 @@
-#include "laser/controller_curve.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
+
+#include "controllers/curve.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,5 +1,3 @@
-#include "laser/controller_etalon.hpp"
-
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -8,7 +6,8 @@
 #include <doctest/doctest.h>
 
 #include "controller_case.hpp"
-#include "laser/controller_residual.hpp"
+#include "controllers/etalon.hpp"
+#include "controllers/residual.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,10 +1,9 @@
-#include "laser/controller_linuxcnc.hpp"
-
 #include <sstream>
 
 #include <doctest/doctest.h>
 
 #include "controller_case.hpp"
+#include "controllers/linuxcnc.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,10 +1,9 @@
-#include "laser/controller_residual.hpp"
-
 #include <doctest/doctest.h>
 
 #include "controller_case.hpp"
-#include "laser/controller_linuxcnc.hpp"
-#include "laser/controller_siemens.hpp"
+#include "controllers/linuxcnc.hpp"
+#include "controllers/residual.hpp"
+#include "controllers/siemens.hpp"
 
 namespace ecs::laser {
 namespace {

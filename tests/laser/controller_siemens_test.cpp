@@ -1,5 +1,3 @@
-#include "laser/controller_siemens.hpp"
-
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -7,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "controller_case.hpp"
+#include "controllers/siemens.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,11 +1,10 @@
-#include "laser/controller_twincat.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "controller_case.hpp"
+#include "controllers/twincat.hpp"
 
 namespace ecs::laser {
 namespace {

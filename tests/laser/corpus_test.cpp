@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "laser/groups.hpp"
-#include "laser/import.hpp"
-#include "laser/iso230.hpp"
+#include "laser/analysis/groups.hpp"
+#include "laser/analysis/iso230.hpp"
+#include "laser/import/import.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

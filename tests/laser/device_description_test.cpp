@@ -1,5 +1,3 @@
-#include "laser/device_description.hpp"
-
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -7,10 +5,11 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "laser/device_builtin.hpp"
-#include "laser/device_port.hpp"
-#include "laser/device_udev.hpp"
-#include "laser/hid_descriptor.hpp"
+#include "devices/builtin.hpp"
+#include "devices/description.hpp"
+#include "devices/hid_descriptor.hpp"
+#include "devices/port.hpp"
+#include "devices/udev.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,10 +1,9 @@
-#include "laser/device_trigger.hpp"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
-#include "laser/device_learn.hpp"
+#include "devices/learn.hpp"
+#include "devices/trigger.hpp"
 
 namespace ecs::laser {
 namespace {

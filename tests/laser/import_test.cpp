@@ -1,10 +1,10 @@
 // Instruments' own files as measurement sets.
-#include "laser/import.hpp"
+#include "laser/import/import.hpp"
 
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "laser/renishaw_writer.hpp"
+#include "laser/writers/renishaw_writer.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

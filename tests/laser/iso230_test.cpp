@@ -1,5 +1,5 @@
 // ISO 230-2 values against cases worked by hand.
-#include "laser/iso230.hpp"
+#include "laser/analysis/iso230.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "laser/curve.hpp"
+#include "laser/analysis/curve.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {

@@ -1,6 +1,4 @@
 // From measured files to a map: what each component takes, and what is refused.
-#include "laser/map_build.hpp"
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +6,8 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "laser/map/build.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

@@ -1,9 +1,8 @@
 // How far tables reach, what is said of it, and what is normal.
-#include "laser/map_coverage.hpp"
-
 #include <doctest/doctest.h>
 
-#include "laser/map_recipe.hpp"
+#include "laser/map/coverage.hpp"
+#include "laser/map/recipe.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

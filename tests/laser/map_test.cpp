@@ -6,9 +6,9 @@
 #include <rapidcheck.h>
 
 #include "core/memory_image.hpp"
-#include "laser/error_map.hpp"
-#include "laser/map_csv.hpp"
-#include "laser/map_image.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/map/error_map.hpp"
+#include "laser/map/image.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

@@ -1,7 +1,7 @@
 // Maps as editors save them: UTF-16, code pages, a byte order mark; and what is no text.
 #include <doctest/doctest.h>
 
-#include "laser/map_csv.hpp"
+#include "laser/map/csv.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -3,7 +3,7 @@
 #include <rapidcheck.h>
 
 #include "laser/measurement_set.hpp"
-#include "laser/measurement_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;

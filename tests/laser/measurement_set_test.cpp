@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "laser/measurement_writer.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

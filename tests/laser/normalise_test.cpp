@@ -1,13 +1,13 @@
 // Errors referred to 20 °C and back.
-#include "laser/normalise.hpp"
+#include "laser/analysis/normalise.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "laser/import.hpp"
-#include "laser/measurement_writer.hpp"
+#include "laser/import/import.hpp"
+#include "laser/writers/measurement_writer.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

@@ -1,5 +1,5 @@
 // What is done to curves, against numbers worked by hand.
-#include "laser/process.hpp"
+#include "laser/analysis/process.hpp"
 
 #include <cmath>
 #include <random>

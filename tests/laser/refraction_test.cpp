@@ -1,5 +1,5 @@
 // Refractive index of air against published values.
-#include "laser/refraction.hpp"
+#include "laser/analysis/refraction.hpp"
 
 #include <cmath>
 #include <vector>

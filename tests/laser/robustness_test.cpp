@@ -6,9 +6,9 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
-#include "laser/import.hpp"
-#include "laser/iso230.hpp"
-#include "laser/process.hpp"
+#include "laser/analysis/iso230.hpp"
+#include "laser/analysis/process.hpp"
+#include "laser/import/import.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "laser/process.hpp"
+#include "laser/analysis/process.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

@@ -5,9 +5,9 @@
 #include <rapidcheck.h>
 
 #include "base/text.hpp"
-#include "laser/import.hpp"
-#include "laser/renishaw_writer.hpp"
-#include "laser/table_writers.hpp"
+#include "laser/import/import.hpp"
+#include "laser/writers/renishaw_writer.hpp"
+#include "laser/writers/table_writers.hpp"
 #include "made_up.hpp"
 
 using namespace ecs;

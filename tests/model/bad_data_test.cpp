@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model/compare.hpp"
+#include "model/fit/compare.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

@@ -1,4 +1,4 @@
-#include "model/diagnose.hpp"
+#include "model/diagnosis/diagnose.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include "model/candidates.hpp"
-#include "model/next_measurement.hpp"
+#include "model/diagnosis/candidates.hpp"
+#include "model/planning/next_measurement.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

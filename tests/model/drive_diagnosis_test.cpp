@@ -1,10 +1,10 @@
-#include "model/drive_diagnosis.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>
+
+#include "model/drive/diagnosis.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

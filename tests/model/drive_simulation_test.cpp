@@ -1,12 +1,11 @@
-#include "model/drive_simulation.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
-#include "model/drive_trace.hpp"
+#include "model/drive/simulation.hpp"
+#include "model/drive/trace.hpp"
 
 using namespace ecs::model;
 using doctest::Approx;

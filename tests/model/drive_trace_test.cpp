@@ -1,12 +1,11 @@
-#include "model/drive_trace.hpp"
-
 #include <cmath>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "model/drive_parameters.hpp"
+#include "model/drive/parameters.hpp"
+#include "model/drive/trace.hpp"
 
 using namespace ecs;
 using namespace ecs::model;

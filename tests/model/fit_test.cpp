@@ -1,13 +1,13 @@
-#include "model/fit.hpp"
+#include "model/fit/fit.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
-#include "model/compare.hpp"
-#include "model/ladder.hpp"
-#include "model/next_measurement.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "model/fit/compare.hpp"
+#include "model/planning/next_measurement.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

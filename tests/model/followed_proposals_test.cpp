@@ -4,8 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include "model/next_measurement.hpp"
-#include "model/part_program.hpp"
+#include "model/planning/next_measurement.hpp"
+#include "model/planning/part_program.hpp"
 #include "session.hpp"
 
 using namespace ecs;

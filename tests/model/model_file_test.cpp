@@ -1,4 +1,4 @@
-#include "model/model_file.hpp"
+#include "model/fit/model_file.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,11 @@
-#include "model/next_measurement.hpp"
+#include "model/planning/next_measurement.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "model/part_program.hpp"
+#include "model/planning/part_program.hpp"
 #include "session.hpp"
 
 using namespace ecs;

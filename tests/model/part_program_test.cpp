@@ -1,4 +1,4 @@
-#include "model/part_program.hpp"
+#include "model/planning/part_program.hpp"
 
 #include <cmath>
 #include <map>

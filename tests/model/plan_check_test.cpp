@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model/next_measurement.hpp"
+#include "model/planning/next_measurement.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

@@ -12,7 +12,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "laser/import.hpp"
+#include "laser/import/import.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

@@ -1,4 +1,4 @@
-#include "model/regressors.hpp"
+#include "model/effects/regressors.hpp"
 
 #include <cmath>
 #include <numbers>

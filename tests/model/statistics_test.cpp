@@ -1,4 +1,4 @@
-#include "model/statistics.hpp"
+#include "model/fit/statistics.hpp"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "laser/measurement_set.hpp"
-#include "model/diagnose.hpp"
+#include "model/diagnosis/diagnose.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::model::test {

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model/noise.hpp"
+#include "model/fit/noise.hpp"
 #include "synthetic.hpp"
 
 using namespace ecs;

@@ -7,9 +7,9 @@
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
-#include "protocol/frame_check.hpp"
-#include "protocol/frame_codec.hpp"
-#include "protocol/frame_cut.hpp"
+#include "protocol/line/frame_codec.hpp"
+#include "protocol/line/frame_cut.hpp"
+#include "protocol/registers/frame_check.hpp"
 #include "unit_model.hpp"
 
 using namespace ecs;

@@ -1,11 +1,11 @@
 // The unit's side of a bulk write.
-#include "protocol/memory_window.hpp"
+#include "protocol/server/memory_window.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
-#include "protocol/unit_registers.hpp"
+#include "protocol/registers/unit_registers.hpp"
 #include "unit_model.hpp"
 
 using namespace ecs;

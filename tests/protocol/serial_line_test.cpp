@@ -1,5 +1,5 @@
 // Link addresses and the times of a line.
-#include "protocol/serial_line.hpp"
+#include "protocol/line/serial_line.hpp"
 
 #include <doctest/doctest.h>
 

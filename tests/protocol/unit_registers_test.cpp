@@ -1,5 +1,5 @@
 // Typed values through registers and back.
-#include "protocol/unit_registers.hpp"
+#include "protocol/registers/unit_registers.hpp"
 
 #include <limits>
 

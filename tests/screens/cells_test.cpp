@@ -1,10 +1,10 @@
 // Cells, widgets and curves: what stands where, without a terminal.
-#include "app/screens/cells.hpp"
+#include "app/ui/cells.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/screens/widgets.hpp"
+#include "app/ui/widgets.hpp"
 
 using namespace ecs::app;
 

@@ -1,5 +1,5 @@
 // Curves in cells: ticks, zoom, cursor, and what can be told without colour.
-#include "app/screens/chart.hpp"
+#include "app/ui/chart.hpp"
 
 #include <algorithm>
 

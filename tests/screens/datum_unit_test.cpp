@@ -1,8 +1,8 @@
 // RECORD DATUM SEQUENCE and TEST DATUM ROUTINE on the emulated unit; its machine is referenced as g does it.
-#include "app/screens/datum_record_screen.hpp"
-#include "app/screens/datum_test_screen.hpp"
-#include "app/screens/datum_view_screen.hpp"
-#include "app/transfer.hpp"
+#include "app/screens/utility/datum_record_screen.hpp"
+#include "app/screens/utility/datum_test_screen.hpp"
+#include "app/screens/utility/datum_view_screen.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs;

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/screens/datum_view_screen.hpp"
+#include "app/screens/utility/datum_view_screen.hpp"
 #include "base/file.hpp"
 #include "utility_bench.hpp"
 

@@ -15,8 +15,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "app/screens/laser_screen.hpp"
-#include "app/screens/screens_program.hpp"
+#include "app/screens/laser/screen.hpp"
+#include "app/ui/screen_program.hpp"
 
 namespace ecs::app {
 

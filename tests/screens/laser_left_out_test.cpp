@@ -1,5 +1,5 @@
 // What is left out stays visible in the curves; where lines were measured is told wherever the file knows it.
-#include "app/screens/laser_chart.hpp"
+#include "app/screens/laser/chart.hpp"
 #include "laser_case.hpp"
 
 namespace ecs::app {

@@ -1,5 +1,5 @@
 // The steps on the screen from files to curves, each against numbers known beforehand.
-#include "app/program.hpp"
+#include "app/cli/program.hpp"
 #include "laser_case.hpp"
 
 namespace ecs::app {

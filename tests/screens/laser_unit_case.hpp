@@ -8,8 +8,8 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include "app/emulator_process.hpp"
-#include "app/program.hpp"
+#include "app/cli/program.hpp"
+#include "commissioning/link/emulator_process.hpp"
 #include "laser_case.hpp"
 
 namespace ecs::app {

@@ -1,6 +1,6 @@
 // Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
 #include "laser_unit_case.hpp"
-#include "protocol/client.hpp"
+#include "protocol/client/client.hpp"
 
 namespace ecs::app {
 namespace {

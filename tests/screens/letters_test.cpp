@@ -1,10 +1,10 @@
 // Letters of other scripts: two columns, no column, and rows that stay aligned whatever a file is called.
-#include "app/screens/letters.hpp"
+#include "app/ui/letters.hpp"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/screens/widgets.hpp"
+#include "app/ui/widgets.hpp"
 
 using namespace ecs::app;
 

@@ -1,9 +1,9 @@
 // The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
-#include "app/screens/link_screen.hpp"
+#include "app/screens/unit/link_screen.hpp"
 
 #include <algorithm>
 
-#include "app/screens/link_statistics.hpp"
+#include "app/screens/unit/link_statistics.hpp"
 #include "link_case.hpp"
 
 namespace ecs::app {

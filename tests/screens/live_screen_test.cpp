@@ -1,5 +1,5 @@
 // A capture on the screen: what comes next, values typed, what was read.
-#include "app/screens/live_screen.hpp"
+#include "app/screens/verbs/live_screen.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "app/screens/screens_program.hpp"
+#include "app/ui/screen_program.hpp"
 #include "base/file.hpp"
 
 using namespace ecs::app;

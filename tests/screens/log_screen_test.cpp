@@ -1,5 +1,5 @@
 // The log: what the screens told, whole, found again and copied.
-#include "app/screens/log_screen.hpp"
+#include "app/screens/unit/log_screen.hpp"
 
 #include <algorithm>
 

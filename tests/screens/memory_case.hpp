@@ -17,10 +17,10 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "app/link_choice.hpp"
-#include "app/program.hpp"
-#include "app/screens/screens_program.hpp"
-#include "app/screens/unit_desk.hpp"
+#include "app/cli/program.hpp"
+#include "app/ui/screen_program.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/link/unit_connection.hpp"
 
 namespace ecs::app::unit_case {
 

@@ -1,10 +1,10 @@
 // What the memory screen is made of: bytes that are known, patterns, differences.
 #include <doctest/doctest.h>
 
-#include "app/screens/memory_differences.hpp"
-#include "app/screens/memory_pattern.hpp"
-#include "app/screens/memory_picture.hpp"
-#include "app/screens/memory_write.hpp"
+#include "app/screens/memory/differences.hpp"
+#include "app/screens/memory/pattern.hpp"
+#include "app/screens/memory/picture.hpp"
+#include "app/screens/memory/write.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,8 +1,7 @@
 // Memory access with the emulator's memory, and with dumps of it.
-#include "app/screens/memory_screen.hpp"
-
 #include <algorithm>
 
+#include "app/screens/memory/screen.hpp"
 #include "base/file.hpp"
 #include "memory_case.hpp"
 

@@ -10,8 +10,8 @@
 
 #include <doctest/doctest.h>
 
-#include "app/screens/parameters_screen.hpp"
-#include "app/screens/screens_program.hpp"
+#include "app/screens/parameters/screen.hpp"
+#include "app/ui/screen_program.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app::parameters_case {

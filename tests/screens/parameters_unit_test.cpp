@@ -6,8 +6,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "app/emulator_process.hpp"
-#include "app/program.hpp"
+#include "app/cli/program.hpp"
+#include "commissioning/link/emulator_process.hpp"
 #include "parameters_case.hpp"
 
 namespace ecs::app::parameters_case {

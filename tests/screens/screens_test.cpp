@@ -7,11 +7,11 @@
 
 #include <doctest/doctest.h>
 
-#include "app/screens/menu_screen.hpp"
-#include "app/screens/model_form.hpp"
-#include "app/screens/model_screen.hpp"
-#include "app/screens/screens_program.hpp"
-#include "app/screens/verb_screen.hpp"
+#include "app/screens/model/form.hpp"
+#include "app/screens/model/screen.hpp"
+#include "app/screens/verbs/verb_screen.hpp"
+#include "app/ui/menu_screen.hpp"
+#include "app/ui/screen_program.hpp"
 #include "base/file.hpp"
 
 using namespace ecs::app;

@@ -1,12 +1,12 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
-#include "app/screens/status_screen.hpp"
+#include "app/screens/utility/status_screen.hpp"
 
 #include <sstream>
 
-#include "app/memory_dump.hpp"
-#include "app/program.hpp"
-#include "app/transfer.hpp"
+#include "app/cli/program.hpp"
 #include "base/file.hpp"
+#include "commissioning/memory/dump.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs;

@@ -1,15 +1,15 @@
 // Messages, questions and help: nobody meets half a sentence without a way to the rest of it.
-#include "app/screens/talk.hpp"
+#include "app/ui/talk.hpp"
 
 #include <algorithm>
 #include <filesystem>
 
 #include <doctest/doctest.h>
 
-#include "app/screens/event_log.hpp"
-#include "app/screens/key_line.hpp"
-#include "app/screens/overlay.hpp"
-#include "app/screens/screens_program.hpp"
+#include "app/ui/key_line.hpp"
+#include "app/ui/overlay.hpp"
+#include "app/ui/screen_program.hpp"
+#include "commissioning/link/event_log.hpp"
 
 using namespace ecs::app;
 

@@ -1,9 +1,8 @@
 // The one line to the unit that all screens share.
-#include "app/screens/unit_desk.hpp"
-
 #include <doctest/doctest.h>
 
 #include "../protocol/unit_model.hpp"
+#include "commissioning/link/unit_connection.hpp"
 
 namespace ecs::app {
 namespace {

@@ -14,9 +14,9 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "app/screens/screen.hpp"
-#include "app/screens/screens_program.hpp"
-#include "app/screens/unit_desk.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/screen_program.hpp"
+#include "commissioning/link/unit_connection.hpp"
 
 namespace ecs::app::utility_bench {
 

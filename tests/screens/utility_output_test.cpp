@@ -1,5 +1,5 @@
 // OUTPUT COMPENSATION VALUE on the emulated unit.
-#include "app/screens/utility_output_screen.hpp"
+#include "app/screens/utility/output_screen.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs;

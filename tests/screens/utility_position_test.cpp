@@ -1,5 +1,5 @@
 // SET AXIS POSITION on the emulated unit.
-#include "app/screens/utility_position_screen.hpp"
+#include "app/screens/utility/position_screen.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs::app;

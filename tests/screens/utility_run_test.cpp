@@ -1,5 +1,5 @@
 // RUN USER SOFTWARE on the emulated unit.
-#include "app/screens/utility_run_screen.hpp"
+#include "app/screens/utility/run_screen.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs;

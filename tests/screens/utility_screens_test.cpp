@@ -1,7 +1,7 @@
 // What holds for every screen of ECS UTILITY.
 #include <algorithm>
 
-#include "app/screens/utility_choices.hpp"
+#include "app/screens/utility/choices.hpp"
 #include "utility_bench.hpp"
 
 using namespace ecs::app;

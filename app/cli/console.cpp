@@ -1,0 +1,102 @@
+#include "app/cli/console.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/shown.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr int kBarCells = 30;
+constexpr std::string_view kRed = "31", kYellow = "33", kPlain;
+
+bool is_set(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr && *value != '\0';
+}
+
+std::string bar_of(double fraction) {
+  const int full = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBarCells);
+  return std::string(static_cast<std::size_t>(full), '#') +
+         std::string(static_cast<std::size_t>(kBarCells - full), '.');
+}
+
+}  // namespace
+
+FaceOptions options_of_stderr() {
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  const char* kind = std::getenv("TERM");
+  const bool dumb = kind == nullptr || std::string_view(kind) == "dumb";
+  return {terminal, terminal && !dumb && !is_set("NO_COLOR"), nullptr};
+}
+
+void Face::say(std::string_view colour, std::string_view text) {
+  end_progress();
+  const std::string harmless = shown(text);
+  for (const std::string_view line : lines_of(harmless)) {
+    if (options_.colour && !colour.empty())
+      *messages_ << "\033[" << colour << 'm' << message_prefix << line << "\033[0m\n";
+    else
+      *messages_ << message_prefix << line << '\n';
+  }
+  messages_->flush();
+}
+
+void Face::note(std::string_view text) {
+  if (!quiet) say(kPlain, text);
+}
+void Face::warn(std::string_view text) { say(kYellow, fmt::format("warning: {}", text)); }
+void Face::show(const Problem& problem) { say(kRed, to_text(problem)); }
+
+void Face::print(std::string_view text) {
+  if (json) return;
+  end_progress();
+  *out_ << shown(text) << '\n';
+  out_->flush();
+}
+
+void Face::print_json(std::string_view object) {
+  if (!json) return;
+  *out_ << object << '\n';
+  out_->flush();
+}
+
+void Face::answer(std::string_view text, std::string_view json_object) {
+  end_progress();
+  const std::string chosen = json ? std::string(json_object) : shown(text);
+  if (chosen.empty()) return;
+  if (!json) *out_ << message_prefix;
+  *out_ << chosen;
+  if (chosen.back() != '\n') *out_ << '\n';
+  out_->flush();
+}
+
+void Face::progress(std::string_view label, double fraction, double seconds_left) {
+  if (!options_.messages_on_terminal || quiet) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (bar_shown_ && now - bar_drawn_ < std::chrono::milliseconds(100)) return;
+  bar_shown_ = true;
+  bar_drawn_ = now;
+  *messages_ << fmt::format("\r{}{} [{}] {:3.0f} %  {:.0f} s left \033[K", message_prefix, shown(label),
+                            bar_of(fraction), 100.0 * std::clamp(fraction, 0.0, 1.0), std::max(0.0, seconds_left));
+  messages_->flush();
+}
+
+void Face::end_progress() {
+  if (!bar_shown_) return;
+  *messages_ << "\r\033[K";
+  messages_->flush();
+  bar_shown_ = false;
+}
+
+bool Face::output_is_whole() {
+  out_->flush();
+  return out_->good();
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,68 @@
+// The two streams a verb speaks through: results on stdout, messages and the progress bar on stderr.
+// Does not live here: which verb runs (program.hpp), what it answers (base/outcome.hpp).
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <string_view>
+
+#include "app/cli/keyboard.hpp"
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+struct FaceOptions {
+  bool messages_on_terminal = false;   ///< progress bar wanted
+  bool colour = false;                 ///< on the messages
+  std::shared_ptr<Keyboard> keyboard;  ///< lines typed while a verb runs; empty: there is nobody to type
+};
+
+/// What stderr can show: a terminal, and colour unless NO_COLOR is set or TERM says "dumb".
+[[nodiscard]] FaceOptions options_of_stderr();
+
+/// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/shown.hpp, so that no file and no
+/// unit can speak to the terminal.
+class Face {
+ public:
+  Face(std::ostream& out, std::ostream& messages, FaceOptions options = {})
+      : out_(&out), messages_(&messages), options_(options) {}
+
+  bool json = false;           ///< --json
+  bool quiet = false;          ///< --quiet: no notes, no progress bar; warnings and problems stay
+  std::string message_prefix;  ///< "EMULATOR: " while a verb writes to the bundled emulator
+
+  void note(std::string_view text);
+  void warn(std::string_view text);
+  void show(const Problem& problem);
+
+  /// A line of results, at once: for verbs that print as they go. Nothing with --json.
+  void print(std::string_view text);
+  /// A JSON object on a line of its own, at once. Nothing without --json.
+  void print_json(std::string_view object);
+  /// The answer of a verb as it stands: text or JSON.
+  void answer(std::string_view text, std::string_view json_object);
+
+  /// Draws the bar on a terminal, at most ten times a second, and takes it away at the end.
+  /// @param fraction  0 … 1
+  void progress(std::string_view label, double fraction, double seconds_left);
+  void end_progress();
+
+  /// Null: there is nobody to type.
+  [[nodiscard]] Keyboard* keyboard() const { return options_.keyboard.get(); }
+
+  /// False once stdout could not be written.
+  [[nodiscard]] bool output_is_whole();
+
+ private:
+  void say(std::string_view colour, std::string_view text);
+
+  std::ostream* out_;
+  std::ostream* messages_;
+  FaceOptions options_;
+  bool bar_shown_ = false;
+  std::chrono::steady_clock::time_point bar_drawn_{};
+};
+
+}  // namespace ecs::app

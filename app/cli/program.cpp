@@ -1,0 +1,218 @@
+#include "app/cli/program.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "app/cli/menus.hpp"
+#include "app/cli/overview.hpp"
+#include "base/interrupt.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/version.hpp"
+
+namespace ecs::app {
+namespace {
+
+Json with_link(Json object, const Session& session) {
+  if (!session.link_name.empty() && !object.contains("link")) object["link"] = session.link_name;
+  return object;
+}
+
+int failed(Session& session, const Problem& problem) {
+  session.face.end_progress();
+  if (session.face.json) {
+    Json object{{"error", json_of(problem)}};
+    object["error"]["message"] = session.face.message_prefix + problem.message;
+    session.face.print_json(one_line(with_link(std::move(object), session)));
+  } else {
+    session.face.show(problem);
+  }
+  return exit_code_of(problem.kind);
+}
+
+int answered(Session& session, const Outcome& outcome) {
+  std::string object = outcome.json;
+  if (session.face.json && !object.empty() && !session.link_name.empty())
+    object = one_line(with_link(Json::parse(object), session));
+  session.face.answer(outcome.text, object);
+  if (!session.face.output_is_whole())
+    return failed(
+        session,
+        {ProblemKind::output, "stdout could not be written: the disc is full, or the pipe is closed", {}, 0, 0, {}});
+  return outcome.exit_code;
+}
+
+int with_signal(int exit_code) {
+  const int signal = interrupting_signal();
+  return signal == 0 ? exit_code : 128 + signal;
+}
+
+/// What was under way says what it left behind.
+Problem stopped_by_signal(Problem under_way) {
+  under_way.message = fmt::format("stopped by signal {} ({}): {}", interrupting_signal(),
+                                  ::strsignal(interrupting_signal()), under_way.message);
+  return under_way;
+}
+
+int run_action(Session& session, const Action& action) {
+  const Result<Outcome> result = action(session);
+  if (result) return with_signal(answered(session, *result));
+  if (interrupting_signal() != 0) return with_signal(failed(session, stopped_by_signal(result.error())));
+  return failed(session, result.error());
+}
+
+std::vector<std::string> names_of_verbs(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
+std::vector<std::string> names_of_options(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string near = nearest_word(word, candidates);
+  return near.empty() ? std::string() : fmt::format("; did you mean \"{}\"?", near);
+}
+
+/// The menu or verb that the words lead to, and the first word that leads nowhere.
+struct Place {
+  const CLI::App* app = nullptr;
+  std::string parent;  ///< "ecs utility", without the app's own name
+  std::string path = "ecs";
+  std::string stray;
+};
+
+Place place_of(const CLI::App& root, const std::vector<std::string>& words) {
+  Place place;
+  place.app = &root;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--link") ++i;
+    if (i >= words.size() || words[i].starts_with("-")) continue;
+    const auto subs = place.app->get_subcommands([&](const CLI::App* sub) { return sub->get_name() == words[i]; });
+    if (subs.empty()) {
+      if (!names_of_verbs(*place.app).empty()) place.stray = words[i];
+      break;
+    }
+    place.app = subs.front();
+    place.parent = place.path;
+    place.path += " " + words[i];
+  }
+  return place;
+}
+
+bool contains(const std::vector<std::string>& all, const std::string& word) {
+  return std::find(all.begin(), all.end(), word) != all.end();
+}
+
+/// "--smooth needs a NUMBER: …" where the parser complains of an option without its value; else empty.
+std::string lacking_value(const CLI::App& app, const std::vector<std::string>& words, const std::string& what) {
+  if (what.find(" required ") == std::string::npos || what.find(" missing") == std::string::npos) return {};
+  for (const std::string& word : words) {
+    const CLI::Option* option = word.starts_with("-") ? app.get_option_no_throw(word) : nullptr;
+    if (option == nullptr || !what.starts_with(option->get_name() + ":")) continue;
+    const std::string kind = option->get_type_name();
+    return fmt::format("{} needs {} behind it: {}", word, kind.empty() ? "a value" : "a value (" + kind + ")",
+                       option->get_description());
+  }
+  return {};
+}
+
+std::string usage_text(const CLI::App& root, const std::vector<std::string>& words, const std::string& what) {
+  const Place place = place_of(root, words);
+  const auto verbs = names_of_verbs(*place.app);
+  if (!place.stray.empty())
+    return fmt::format("`{}` has no verb \"{}\"{} It has: {}", place.path, place.stray,
+                       did_you_mean(place.stray, verbs).empty() ? "." : did_you_mean(place.stray, verbs),
+                       fmt::join(verbs, ", "));
+  if (const std::string lacks = lacking_value(*place.app, words, what); !lacks.empty())
+    return fmt::format("{}: {} (see `{} --help`)", place.path, lacks, place.path);
+  const std::vector<std::string> options = names_of_options(*place.app);
+  std::string hint;
+  for (const std::string& word : words)
+    if (word.starts_with("--") && what.find(word) != std::string::npos && hint.empty() && !contains(options, word))
+      hint = did_you_mean(word, options);
+  return fmt::format("{}: {}{} (see `{} --help`)", place.path, what, hint, place.path);
+}
+
+std::string menu_text(const Place& place) {
+  return fmt::format("`{}` needs a verb: {} (see `{} --help`)", place.path, fmt::join(names_of_verbs(*place.app), ", "),
+                     place.path);
+}
+
+/// Lines of at most 80 columns; what is said of an option goes on under its beginning. Examples stay in one piece.
+std::string wrapped_help(const std::string& help) {
+  constexpr std::size_t kWide = 80;
+  constexpr std::size_t kHelpColumn = 30;
+  std::string out;
+  bool example = false;
+  for (std::string_view line : lines_of(help)) {
+    example = example || line.starts_with("Example:");
+    const std::size_t indent = line.starts_with("  ") ? kHelpColumn : 0;
+    while (line.size() > kWide && !example) {
+      const std::size_t cut = line.rfind(' ', kWide);
+      if (cut == std::string_view::npos || line.find_first_not_of(' ') > cut) break;
+      out += std::string(line.substr(0, cut)) + "\n" + std::string(indent, ' ');
+      line.remove_prefix(cut + 1);
+      if (line.size() + indent <= kWide) break;
+    }
+    out += std::string(line) + "\n";
+  }
+  return out;
+}
+
+int show_text(Session& session, const std::string& key, const std::string& text) {
+  return answered(session, {text, one_line(Json{{key, text}}), kDone});
+}
+
+int parsed_and_run(const std::vector<std::string>& words, Session& session) {
+  CLI::App root("ECS: parameters, error maps and tests of an error compensation system for machine tools", "ecs");
+  Action chosen;
+  root.add_flag("--json", session.face.json, "the answer as one JSON object on stdout");
+  root.add_flag("--quiet", session.face.quiet, "no notes and no progress bar");
+  root.add_option("--link", session.link_option, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")
+      ->type_name("");
+  root.set_version_flag("--version", kVersion);
+  root.require_subcommand(0, 1);
+  Menu menu(root, session, chosen);
+  add_all_menus(menu);
+  try {
+    root.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::CallForHelp&) {
+    const Place place = place_of(root, words);
+    return show_text(session, "help", wrapped_help(place.app->help(place.parent)));
+  } catch (const CLI::CallForVersion&) {
+    return show_text(session, "version", kVersion);
+  } catch (const CLI::ParseError& error) {
+    return failed(session, {ProblemKind::usage, usage_text(root, words, error.what()), {}, 0, 0, {}});
+  }
+  if (chosen) return run_action(session, chosen);
+  const Place place = place_of(root, words);
+  if (place.app != &root) return failed(session, {ProblemKind::usage, menu_text(place), {}, 0, 0, {}});
+  return run_action(session, [&root](Session& s) { return overview(root, s); });
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages, FaceOptions options) {
+  Face face(out, messages, options);
+  face.json = std::find(words.begin(), words.end(), "--json") != words.end();
+  Session session{face, {}, {}};
+  try {
+    return parsed_and_run(words, session);
+  } catch (const std::exception& error) {
+    return failed(session, {ProblemKind::output, fmt::format("internal failure: {}", error.what()), {}, 0, 0, {}});
+  }
+}
+
+}  // namespace ecs::app

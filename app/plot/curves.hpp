@@ -1,0 +1,21 @@
+// Figures of measurements and maps: error curves with their readings, before and after, tables of compensation.
+// Does not live here: drawing them (gnuplot.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app/plot/figure.hpp"
+#include "laser/analysis/curve.hpp"
+#include "laser/map/error_map.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::app {
+
+/// Means of the curve as lines, the readings of its group in `set` as thin points behind them.
+[[nodiscard]] PlotPanel panel_of(const laser::MeasurementSet& set, const laser::Curve& curve, const std::string& title);
+
+/// The tables of a map, a panel for each component; one component alone if it is given.
+[[nodiscard]] PlotFigure figure_of(const laser::ErrorMap& map, std::optional<Component> only, const std::string& title);
+
+}  // namespace ecs::app

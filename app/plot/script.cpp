@@ -1,0 +1,154 @@
+// A figure as commands for gnuplot. Does not live here: running gnuplot (gnuplot.cpp).
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/plot/gnuplot.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Range {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+  void take(double value) {
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  [[nodiscard]] std::string padded(double share) const {
+    if (least > most) return "[-1:1]";
+    const double pad = most > least ? share * (most - least) : 1.0;
+    return fmt::format("[{:.9g}:{:.9g}]", least - pad, most + pad);
+  }
+};
+
+struct Ranges {
+  Range x;
+  Range y;
+  void take(const PlotPanel& panel) {
+    for (const PlotSeries& series : panel.series)
+      for (const PlotPoint& point : series.points) {
+        x.take(point.x);
+        y.take(point.y);
+      }
+  }
+};
+
+/// As gnuplot takes a text that means only itself: in single quotes, on one line.
+std::string literal(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + "'";
+}
+
+bool is_line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
+
+/// So many points apart stand the marks on a line, that they do not hide it.
+std::size_t mark_spacing(std::size_t points) { return 1 + points / 60; }
+
+std::string_view style_of(Mark mark) {
+  switch (mark) {
+    case Mark::forward:
+      return "linespoints lw 1.5 dt 1 pt 9 ps 0.9 lc rgb '#0050a0'";
+    case Mark::reverse:
+      return "linespoints lw 1.5 dt (12,6) pt 11 ps 0.9 lc rgb '#c04000'";
+    case Mark::both:
+      return "linespoints lw 1.5 dt 1 pt 7 ps 0.6 lc rgb '#202020'";
+    case Mark::forward_reading:
+      return "points pt 8 ps 0.7 lw 0.7 lc rgb '#6090c0'";
+    case Mark::reverse_reading:
+      return "points pt 10 ps 0.7 lw 0.7 lc rgb '#d08060'";
+    case Mark::bar:
+      return "boxes fc rgb '#b8cfe6' fs solid 1.0 border rgb '#0050a0'";
+    case Mark::level:
+      return "lines lw 2.5 dt (12,6) lc rgb '#c04000'";
+    case Mark::reading:
+      break;
+  }
+  return "points pt 6 ps 0.6 lw 0.7 lc rgb '#808080'";
+}
+
+std::string data_blocks(const PlotFigure& figure) {
+  std::string out;
+  for (std::size_t p = 0; p < figure.panels.size(); ++p)
+    for (std::size_t s = 0; s < figure.panels[p].series.size(); ++s) {
+      out += fmt::format("$data_{}_{} << END_OF_DATA\n", p, s);
+      for (const PlotPoint& point : figure.panels[p].series[s].points)
+        out += fmt::format("{:.9g} {:.9g}\n", point.x, point.y);
+      out += "END_OF_DATA\n";
+    }
+  return out;
+}
+
+std::string plot_command(const PlotPanel& panel, std::size_t place) {
+  std::vector<std::string> parts;
+  for (std::size_t s = 0; s < panel.series.size(); ++s)
+    if (!panel.series[s].points.empty())
+      parts.push_back(fmt::format("$data_{}_{} using 1:2 with {}{} title {}", place, s, style_of(panel.series[s].mark),
+                                  is_line(panel.series[s].mark)
+                                      ? fmt::format(" pointinterval {}", mark_spacing(panel.series[s].points.size()))
+                                      : "",
+                                  literal(panel.series[s].name)));
+  return parts.empty() ? "plot 0 notitle lc rgb '#808080'\n" : fmt::format("plot {}\n", fmt::join(parts, ", "));
+}
+
+/// Words in place of the numbers of the abscissa, bars that start at zero; undone for the next panel.
+std::string x_names_commands(const PlotPanel& panel, const Ranges& ranges) {
+  if (panel.x_names.empty()) return "set xtics auto\nset mxtics\n";
+  constexpr std::size_t kLettersAcross = 110;
+  std::vector<std::string> names;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < panel.x_names.size(); ++i) {
+    names.push_back(fmt::format("{} {}", literal(panel.x_names[i]), i));
+    longest = std::max(longest, panel.x_names[i].size());
+  }
+  const bool crowded = longest * names.size() > kLettersAcross;
+  return fmt::format("set xtics {}({})\nunset mxtics\nset boxwidth 0.6\nset xrange [-0.7:{}]\nset yrange [0:{:.9g}]\n",
+                     crowded ? "rotate by 20 right " : "", fmt::join(names, ", "),
+                     static_cast<double>(names.size()) - 0.3, ranges.y.most > 0.0 ? 1.1 * ranges.y.most : 1.0);
+}
+
+std::string panel_commands(const PlotPanel& panel, std::size_t place, const Ranges& ranges) {
+  return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}{}",
+                     literal(panel.title), literal(panel.x_label), literal(panel.y_label), ranges.x.padded(0.02),
+                     ranges.y.padded(0.06), x_names_commands(panel, ranges), plot_command(panel, place));
+}
+
+std::string terminal_commands(PlotFormat format, int columns, int rows) {
+  const int width = columns == 1 ? 1000 : 620 * columns;
+  const int height = 60 + (columns == 1 ? 420 : 360) * rows;
+  return format == PlotFormat::svg
+             ? fmt::format("set terminal svg size {},{} noenhanced font 'Helvetica,13' background rgb 'white'\n", width,
+                           height)
+             : fmt::format("set terminal pngcairo size {},{} noenhanced font 'Sans,11'\n", width, height);
+}
+
+}  // namespace
+
+std::string plot_script(const PlotFigure& figure, PlotFormat format) {
+  const int columns = std::max(1, figure.columns);
+  const int rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
+  Ranges common;
+  for (const PlotPanel& panel : figure.panels) common.take(panel);
+  std::string script = "set encoding utf8\n" + terminal_commands(format, columns, std::max(1, rows));
+  script += data_blocks(figure);
+  script +=
+      "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset "
+      "mytics\n"
+      "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key tmargin center horizontal samplen 3\n";
+  script +=
+      fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    Ranges own;
+    own.take(figure.panels[i]);
+    script += panel_commands(figure.panels[i], i, figure.same_scale ? common : own);
+  }
+  return script + "unset multiplot\n";
+}
+
+}  // namespace ecs::app

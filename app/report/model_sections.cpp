@@ -1,0 +1,272 @@
+// Effects found with their evidence, the ladder, and what was predicted beside what was achieved.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/report/sections.hpp"
+#include "app/report/svg.hpp"
+#include "commissioning/measurements/summary.hpp"
+#include "commissioning/models/view.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::string um(double value) { return quantity_text(value, decimals_for(value), "um"); }
+std::string percent(double share) { return fmt::format("{}\u202f%", number_text(100.0 * share, 1)); }
+
+// --- predicted against achieved
+
+constexpr const char* kByTheMap =
+    "By the map: the compensation that the unit puts out at each place and approach, computed by the core that runs in "
+    "it, is added to the readings taken before; what is left is predicted. Scatter is part of both. ";
+
+/// A map that was made from these readings holds their noise; with means of n runs noise alone gives √((n + 1)/(n −
+/// 1)).
+std::string noise_ratio_text(const std::vector<TableRow>& rows) {
+  std::size_t fewest = 0;
+  for (const TableRow& row : rows)
+    if (row.before)
+      for (const LineSummary& line : lines_in(row.before->readings.before))
+        fewest = fewest == 0 ? line.runs : std::min(fewest, line.runs);
+  if (fewest < 2) return "";
+  const auto n = static_cast<double>(fewest);
+  return fmt::format(
+      "The map was made from such readings and carries their noise: with {} runs, noise alone makes the "
+      "last column {:.1f} where nothing was smoothed.",
+      fewest, std::sqrt((n + 1.0) / (n - 1.0)));
+}
+
+Markup map_prediction(const ReportContent& content) {
+  TableMarkup table({{"measurement"},
+                     {"band before", true},
+                     {"predicted", true},
+                     {"achieved", true},
+                     {"rms predicted", true},
+                     {"rms achieved", true},
+                     {"achieved ÷ predicted", true},
+                     {"unit"}});
+  for (std::size_t i = 0; i < content.rows.size(); ++i) {
+    const TableRow& row = content.rows[i];
+    const PredictedRow& p = content.predicted[i];
+    if (!p.band || !row.after) continue;
+    const int decimals = decimals_of(row);
+    const int fine = decimals_for(std::min(*p.rms, *p.rms_after));
+    table.row({element("strong", row.planned.name), cell(row.before->readings.band, decimals), cell(p.band, decimals),
+               cell(row.after->readings.band, decimals), cell(p.rms, fine), cell(p.rms_after, fine),
+               cell(*p.rms > 0.0 ? std::optional(*p.rms_after / *p.rms) : std::nullopt, 2),
+               text(unit_text(laser::unit_of(row.planned.sense)))});
+  }
+  if (table.empty()) return {};
+  return paragraph_of(kByTheMap + noise_ratio_text(content.rows), "class=\"small intro\"") + table.markup();
+}
+
+Markup directions_table(const ReportedModel& model) {
+  TableMarkup table({{"sense"},
+                     {"axis"},
+                     {"direction"},
+                     {"rms before", true},
+                     {"rms predicted", true},
+                     {"rms achieved", true},
+                     {"achieved ÷ predicted", true},
+                     {"unit"}});
+  for (const AfterDirection& one : model.directions) {
+    const int decimals = decimals_for(one.predicted_um);
+    table.row({element("strong", name_of(one.sense)), text(std::string(1, letter_of(one.axis))),
+               text(direction_text(one.approach)), cell(one.now_um, decimals), cell(one.predicted_um, decimals),
+               cell(one.achieved_um, decimals),
+               cell(one.achieved_um && one.predicted_um > 0.0 ? std::optional(*one.achieved_um / one.predicted_um)
+                                                              : std::nullopt,
+                    2),
+               text(unit_text(laser::unit_of(one.sense)))});
+  }
+  return table.markup();
+}
+
+Markup model_prediction(const ReportedModel& model) {
+  return element("h3", "By the error model") +
+         paragraph_of(fmt::format("{} ({}). Compensating all that the unit can carry of the model would bring the rms "
+                                  "from {} to {} (largest reading {}), scatter included.",
+                                  counted(model.readings, "reading", "readings"), model.data,
+                                  um(model.what_if.rms_now_um), um(model.what_if.rms_after_um),
+                                  um(model.what_if.peak_after_um))) +
+         directions_table(model);
+}
+
+// --- effects
+
+std::string verdict_text(const ReportedDiagnosis& d) {
+  std::vector<std::string> named;
+  for (const ReportedEffect& effect : d.effects)
+    if (effect.named) named.push_back(fmt::format("{} ({})", effect.place, effect.title));
+  if (d.verdict == "adequate") return "The error model is adequate: what it leaves is noise.";
+  if (d.verdict == "missing_effect") return fmt::format("The error model lacks {}.", fmt::join(named, " and "));
+  std::vector<std::string> variables;
+  for (const ReportedDependence& one : d.where)
+    if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);
+  return fmt::format(
+      "What the error model leaves is not noise, and no effects of the library, alone or together, explain all of "
+      "it{}{}.",
+      variables.empty() ? "" : "; it depends on ", fmt::join(variables, ", "));
+}
+
+std::string false_naming_text(const ReportedEffect& effect, std::size_t blanks) {
+  if (!effect.false_naming) return "\u2013";
+  const double least = 1.0 / (static_cast<double>(blanks) + 1.0);
+  return *effect.false_naming <= least ? fmt::format("< {:.2g}\u202f%", 100.0 * least)
+                                       : fmt::format("{:.2g}\u202f%", 100.0 * *effect.false_naming);
+}
+
+Markup evidence_table(const ReportedDiagnosis& d, bool named) {
+  TableMarkup table({{named ? "effect" : "rival or weaker explanation"},
+                     {"rms after [µm]", true},
+                     {"of what is above noise", true},
+                     {"held out before → after [µm]", true},
+                     {"false naming", true}});
+  for (const ReportedEffect& effect : d.effects) {
+    if (effect.named != named) continue;
+    const auto held = effect.held_out_before_um && effect.held_out_after_um
+                          ? fmt::format("{} → {}", number_text(*effect.held_out_before_um, 2),
+                                        number_text(*effect.held_out_after_um, 2))
+                          : std::string("\u2013");
+    table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
+               text(effect.explainable_share ? percent(*effect.explainable_share) : "\u2013"), text(held),
+               text(false_naming_text(effect, d.blanks))});
+  }
+  return table.empty() ? Markup() : table.markup();
+}
+
+Markup details(const ReportedDiagnosis& d) {
+  Markup out;
+  for (const ReportedEffect& effect : d.effects) {
+    if (!effect.named) continue;
+    Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
+    if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
+    if (!effect.because.empty()) body += paragraph_of(unit_text(effect.because));
+    body +=
+        paragraph_of(effect.rivals.empty() ? "No other effect of the library does the same on these data."
+                                           : fmt::format("Cannot be told from: {}.", fmt::join(effect.rivals, ", ")));
+    if (!effect.next_measurement.empty()) body += paragraph_of("To be sure: " + effect.next_measurement);
+    out += element("article", body);
+  }
+  return out;
+}
+
+Markup diagnosis_part(const ReportedDiagnosis& d) {
+  Markup body = paragraph_of(verdict_text(d), "class=\"lead\"");
+  std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
+                                    counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
+  if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")
+    numbers +=
+        fmt::format(" With {}: rms {}.", d.verdict == "missing_effect" ? "what is named" : "the best that was tried",
+                    um(*d.rms_after_um));
+  body += paragraph_of(numbers);
+  body += evidence_table(d, true) + details(d) + evidence_table(d, false);
+  std::vector<std::string> where;
+  for (const ReportedDependence& one : d.where)
+    if (one.strength >= 0.01) where.push_back(fmt::format("{} {}", one.variable, percent(one.strength)));
+  if (!where.empty())
+    body +=
+        paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
+  if (d.blanks > 0 && !d.effects.empty())
+    body += paragraph_of(fmt::format("False naming: how often noise alone, in {} made-up data sets of the same design, "
+                                     "makes any candidate look as good. Held out: rms of readings that the effect was "
+                                     "not fitted to.",
+                                     d.blanks),
+                         "class=\"small\"");
+  if (!d.notes.empty()) body += element("div", list_of(d.notes), "class=\"small\"");
+  return body;
+}
+
+std::string parameters_in_words(const model::EffectFit& fit) {
+  std::vector<std::string> words;
+  for (const model::ParameterEstimate& one : fit.parameters) {
+    if (one.value == 0.0 && !one.sigma) continue;
+    std::string value = parameter_text(one.name, one.unit, one.value, one.sigma);
+    if (one.held) value += " (given)";
+    if (one.undetermined) value += " (not determined by these data)";
+    words.push_back(std::move(value));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+Markup effects_table(const ReportedModel& model) {
+  TableMarkup table({{"effect in the model"}, {"cause"}, {"values"}, {"rms [µm]", true}, {"compensated by"}});
+  for (const model::EffectFit& fit : model.effects) {
+    const auto& info = model::info_of(fit.effect.id);
+    const bool user = fit.effect.id == model::EffectId::user;
+    const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
+                                    [&](const auto& s) { return s.effect == to_text(fit.effect); });
+    const std::string how = share == model.what_if.shares.end() ? "" : (share->carried ? "" : "not: ") + share->how;
+    table.row({element("strong", place_text(fit.effect)), text(user ? fit.effect.name : std::string(info.title)),
+               text(parameters_in_words(fit)), cell(fit.rms_um, 2), text(how)});
+  }
+  return table.markup();
+}
+
+/// As long as the room beside the bars; characters stay whole.
+std::string cut(const std::string& name) {
+  constexpr std::size_t kRoom = 34;
+  if (name.size() <= kRoom) return name;
+  std::size_t end = kRoom - 1;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
+  return name.substr(0, end) + "…";
+}
+
+Markup ladder(const std::vector<model::LadderStep>& history) {
+  SvgBars bars{"rms of what is left after each effect",
+               {},
+               history.back().noise_um,
+               fmt::format("noise {}", um(history.back().noise_um))};
+  TableMarkup table({{"step"},
+                     {"effect added"},
+                     {"rms before [µm]", true},
+                     {"rms [µm]", true},
+                     {"peak [µm]", true},
+                     {"noise [µm]", true},
+                     {"held out [µm]", true}});
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const model::LadderStep& step = history[i];
+    const std::string name = step.effect.empty() ? "start" : step.effect;
+    bars.bars.push_back({cut(name), step.rms_um, um(step.rms_um)});
+    table.row({text(fmt::format("{}", i)), element("strong", name), cell(step.rms_before_um, 2), cell(step.rms_um, 2),
+               cell(step.peak_um, 2), cell(step.noise_um, 2), cell(step.held_out_rms_um, 2)});
+  }
+  return element("article", element("h3", "The ladder: error after every effect added") +
+                                element("figure", svg_of(bars)) + table.markup());
+}
+
+}  // namespace
+
+ReportSection prediction_section(const ReportContent& content) {
+  const Markup by_map = content.predicted.empty() ? Markup() : map_prediction(content);
+  const std::string why =
+      fmt::format("no prediction by the map: {}",
+                  content.predicted.empty() ? content.no_prediction : "nothing was measured both before and after");
+  if (by_map.empty() && !content.model) return {"prediction", "Predicted against achieved", {}, why};
+  Markup body = by_map.empty() ? absence("There is " + why + ".") : by_map;
+  if (content.model) body += model_prediction(*content.model);
+  return {"prediction", "Predicted against achieved", std::move(body)};
+}
+
+ReportSection effects_section(const ReportContent& content) {
+  if (!content.diagnosis && !content.model)
+    return {
+        "effects",
+        "Effects found",
+        {},
+        "no error model and no diagnosis were given: which physical causes stand behind these errors was not asked"};
+  Markup body;
+  if (content.diagnosis) body += diagnosis_part(*content.diagnosis);
+  if (content.model) {
+    body += element("h3", "The error model") +
+            paragraph_of(fmt::format("Fitted to {} ({}).", counted(content.model->readings, "reading", "readings"),
+                                     content.model->data)) +
+            effects_table(*content.model);
+    if (!content.model->model.history.empty()) body += ladder(content.model->model.history);
+  }
+  return {"effects", "Effects found", std::move(body)};
+}
+
+}  // namespace ecs::app

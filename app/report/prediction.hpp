@@ -1,0 +1,31 @@
+// What the unit would leave of the errors measured before, by the core that it runs, beside what was measured after.
+// Does not live here: predictions of an error model (model/diagnosis/ladder.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/measurements/table.hpp"
+#include "laser/map/error_map.hpp"
+
+namespace ecs::app {
+
+/// One measurement. Bands and rms of all readings, slope removed as in the table; rms about their mean. um.
+struct PredictedRow {
+  std::optional<double> band;  ///< predicted; absent for rotations, squares and rows without readings before
+  std::optional<double> rms;
+  std::optional<double> rms_after;  ///< measured
+};
+
+struct Predicted {
+  std::vector<PredictedRow> rows;  ///< as many as the table has
+  std::uint32_t check = 0;         ///< CRC-32 of the image, which the unit reports as its block check
+};
+
+/// Every reading taken before plus the compensation at its place and approach; standing axes as if moved forward last.
+/// Refused with the reasons of laser::image_of(), or where the map is not for the parameters.
+[[nodiscard]] Result<Predicted> predicted_rows(const std::vector<TableRow>& rows, const laser::ErrorMap& map,
+                                               const UnitParameters& parameters);
+
+}  // namespace ecs::app

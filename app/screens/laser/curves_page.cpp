@@ -1,0 +1,236 @@
+// Step 4: slope and smoothing of every curve, before and after. Does not live here: the arithmetic
+// (commissioning/laser_session/curves.cpp).
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "app/screens/laser/chart.hpp"
+#include "app/screens/laser/page.hpp"
+#include "base/text.hpp"
+#include "laser/map/recipe.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::string words_for(laser::SlopeMethod method) {
+  if (method == laser::SlopeMethod::none) return "slope stays";
+  return method == laser::SlopeMethod::end_points ? "slope by end points" : "slope by least squares";
+}
+
+const char* words_for(laser::Taken taken) {
+  if (taken == laser::Taken::noise) return "noise, by the repeats";
+  if (taken == laser::Taken::signal) return "form of the curve went too, use less";
+  return "no repeats to judge it by";
+}
+
+/// "least", "end", "-": what stands in the list.
+std::string short_words(laser::SlopeMethod method) {
+  if (method == laser::SlopeMethod::none) return "-";
+  return method == laser::SlopeMethod::end_points ? "ends" : "lsq";
+}
+
+class CurvesPage final : public LaserPage {
+ public:
+  explicit CurvesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = desk().work();
+    if (work.curves.empty())
+      return draw_nothing_yet(canvas, area,
+                              work.lines.empty()
+                                  ? "No measured lines yet: step 1 takes the files."
+                                  : "None of the measured lines serves a component of the chosen scope: step 6 says "
+                                    "what it needs.");
+    const LaserHalves halves = laser_halves(area);
+    const std::string hint = work.map.parameters ? "" : "p takes the parameters: then a row is a component of the map";
+    const int told = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
+    const std::string heading = work.map.parameters
+                                    ? fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band")
+                                    : "line, parked [mm]";
+    canvas.text(halves.list, 0, 2, heading, Tone::faint);
+    std::vector<ListRow> rows;
+    for (const LaserCurve& curve : work.curves) rows.push_back(row_of(work, curve));
+    draw_list(canvas,
+              {halves.list.row + 1, halves.list.column, std::max(0, halves.list.rows - 1 - told), halves.list.columns},
+              rows, place_);
+    if (told > 0)
+      canvas.paragraph({halves.list.row + halves.list.rows - told, halves.list.column, told, halves.list.columns}, 0,
+                       hint, Tone::faint);
+    if (halves.rest.columns > 0) draw_curve(canvas, halves.rest, work, work.curves[at()]);
+  }
+
+  bool on_key(const Key& key) override {
+    const auto& curves = desk().work().curves;
+    if (is_letter(key, U'p')) {
+      host().ask_parameters();
+      return true;
+    }
+    if (curves.empty()) return false;
+    if (place_.on_key(key, static_cast<int>(curves.size()))) {
+      view_ = {};
+      return true;
+    }
+    const LaserCurve& curve = curves[at()];
+    const std::string code(name_of(curve.component));
+    if (is_letter(key, U' ')) {
+      const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
+      desk().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
+        c.components[code].slope = next == curve.recommended ? std::nullopt : std::optional(next);
+      });
+    } else if (key.name == Key::Name::enter) {
+      host().fill(form_for(curve));
+    } else if (is_letter(key, U'v')) {
+      shown_ = static_cast<Shown>((static_cast<int>(shown_) + 1) % 3);
+    } else if (is_letter(key, U'e')) {
+      PlotFigure figure{fmt::format("{}  {}", code, laser::description_of(curve.component)),
+                        {with_left_out(curve.before, curve.left_out, unit_of(curve.component))},
+                        1,
+                        false};
+      if (!curve.unchanged) figure.panels.push_back(curve.after);
+      host().pictures.start(std::move(figure), code);
+    } else {
+      return on_laser_chart_key(key, curve.before, curve.left_out, view_);
+    }
+    return true;
+  }
+
+  std::vector<KeyHelp> keys() const override {
+    return {{"Space", "slope"},
+            {"Enter", "smoothing, slope, grid"},
+            {"up/down", "curve"},
+            {"v", "before, after, both"},
+            {"u", "undo"},
+            {"+ - 0", "zoom"},
+            {"left/right", "cursor"},
+            {"e", "picture"}};
+  }
+  std::string help() const override {
+    return "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
+           "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
+           "parabola over the window; the answer says from the scatter of the repeats whether noise or form went. The "
+           "band is the range of all readings (of the curve where it is smoothed or comes from two lines).";
+  }
+
+ private:
+  [[nodiscard]] std::size_t at() const { return place_within(place_, desk().work().curves.size()); }
+
+  /// The choice of now, while the curve may still be that of before.
+  [[nodiscard]] LaserComponentChoice choice_of(const LaserCurve& curve) const {
+    const auto found = desk().choices().components.find(std::string(name_of(curve.component)));
+    return found == desk().choices().components.end() ? LaserComponentChoice{} : found->second;
+  }
+
+  /// Without parameters a row is a line, and several may measure the same component: the place tells them apart.
+  [[nodiscard]] ListRow row_of(const LaserWork& work, const LaserCurve& curve) const {
+    const LaserComponentChoice choice = choice_of(curve);
+    const std::string smooth = choice.smoothing_mm > 0.0 ? shortest(choice.smoothing_mm) : "-";
+    const bool form_went = curve.smoothed && curve.smoothed->taken == laser::Taken::signal;
+    if (!work.map.parameters)
+      return {fmt::format("{:<4} {}{}", name_of(curve.component), work.lines[curve.lines.front()].place,
+                          !curve.problem.empty() || form_went ? "!" : ""),
+              curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
+    return {fmt::format("{:<4} {:<4} {:>6} {:>6.1f}{}", name_of(curve.component),
+                        short_words(choice.slope.value_or(curve.recommended)), smooth, curve.band_after,
+                        !curve.problem.empty() || form_went ? "!" : ""),
+            curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
+  }
+
+  static std::string told_of(const LaserCurve& curve) {
+    if (!curve.problem.empty()) return curve.problem;
+    const auto unit = unit_of(curve.component);
+    std::string text = curve.unchanged
+                           ? fmt::format("band {:.2f} {}", curve.band_before, unit)
+                           : fmt::format("band {:.2f} {}, after {:.2f}", curve.band_before, unit, curve.band_after);
+    text += fmt::format("; {}", words_for(curve.slope));
+    if (curve.slope != laser::SlopeMethod::none) text += fmt::format(" {:.2f} {}/m", curve.removed_per_m, unit);
+    if (curve.slope != curve.recommended) text += fmt::format(" (recommended: {})", laser::name_of(curve.recommended));
+    if (curve.smoothed)
+      text += fmt::format("; smoothing took {:.2f} {} rms: {}", curve.smoothed->removed_rms, unit,
+                          words_for(curve.smoothed->taken));
+    if (curve.lines.size() > 1 && curve.left_out_of_lines > 0)
+      text += fmt::format("; {} readings left out", curve.left_out_of_lines);
+    return text;
+  }
+
+  /// "Y -1400, Z 0"; of two lines what differs of the second: "Y -1400, Z 0 and Z -1000".
+  static std::string place_of(const LaserWork& work, const LaserCurve& curve) {
+    const std::string& first = work.lines[curve.lines.front()].place;
+    std::string text = first;
+    if (curve.lines.size() < 2) return text;
+    text += " and";
+    const auto parts = split(first, ',');
+    for (const std::string_view part : split(work.lines[curve.lines[1]].place, ','))
+      if (std::find(parts.begin(), parts.end(), part) == parts.end()) text += fmt::format(" {}", trimmed(part));
+    return text;
+  }
+
+  void draw_curve(Canvas& canvas, const Area& area, const LaserWork& work, const LaserCurve& curve) const {
+    const std::string name = fmt::format("{}  {}", name_of(curve.component), laser::description_of(curve.component));
+    const std::string place = place_of(work, curve);
+    const bool beside = width_of(name) + 2 + width_of(place) <= area.columns;  // else it begins the text below
+    const std::string told = (beside ? "" : "at " + place + "; ") + told_of(curve);
+    canvas.text(area, 0, 0, name, Tone::strong);
+    if (beside) canvas.text_right(area, 0, place);
+    const bool odd = !curve.problem.empty() || (curve.smoothed && curve.smoothed->taken == laser::Taken::signal);
+    const int text_rows = std::min(3, static_cast<int>(wrapped(told, area.columns).size()));
+    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, told,
+                     !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
+    const Area charts = area.below(1 + text_rows);
+    if (curve.before.series.empty()) return;
+    if (shown_ == Shown::before || curve.unchanged) return draw_before(canvas, charts, curve);
+    if (shown_ == Shown::after) return draw_laser_chart(canvas, charts, curve.after, {}, view_);
+    const int upper = (charts.rows + 1 + (curve.left_out.empty() ? 0 : 1)) / 2;
+    draw_before(canvas, charts.top(upper), curve);
+    if (!curve.after.series.empty()) draw_laser_chart(canvas, charts.below(upper), curve.after, {}, view_);
+  }
+
+  /// What is left out stays visible, with a legend of its own.
+  void draw_before(Canvas& canvas, const Area& area, const LaserCurve& curve) const {
+    draw_laser_chart(canvas, area.top(area.rows - (curve.left_out.empty() ? 0 : 1)), curve.before, curve.left_out,
+                     view_);
+    if (curve.left_out.empty()) return;
+    canvas.text(area, area.rows - 1, 0, left_out_legend(curve.before, curve.left_out, unit_of(curve.component)),
+                Tone::warning);
+  }
+
+  LaserForm form_for(const LaserCurve& curve) const {
+    const std::string code(name_of(curve.component));
+    const LaserComponentChoice now = choice_of(curve);
+    const auto number = [](double value) { return value > 0.0 ? shortest(value) : std::string(); };
+    std::vector<LaserField> fields{
+        {"smoothing [mm]", "width of the local parabola; empty: none", number(now.smoothing_mm)},
+        {"slope",
+         fmt::format("empty: as recommended, {}", laser::name_of(curve.recommended)),
+         now.slope ? std::string(laser::name_of(*now.slope)) : "",
+         {"", "none", "end_points", "least_squares"}},
+        {"grid [mm]", "spacing of the points in the map; empty: that of the targets",
+         number(now.increment_mm.value_or(0.0))}};
+    return LaserForm(fmt::format("{}  {}", code, laser::description_of(curve.component)), std::move(fields),
+                     [this, code](const std::vector<std::string>& v) { return take_form(code, v); });
+  }
+
+  std::string take_form(const std::string& code, const std::vector<std::string>& v) const {
+    const auto smoothing = v[0].empty() ? std::optional(0.0) : number_in(v[0]);
+    const auto grid = v[2].empty() ? std::optional(0.0) : number_in(v[2]);
+    if (!smoothing || *smoothing < 0.0) return "smoothing: a width in mm, as in 100, or nothing";
+    if (!grid || *grid < 0.0) return "grid: a spacing in mm, as in 50, or nothing";
+    desk().change("slope, smoothing and grid of " + code, [&](LaserChoices& c) {
+      LaserComponentChoice& choice = c.components[code];
+      choice.smoothing_mm = *smoothing;
+      choice.slope = laser::slope_method_named(v[1]);
+      choice.increment_mm = *grid > 0.0 ? grid : std::nullopt;
+    });
+    return {};
+  }
+
+  enum class Shown { both, before, after };
+  ListPlace place_;
+  ChartView view_;
+  Shown shown_ = Shown::both;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_curves_page(LaserHost& host) { return std::make_unique<CurvesPage>(host); }
+
+}  // namespace ecs::app

@@ -1,0 +1,164 @@
+// Step 1: which files. Does not live here: reading them (commissioning/laser_session/lines.cpp), the folder's list
+// (chooser.cpp).
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "app/screens/laser/chooser.hpp"
+#include "app/screens/laser/page.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kSteps[] = {"1 Files      of any instrument, several or a whole folder",
+                                  "2 Lines      what was measured, where, under which conditions",
+                                  "3 Leave out  runs and readings, and back again",
+                                  "4 Slope      slope and smoothing, before and after",
+                                  "5 ISO 230    accuracy and repeatability by ISO 230-2",
+                                  "6 Map        parameters of the unit; what is there, what is missing",
+                                  "7 Header     customer, machine, engineer, date",
+                                  "8 Send       saved to disc, checked, sent to the unit",
+                                  "9 Verify     read back and compared"};
+
+class FilesPage final : public LaserPage {
+ public:
+  explicit FilesPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    if (chooser_) return chooser_->draw(canvas, area);
+    const LaserWork& work = desk().work();
+    if (desk().choices().files.empty()) {
+      const std::string begin =
+          "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a step, n to the "
+          "next one, and back at any time):";
+      draw_nothing_yet(canvas, area, begin);
+      int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
+      for (const char* step : kSteps) canvas.text(area, row++, 3, step, Tone::faint);
+      return;
+    }
+    const int below = std::min(4, area.rows / 3);
+    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "taken for", "holds"), Tone::faint);
+    std::vector<ListRow> rows;
+    for (const LaserFileChoice& choice : desk().choices().files) rows.push_back(row_of(work, choice));
+    draw_list(canvas, {area.row + 1, area.column, std::max(0, area.rows - 1 - below), area.columns}, rows, place_);
+    draw_selected(canvas, {area.row + area.rows - below, area.column + 1, below, area.columns - 2});
+  }
+
+  bool on_key(const Key& key) override {
+    if (chooser_) return on_chooser_key(key);
+    const auto& files = desk().choices().files;
+    if (place_.on_key(key, static_cast<int>(files.size()))) return true;
+    const std::size_t at = place_within(place_, files.size());
+    if (is_letter(key, U'a') || (key.name == Key::Name::enter && files.empty())) {
+      chooser_.emplace(folder_.empty() ? std::filesystem::current_path() : folder_);
+    } else if (is_letter(key, U'p')) {
+      host().ask_parameters();
+    } else if (is_letter(key, U'r')) {
+      desk().read_again();
+    } else if (files.empty()) {
+      return false;
+    } else if (key.name == Key::Name::enter) {
+      host().ask_answers(files[at].path);
+    } else if (is_letter(key, U'x') || key.name == Key::Name::erase) {
+      desk().change("a file taken off",
+                    [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
+      place_.selected = static_cast<int>(place_within(place_, desk().choices().files.size()));
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  bool advance() override { return chooser_ && chooser_->advance(); }
+  bool typing() const override { return chooser_ && chooser_->typing(); }
+  bool holds_keys() const override { return chooser_.has_value(); }
+  Place cursor(const Area& area) const override { return chooser_ ? chooser_->cursor(area) : Place{-1, -1}; }
+
+  std::vector<KeyHelp> keys() const override {
+    if (!chooser_)
+      return {{"a", "add files"},
+              {"Enter", "what a file does not say"},
+              {"x", "take off"},
+              {"p", "parameters"},
+              {"r", "read again"}};
+    std::vector<KeyHelp> keys;
+    for (const auto& [name, does] : chooser_->keys()) keys.push_back({name, does});
+    return keys;
+  }
+  std::string help() const override {
+    return "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
+           "named. A file that does not say its axis or sense, or a table of columns, is asked for with Enter. p "
+           "chooses the parameters of the unit: with them the screen knows which components the map needs.";
+  }
+
+ private:
+  static const LaserFile* read(const LaserWork& work, const LaserFileChoice& choice) {
+    for (const LaserFile& file : work.files)
+      if (file.choice.path == choice.path && given_answers(file.choice.answers) == given_answers(choice.answers))
+        return &file;
+    return nullptr;
+  }
+
+  static ListRow row_of(const LaserWork& work, const LaserFileChoice& choice) {
+    const std::string name = std::filesystem::path(choice.path).filename().string();
+    const LaserFile* file = read(work, choice);
+    if (file == nullptr) return {fmt::format("{:<28} reading ...", name), Tone::faint};
+    if (!file->set)
+      return {
+          fmt::format("{:<28} {}", name, file->wants_answers ? "it does not say enough: Enter answers" : "not read"),
+          Tone::bad};
+    return {fmt::format("{:<28} {:<26} {}", name, file->format, file->summary), Tone::plain};
+  }
+
+  void draw_selected(Canvas& canvas, const Area& area) const {
+    const LaserChoices& choices = desk().choices();
+    const std::string unit =
+        choices.params_file.empty()
+            ? "Parameters: none yet, p chooses them"
+            : "Parameters: " + choices.params_file + (choices.scope.empty() ? "" : ", scope " + choices.scope);
+    const std::string& wrong = desk().work().map.parameters_problem;
+    canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
+    const LaserFileChoice& choice = choices.files[place_within(place_, choices.files.size())];
+    const Area text{area.row, area.column, area.rows - 1, area.columns};
+    const LaserFile* file = read(desk().work(), choice);
+    if (file != nullptr && !file->problem.empty()) {
+      canvas.paragraph(text, 0, file->problem, Tone::bad);
+      return;
+    }
+    const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
+    if (file == nullptr) return;
+    std::string told;
+    for (const LaserLine& line : desk().work().lines)
+      if (told.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
+        told = missing_place_of(line);
+    for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
+    if (!told.empty()) canvas.paragraph(text, row, told);
+  }
+
+  bool on_chooser_key(const Key& key) {
+    const LaserChooser::Answer answer = chooser_->on_key(key);
+    if (answer == LaserChooser::Answer::open) return true;
+    folder_ = chooser_->folder();
+    const std::vector<std::string> taken =
+        answer == LaserChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
+    chooser_.reset();
+    if (taken.empty()) return true;
+    desk().change(fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
+      for (const std::string& path : taken)
+        if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
+          c.files.push_back({path, {}});
+    });
+    return true;
+  }
+
+  ListPlace place_;
+  std::optional<LaserChooser> chooser_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_files_page(LaserHost& host) { return std::make_unique<FilesPage>(host); }
+
+}  // namespace ecs::app

@@ -1,0 +1,250 @@
+// Step 3: runs and readings left out and taken back, with the curve. Does not live here: what is suspect
+// (commissioning/laser_session/lines.cpp), the means without them (commissioning/laser_session/curves.cpp).
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/screens/laser/chart.hpp"
+#include "app/screens/laser/page.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// A row of the tree: a run, or one of its readings.
+struct TreeRow {
+  int run = 0;
+  std::optional<std::size_t> reading;  ///< by its place in the line
+};
+
+class LeaveOutPage final : public LaserPage {
+ public:
+  explicit LeaveOutPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserWork& work = desk().work();
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: step 1 takes the files.");
+    const LaserHalves halves = laser_halves(area);
+    const LaserLine& line = work.lines[at()];
+    const auto tree = tree_of(line);
+    const int tree_rows = std::min(static_cast<int>(tree.size()) + 1, halves.list.rows / 2);
+    const int upper = std::min(static_cast<int>(work.lines.size()), halves.list.rows - tree_rows);
+    draw_list(canvas, halves.list.top(upper), rows_of_lines(work), line_, !in_tree_);
+    std::vector<ListRow> rows;
+    for (const TreeRow& row : tree) rows.push_back(picture_of(line, row));
+    const Area lower = halves.list.below(upper);
+    if (lower.rows > 1) {
+      canvas.text(lower, 0, 0, fmt::format("{}, {}", name_of_line(line), line.place), Tone::faint);
+      draw_list(canvas, lower.below(1), rows, tree_, in_tree_);
+    }
+    if (halves.rest.columns == 0) return;
+    const LaserLineResult& result = *work.results[at()];
+    ChartView view = view_;
+    if (in_tree_ && place_within(tree_, tree.size()) < tree.size())
+      if (const auto& reading = tree[place_within(tree_, tree.size())].reading)
+        view.cursor_x = laser::target_mm(line.set->readings[*reading]);
+    const std::string told = told_of(line, result);
+    const int text_rows = std::clamp(static_cast<int>(wrapped(told, halves.rest.columns).size()), 2, 4);
+    draw_laser_chart(canvas, halves.rest.top(halves.rest.rows - text_rows), result.panel, result.left_out, view);
+    const Tone tone = !result.problem.empty() ? Tone::bad : (result.left_out.empty() ? Tone::plain : Tone::warning);
+    canvas.paragraph(halves.rest.below(halves.rest.rows - text_rows), 0, told, tone);
+  }
+
+  bool on_key(const Key& key) override {
+    const LaserWork& work = desk().work();
+    if (work.lines.empty()) return false;
+    const LaserLine& line = work.lines[at()];
+    const auto tree = tree_of(line);
+    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
+      in_tree_ = !in_tree_;
+      return true;
+    }
+    if (is_letter(key, U'o')) return to_next_suspect(line);
+    if (is_letter(key, U'e')) {
+      const LaserLineResult& result = *work.results[at()];
+      host().pictures.start({name_of_line(line) + ", " + line.place,
+                             {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
+                             1,
+                             true},
+                            std::string(name_of(line.component)));
+      return true;
+    }
+    if (!in_tree_) {
+      if (key.name == Key::Name::enter) {
+        in_tree_ = true;
+        return true;
+      }
+      if (line_.on_key(key, static_cast<int>(work.lines.size()))) {
+        tree_ = {};
+        open_.clear();
+        view_ = {};
+        return true;
+      }
+      return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
+    }
+    if (tree_.on_key(key, static_cast<int>(tree.size()))) return true;
+    const TreeRow row = tree[place_within(tree_, tree.size())];
+    if (is_letter(key, U' ')) return toggle(line, row);
+    if (is_letter(key, U'w')) return ask_reason(line, row);
+    if (key.name == Key::Name::enter && !row.reading) {
+      if (!open_.erase(row.run)) open_.insert(row.run);
+      return true;
+    }
+    return on_laser_chart_key(key, work.results[at()]->panel, work.results[at()]->left_out, view_);
+  }
+
+  bool on_escape() override { return std::exchange(in_tree_, false); }
+
+  std::vector<KeyHelp> keys() const override {
+    if (!in_tree_)
+      return {{"up/down", "line"},      {"Enter", "its runs"}, {"o", "next outlier"}, {"u", "undo"},
+              {"left/right", "cursor"}, {"+ - 0", "zoom"},     {"e", "picture"}};
+    return {{"Space", "out or in"}, {"Enter", "readings of a run"},
+            {"w", "why"},           {"o", "next outlier"},
+            {"Tab", "lines"},       {"u", "undo"}};
+  }
+  std::string help() const override {
+    return "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
+           "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
+           "outside "
+           "stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
+           "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
+           "left "
+           "out of it, ? that readings stand out, ! that no curve comes of it.";
+  }
+
+ private:
+  /// "18 of 54 readings left out (x); 1 stands out (?): o goes there"
+  [[nodiscard]] std::string told_of(const LaserLine& line, const LaserLineResult& result) const {
+    const std::size_t out = count_left_out(choice_of(line), *line.set);
+    std::string told = result.problem;
+    const auto add = [&told](const std::string& text) { told += (told.empty() ? "" : "; ") + text; };
+    if (out == 0)
+      add("nothing is left out");
+    else if (out != result.left_out.size())
+      add(fmt::format("{} of {} readings left out, being worked out", out, line.set->readings.size()));
+    else
+      add(fmt::format("{} of {} readings left out (x)", out, line.set->readings.size()));
+    const std::string beyond = beyond_text(result.panel, result.left_out, laser::unit_of(line.group.sense));
+    if (!beyond.empty()) add(beyond);
+    const LaserLineChoice choice = choice_of(line);
+    const auto suspects = std::count_if(line.suspects.begin(), line.suspects.end(),
+                                        [&](std::size_t i) { return !left_out(choice, *line.set, i); });
+    if (suspects > 0)
+      add(fmt::format("{} stand{} out from the repeats (?): o goes there", suspects, suspects == 1 ? "s" : ""));
+    return told;
+  }
+
+  [[nodiscard]] std::size_t at() const { return place_within(line_, desk().work().lines.size()); }
+
+  /// As chosen now, also while the curves are still worked out.
+  [[nodiscard]] LaserLineChoice choice_of(const LaserLine& line) const {
+    const auto found = desk().choices().lines.find(line.key);
+    return found == desk().choices().lines.end() ? LaserLineChoice{} : found->second;
+  }
+
+  [[nodiscard]] std::vector<TreeRow> tree_of(const LaserLine& line) const {
+    std::set<int> runs;
+    for (const laser::Reading& reading : line.set->readings) runs.insert(reading.run);
+    std::vector<TreeRow> tree;
+    for (const int run : runs) {
+      tree.push_back({run, std::nullopt});
+      if (!open_.contains(run)) continue;
+      for (std::size_t i = 0; i < line.set->readings.size(); ++i)
+        if (line.set->readings[i].run == run) tree.push_back({run, i});
+    }
+    return tree;
+  }
+
+  [[nodiscard]] ListRow picture_of(const LaserLine& line, const TreeRow& row) const {
+    const LaserLineChoice choice = choice_of(line);
+    if (!row.reading) {
+      const auto out = choice.runs.find(row.run);
+      const bool suspect = std::any_of(line.suspects.begin(), line.suspects.end(),
+                                       [&](std::size_t i) { return line.set->readings[i].run == row.run; });
+      return {fmt::format("[{}]{}run {} {}", out == choice.runs.end() ? 'x' : ' ', suspect ? '?' : ' ', row.run,
+                          out == choice.runs.end() ? "" : "out " + out->second),
+              out == choice.runs.end() ? Tone::plain : Tone::warning};
+    }
+    const laser::Reading& reading = line.set->readings[*row.reading];
+    const bool out = left_out(choice, *line.set, *row.reading);
+    const bool suspect = std::binary_search(line.suspects.begin(), line.suspects.end(), *row.reading);
+    const char* way =
+        reading.approach == Approach::forward ? "fwd" : (reading.approach == Approach::reverse ? "rev" : "");
+    return {fmt::format(" [{}]{}{:>7.6g} {:<3}{:>7.2f}", out ? ' ' : 'x', suspect ? '?' : ' ',
+                        laser::target_mm(reading), way, reading.error),
+            out ? Tone::warning : Tone::plain};
+  }
+
+  bool toggle(const LaserLine& line, const TreeRow& row) {
+    if (row.reading && choice_of(line).runs.contains(row.run)) {
+      desk().message().say(fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run),
+                           Tone::warning);
+      return true;
+    }
+    const bool is_out =
+        row.reading ? choice_of(line).readings.contains(*row.reading) : choice_of(line).runs.contains(row.run);
+    const std::string what = row.reading ? fmt::format("a reading of {}", name_of_line(line))
+                                         : fmt::format("run {} of {}", row.run, name_of_line(line));
+    desk().change(what + (is_out ? " taken back" : " left out"), [&](LaserChoices& c) {
+      LaserLineChoice& choice = c.lines[line.key];
+      if (row.reading && is_out) choice.readings.erase(*row.reading);
+      if (row.reading && !is_out) choice.readings.emplace(*row.reading, "");
+      if (!row.reading && is_out) choice.runs.erase(row.run);
+      if (!row.reading && !is_out) choice.runs.emplace(row.run, "");
+    });
+    return true;
+  }
+
+  bool ask_reason(const LaserLine& line, const TreeRow& row) {
+    const LaserLineChoice choice = choice_of(line);
+    const bool is_out = row.reading ? choice.readings.contains(*row.reading) : choice.runs.contains(row.run);
+    if (!is_out) {
+      desk().message().say("leave it out first (Space), then say why", Tone::warning);
+      return true;
+    }
+    const std::string now = row.reading ? choice.readings.at(*row.reading) : choice.runs.at(row.run);
+    host().fill(LaserForm("why it is left out", {{"reason", "kept with the map: cold machine, beam broken, ...", now}},
+                          [this, key = line.key, row](const std::vector<std::string>& v) {
+                            desk().change("a reason", [&](LaserChoices& c) {
+                              if (row.reading)
+                                c.lines[key].readings[*row.reading] = v[0];
+                              else
+                                c.lines[key].runs[row.run] = v[0];
+                            });
+                            return std::string();
+                          }));
+    return true;
+  }
+
+  /// The next reading of this line that stands out, its run opened.
+  bool to_next_suspect(const LaserLine& line) {
+    if (line.suspects.empty()) {
+      desk().message().say("no reading of this line stands out from its repeats");
+      return true;
+    }
+    const auto before = tree_of(line);
+    const std::size_t here = place_within(tree_, before.size());
+    const std::size_t from = in_tree_ && here < before.size() && before[here].reading ? *before[here].reading + 1 : 0;
+    auto next = std::lower_bound(line.suspects.begin(), line.suspects.end(), from);
+    if (next == line.suspects.end()) next = line.suspects.begin();
+    open_.insert(line.set->readings[*next].run);
+    const auto tree = tree_of(line);
+    for (std::size_t k = 0; k < tree.size(); ++k)
+      if (tree[k].reading == *next) tree_.selected = static_cast<int>(k);
+    in_tree_ = true;
+    return true;
+  }
+
+  ListPlace line_, tree_;
+  std::set<int> open_;  ///< runs whose readings are shown
+  bool in_tree_ = false;
+  ChartView view_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_leave_out_page(LaserHost& host) { return std::make_unique<LeaveOutPage>(host); }
+
+}  // namespace ecs::app

@@ -1,0 +1,277 @@
+#include "app/screens/laser/screen.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
+                                             "Map",   "Header", "Send",      "Verify"};
+
+constexpr int kRoomForNames = 78;
+
+char sign_of(LaserMark mark) {
+  if (mark == LaserMark::done) return '+';
+  return mark == LaserMark::doubtful ? '!' : '.';
+}
+
+Tone tone_of(LaserMark mark) {
+  if (mark == LaserMark::done) return Tone::good;
+  return mark == LaserMark::doubtful ? Tone::warning : Tone::faint;
+}
+
+/// What the header lacks: "customer, engineer".
+std::string not_stated(const laser::MapHeader& header) {
+  std::string names;
+  for (const auto& [name, value] : {std::pair{"customer", header.customer},
+                                    {"machine", header.machine},
+                                    {"serial number", header.serial_number},
+                                    {"engineer", header.engineer}})
+    if (value.empty()) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+/// What to do next, in one line; empty: everything is done.
+std::string next_to_do(const LaserDesk& desk) {
+  const auto is = [&](LaserStep step, LaserMark mark) { return desk.mark(step) == mark; };
+  const LaserMapWork& map = desk.work().map;
+  if (is(LaserStep::files, LaserMark::open)) return {};
+  if (is(LaserStep::files, LaserMark::doubtful))
+    return "Step 1: a file was not read: Enter answers for it, x takes it off.";
+  if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
+  if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings stand out from their repeats (o).";
+  if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
+  if (map.missing() > 0) {
+    const std::string missing =
+        fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
+    const auto& lines = desk.work().lines;
+    const auto placeless =
+        std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
+    return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked place.", missing, placeless);
+  }
+  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what stands against this map.";
+  if (is(LaserStep::header, LaserMark::doubtful))
+    return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
+  if (desk.verdict() && !desk.stale().empty())
+    return "Step 9: the unit has changed since it was compared: verify again.";
+  if (desk.verified()) return {};
+  if (desk.sent_is_current() && desk.verdict() && !desk.verdict()->same())
+    return "Step 9: the unit does not hold this map: step 8 sends it again.";
+  if (!desk.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
+  return "Next: step 9 reads the map back from the unit and compares.";
+}
+
+}  // namespace
+
+LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
+    : host_(std::make_unique<LaserHost>(std::move(unit))),
+      pages_{laser_files_page(*host_),  laser_lines_page(*host_), laser_leave_out_page(*host_),
+             laser_curves_page(*host_), laser_iso_page(*host_),   laser_map_page(*host_),
+             laser_header_page(*host_), laser_send_page(*host_),  laser_verify_page(*host_)} {}
+
+/// Two, or as many as a long message needs: it is to be read whole.
+int LaserScreen::message_rows(const Area& area) const {
+  const LaserDesk& desk = host_->desk;
+  return desk.busy() ? 2 : std::max(2, desk.message().rows(area.columns - 2, area.rows / 2));
+}
+
+Area LaserScreen::body_of(const Area& area) const {
+  return {area.row + 1, area.column, std::max(0, area.rows - 1 - message_rows(area)), area.columns};
+}
+
+std::array<LaserScreen::Tab, kLaserSteps> LaserScreen::tabs(int columns) const {
+  std::array<Tab, kLaserSteps> tabs;
+  int column = 0;
+  for (std::size_t k = 0; k < tabs.size(); ++k) {
+    const bool here = static_cast<LaserStep>(k) == step_;
+    tabs[k] = {column, columns >= kRoomForNames || here ? kNames[k] : ""};
+    column += 3 + width_of(tabs[k].name) + (here ? 1 : 0);
+  }
+  return tabs;
+}
+
+void LaserScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  drawn_ = area;
+  const auto all = tabs(area.columns);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const LaserMark mark = host_->desk.mark(static_cast<LaserStep>(k));
+    const bool here = static_cast<LaserStep>(k) == step_;
+    const Tone tone = here ? Tone::strong : Tone::plain;
+    canvas.text(area, 0, all[k].column, fmt::format("{}{}", here ? '[' : ' ', k + 1), tone);
+    canvas.text(area, 0, all[k].column + 2, std::string(1, sign_of(mark)), tone_of(mark));
+    canvas.text(area, 0, all[k].column + 3, all[k].name + (here ? "]" : ""), tone);
+  }
+}
+
+/// A click on a tab goes there.
+void LaserScreen::click(const Key& key) {
+  if (key.row != drawn_.row) return;
+  const auto all = tabs(drawn_.columns);
+  for (std::size_t k = all.size(); k-- > 0;)
+    if (key.column >= drawn_.column + all[k].column) return go(static_cast<int>(k));
+}
+
+void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
+  const LaserDesk& desk = host_->desk;
+  if (desk.busy())
+    draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0, desk.busy_with() + " (Esc stops it)",
+                  desk.part(), desk.seconds_left());
+  else if (!desk.message().text().empty())
+    desk.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
+  else if (desk.working())
+    canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
+  else
+    canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(desk), Tone::faint);
+}
+
+void LaserScreen::draw(Canvas& canvas, const Area& area) const {
+  draw_tabs(canvas, area.top(1));
+  const Area body = body_of(area);
+  page().draw(canvas, body);
+  const int told = message_rows(area);
+  if (area.rows > told) draw_message(canvas, {area.row + area.rows - told, area.column, told, area.columns});
+  if (const auto& draft = host_->desk.offered())
+    draw_question(canvas, area,
+                  {fmt::format("Work of {} found", draft->kept),
+                   "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
+                   "not now    d drop it"});
+  if (host_->form_) host_->form_->draw(canvas, area);
+  if (host_->question_) draw_question(canvas, area, *host_->question_);
+  if (leaving_)
+    draw_question(
+        canvas, area,
+        {"Leave? The map is not saved.", "The choices are kept and offered again next time.", "leave", "stay"});
+}
+
+Place LaserScreen::cursor(const Area& area) const {
+  if (host_->question_ || leaving_ || host_->desk.offered()) return {-1, -1};
+  return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
+}
+
+/// What lies over the step gets every key. @return whether something did
+bool LaserScreen::on_lying_over(const Key& key) {
+  LaserDesk& desk = host_->desk;
+  if (desk.offered()) {
+    const Reply reply = reply_to(key);
+    if (reply == Reply::yes || key.name == Key::Name::enter) {
+      desk.take_up_offered();
+    } else if (is_letter(key, U'd')) {
+      desk.drop_offered();
+    }
+    return true;
+  }
+  if (host_->question_) {
+    const Reply reply = reply_to(key);
+    if (reply == Reply::none) return true;
+    host_->question_.reset();
+    const auto if_yes = std::move(host_->if_yes_);
+    host_->if_yes_ = {};
+    if (reply == Reply::yes)
+      if_yes();
+    else
+      desk.not_now();
+    return true;
+  }
+  if (host_->form_) {
+    if (!host_->form_->on_key(key)) host_->form_.reset();
+    return true;
+  }
+  return false;
+}
+
+void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSteps) % kLaserSteps); }
+
+void LaserScreen::save() {
+  if (!host_->desk.would_overwrite()) return host_->desk.save();
+  host_->ask(
+      {fmt::format("Replace {}?", host_->desk.choices().map_file),
+       "A file of that name is there already; its parameters and recipe are replaced as well.", "replace", "keep it"},
+      [this] { host_->desk.save(); });
+}
+
+/// The keys of every step. @return whether it was one of them
+bool LaserScreen::on_own_key(const Key& key) {
+  const int now = static_cast<int>(step_);
+  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
+    go(static_cast<int>(key.letter - U'1'));
+  } else if (key.name == Key::Name::tab || is_letter(key, U'n')) {
+    go(now + 1);
+  } else if (key.name == Key::Name::back_tab) {
+    go(now - 1);
+  } else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) {
+    host_->desk.undo();
+  } else if (is_letter(key, U'y')) {
+    host_->desk.redo();
+  } else if (is_letter(key, U's')) {
+    save();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Step LaserScreen::on_key(const Key& key) {
+  LaserDesk& desk = host_->desk;
+  if (leaving_) {
+    const Reply reply = reply_to(key);
+    if (reply != Reply::none) leaving_ = false;
+    return reply == Reply::yes ? back() : stay();
+  }
+  if (desk.offered() && reply_to(key) == Reply::no) return back();
+  if (on_lying_over(key)) return stay();
+  if (desk.busy() && key.name == Key::Name::escape) {
+    desk.cancel();
+    return stay();
+  }
+  if (!desk.busy()) desk.message().clear();
+  if (page().holds_keys()) {
+    (void)page().on_key(key);
+    return stay();
+  }
+  if (key.name == Key::Name::escape && page().on_escape()) return stay();
+  if (key.name == Key::Name::escape) {
+    leaving_ = !desk.unsaved().empty() && !desk.offered();
+    return leaving_ ? stay() : back();
+  }
+  if (key.name == Key::Name::mouse) {
+    click(key);
+  } else if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kLaserSteps) {
+    (void)on_own_key(key);
+  } else if (!page().on_key(key)) {
+    (void)on_own_key(key);
+  }
+  return stay();
+}
+
+bool LaserScreen::advance() {
+  bool changed = host_->desk.advance();
+  changed = host_->pictures.advance(host_->desk.message()) || changed;
+  changed = page().advance() || changed;
+  return changed;
+}
+
+std::vector<KeyHelp> LaserScreen::keys() const {
+  if (host_->desk.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (host_->question_ || leaving_) return {{"y", "yes"}, {"n", "no"}};
+  if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
+  std::vector<KeyHelp> keys = page().keys();
+  if (page().holds_keys()) return keys;
+  if (keys.size() > 3)
+    keys.insert(keys.begin() + 3, {"1-9", "step"});
+  else
+    keys.push_back({"1-9", "step"});
+  keys.push_back({"n", "next step"});
+  keys.push_back({"y", "redo"});
+  keys.push_back({"s", "save the map"});
+  return keys;
+}
+
+std::string LaserScreen::help() const {
+  return page().help() +
+         " Steps are marked + done, ! look at it, . open; digits go to any of them at any time, and what changes in "
+         "one is carried through the later ones.";
+}
+
+}  // namespace ecs::app

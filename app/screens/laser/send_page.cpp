@@ -1,0 +1,267 @@
+// Steps 8 and 9: the map saved, checked, sent; read back, and what comes next.
+// Does not live here: the transfer (commissioning/laser_session/unit_work.cpp).
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/screens/laser/page.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "laser/map/coverage.hpp"
+#include "params/diff.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::string check_text(const std::optional<std::uint32_t>& check) {
+  return check ? fmt::format("block check {:08X}", *check) : std::string("none");
+}
+
+std::string unit_text(const WatchedUnit& unit) {
+  if (!unit.open) return "no line to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
+  return fmt::format("{}, serial number {}", unit.emulator ? "EMULATOR" : unit.link,
+                     unit.identity ? unit.identity->serial_number : "?");
+}
+
+/// Lines of "name   text", wrapped under the text.
+class Told {
+ public:
+  Told(Canvas& canvas, const Area& area) : canvas_(&canvas), area_(area) {}
+  void say(const std::string& name, const std::string& text, Tone tone = Tone::plain) {
+    constexpr int kNames = 12;
+    canvas_->text(area_, row_, 1, name, Tone::faint);
+    const Area right{area_.row, area_.column + kNames, area_.rows, std::max(1, area_.columns - kNames - 1)};
+    row_ += std::max(1, canvas_->paragraph(right, row_, text, tone));
+  }
+  void skip() { ++row_; }
+  [[nodiscard]] Area rest() const { return area_.below(std::min(row_, area_.rows)); }
+
+ private:
+  Canvas* canvas_;
+  Area area_;
+  int row_ = 0;
+};
+
+class SendPage final : public LaserPage {
+ public:
+  explicit SendPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserDesk& d = desk();
+    const LaserMapWork& map = d.work().map;
+    Told told(canvas, area);
+    const MapFiles files = files_of_map(d.choices().map_file);
+    told.say("map file", d.choices().map_file, Tone::strong);
+    told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    told.skip();
+    told.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    if (map.complete())
+      for (const std::string& remark : remarks_shown(map)) told.say("remark", remark, Tone::warning);
+    const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
+    told.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
+    told.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
+    if (!d.after_failure().empty()) told.say("after that", d.after_failure(), Tone::warning);
+    if (d.ready()) told.say("checked", checked_text(*d.ready()));
+    told.skip();
+    if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
+    if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
+    if (map.parameters && (!map.complete() || d.sent_is_current())) told.skip();
+    told.say("beside it",
+             fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
+                         files.parameters, files.recipe),
+             Tone::faint);
+  }
+
+  bool on_key(const Key& key) override {
+    if (is_letter(key, U'f')) {
+      host().fill(LaserForm(
+          "where the map is saved",
+          {{"file", "the map as CSV; parameters and recipe stand beside it", desk().choices().map_file, {}, true}},
+          [this](const std::vector<std::string>& v) {
+            if (v[0].empty()) return std::string("the map needs the name of a file");
+            desk().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
+            return std::string();
+          }));
+      return true;
+    }
+    if (key.name != Key::Name::enter) return false;
+    if (!desk().work().map.complete()) {
+      desk().message().say("the map is not complete: a unit takes none that lacks a component; step 6 says what",
+                           Tone::bad);
+      return true;
+    }
+    if (desk().would_overwrite())
+      host().ask({fmt::format("Replace {}?", desk().choices().map_file),
+                  "A file of that name is there already; its parameters and recipe are replaced as well.", "replace",
+                  "keep it"},
+                 [this] { desk().prepare(); });
+    else
+      desk().prepare();
+    return true;
+  }
+
+  bool advance() override {
+    if (!desk().ready() || desk().busy()) asked_ = false;
+    if (!desk().ready() || desk().busy() || asked_) return false;
+    asked_ = true;
+    const ReadyMap& ready = *desk().ready();
+    host().ask(
+        {fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
+         fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
+                     doubts_of(desk().work().map), ready.map->image.bytes.size(), ready.check,
+                     ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
+                                                "the new map is whole and checked",
+                                                check_text(ready.active))
+                                  : std::string("The unit holds no map yet, and takes this one whole or not at all")),
+         "send", "not now"},
+        [this] { desk().send(); });
+    return true;
+  }
+
+  std::vector<KeyHelp> keys() const override {
+    return {{"Enter", "check and send"}, {"s", "save only"}, {"f", "file"}, {"u", "undo"}};
+  }
+  std::string help() const override {
+    return "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
+           "all: a broken line, a cancel or a power cut leaves the old map active. Every byte is read back.";
+  }
+
+ private:
+  static std::string map_text(const LaserMapWork& map) {
+    if (!map.parameters) return "none yet: step 6 takes the parameters";
+    if (!map.built) return "cannot be built: step 6 says why";
+    return fmt::format("{} tables, {} declared zero, {}", map.built->map.tables.size(),
+                       map.built->map.header.declared_zero.size(), completeness(map.findings));
+  }
+  static std::string lacking_of(const LaserMapWork& map) {
+    std::vector<std::string> names;
+    for (const LaserComponent& one : map.components)
+      if (one.state == ComponentState::missing || one.state == ComponentState::refused)
+        names.emplace_back(name_of(one.component));
+    return names.empty() ? "see the findings of step 6" : fmt::format("{} (step 6)", fmt::join(names, ", "));
+  }
+  /// What speaks against sending and does not forbid it, before the question covers it.
+  static std::string doubts_of(const LaserMapWork& map) {
+    std::string text;
+    if (const auto remarks = remarks_in(map.findings); !remarks.empty())
+      text = fmt::format("{}{} {}. ", remarks_counted(remarks.size()),
+                         remarks.size() == 1 ? ":" : ", the first:", remarks.front());
+    if (!map.built) return text;
+    const auto missing = laser::missing_in(map.built->map.header);
+    return missing.empty() ? text : text + fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
+  }
+  /// As many as leave room for the rest of the page.
+  static std::vector<std::string> remarks_shown(const LaserMapWork& map) {
+    constexpr std::size_t kMost = 3;
+    std::vector<std::string> remarks = remarks_in(map.findings);
+    if (remarks.size() <= kMost) return remarks;
+    const std::size_t more = remarks.size() - (kMost - 1);
+    remarks.resize(kMost - 1);
+    remarks.push_back(fmt::format("and {} more: step 6", more));
+    return remarks;
+  }
+  static std::string checked_text(const ReadyMap& ready) {
+    std::string text = "the unit has room and is the one of the map";
+    for (const std::string& note : ready.map->image.notes) text += "; " + note;
+    return text;
+  }
+  std::string sent_text() const {
+    const auto& sent = desk().sent();
+    if (!sent) return "no";
+    return fmt::format("{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
+                       desk().sent_is_current() ? "" : "changed since it was sent: ", sent->identity.serial_number,
+                       sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
+  }
+
+  bool asked_ = false;  ///< about the map that is ready
+};
+
+class VerifyPage final : public LaserPage {
+ public:
+  explicit VerifyPage(LaserHost& host) : LaserPage(host) {}
+
+  void draw(Canvas& canvas, const Area& area) const override {
+    const LaserDesk& d = desk();
+    Told told(canvas, area);
+    told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    if (!d.verdict()) {
+      told.skip();
+      told.say("compare", d.sent() ? "Enter reads the unit's map back and compares it with the file."
+                                   : "Nothing was sent yet: step 8. Enter compares the unit with the map saved last.");
+      return;
+    }
+    const MapVerdict& verdict = *d.verdict();
+    const std::string& stale = d.stale();
+    if (!stale.empty())
+      told.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
+    told.say(stale.empty() ? "compared" : "then",
+             verdict.same() ? "the unit holds this map and its parameters, value by value"
+                            : fmt::format("{} differences in the map, {} in the parameters", verdict.differences.size(),
+                                          verdict.parameters.size()),
+             !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
+    told.say("its map",
+             fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
+    if (verdict.same() && stale.empty() && !d.verified())
+      told.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
+    told.skip();
+    if (verdict.same() && stale.empty()) {
+      told.say("next",
+               "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
+      told.say("", "2. c switches the unit to compensation; reference every axis at the control");
+      told.say("", "3. measure the same lines again, compensated, into another folder");
+      told.say("", "4. compare before and after: / laser table on the first screen, or the report");
+      return;
+    }
+    const Area rest = told.rest();
+    draw_scrolled(canvas, {rest.row, rest.column + 1, rest.rows, rest.columns - 2}, differences_of(verdict), scroll_);
+  }
+
+  bool advance() override {
+    desk().watch_verdict();
+    return false;
+  }
+
+  bool on_key(const Key& key) override {
+    if (key.name == Key::Name::enter) {
+      desk().verify();
+      return true;
+    }
+    if (is_letter(key, U'c')) {
+      host().ask({"Switch the unit to compensation?",
+                  "The unit is asked once more whether it holds the map that was compared or sent. It then tests its "
+                  "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "
+                  "values of that map.",
+                  "switch", "not now"},
+                 [this] { desk().compensate(); });
+      return true;
+    }
+    return scroll_.on_key(key);
+  }
+  std::vector<KeyHelp> keys() const override {
+    return {{"Enter", "read back and compare"}, {"c", "compensation"}, {"up/down", "differences"}};
+  }
+  std::string help() const override {
+    return "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
+           "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "
+           "step is open the unit is asked every few seconds whether it still holds what was compared: if it was "
+           "restarted, or another map was made active in it, the comparison no longer counts.";
+  }
+
+ private:
+  static std::vector<std::string> differences_of(const MapVerdict& verdict) {
+    std::vector<std::string> lines;
+    for (const MapDifference& one : verdict.differences) lines.push_back(one.message);
+    for (const std::string_view line : lines_of(params::to_text(verdict.parameters, "file", "unit")))
+      lines.emplace_back(line);
+    return lines;
+  }
+  ScrollPlace scroll_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserPage> laser_send_page(LaserHost& host) { return std::make_unique<SendPage>(host); }
+std::unique_ptr<LaserPage> laser_verify_page(LaserHost& host) { return std::make_unique<VerifyPage>(host); }
+
+}  // namespace ecs::app

@@ -1,0 +1,291 @@
+#include "app/screens/memory/screen.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::optional<Address> hexadecimal(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
+  Address value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string dump_name() { return fmt::format("unit-{:%Y%m%d-%H%M%S}.ecsdump", fmt::localtime(std::time(nullptr))); }
+
+}  // namespace
+
+void MemoryScreen::begin_typing(Typing what, const std::string& text) {
+  typing_ = what;
+  text_.set(text);
+  target_ = {};
+  choices_.clear();
+  desk_.message().clear();
+}
+
+std::string MemoryScreen::prompt() const {
+  switch (typing_) {
+    case Typing::place:
+      return "go to";
+    case Typing::sought:
+      return "find";
+    case Typing::bytes:
+      return fmt::format("write at {}", hex_address(desk_.cursor()));
+    case Typing::file_to_open:
+      return "open the dump";
+    case Typing::file_to_compare:
+      return "compare with";
+    case Typing::file_to_save:
+      return scope_ == DumpScope::all ? "save all memory to" : "save the active map to";
+    default:
+      return "";
+  }
+}
+
+std::string MemoryScreen::hint() const {
+  switch (typing_) {
+    case Typing::place:
+      return "an address in hexadecimal, or a part of a name; up and down choose, Enter goes";
+    case Typing::sought:
+    case Typing::bytes:
+      return std::string(kPatternHint);
+    case Typing::file_to_open:
+      return "Tab completes; empty: back to the unit";
+    case Typing::file_to_compare:
+      return "Tab completes; empty: compare no more";
+    case Typing::file_to_save:
+      return "up and down: all memory or only the active map; Enter begins";
+    default:
+      return "";
+  }
+}
+
+std::vector<MemoryScreen::Target> MemoryScreen::targets() const {
+  const std::string part = lower(trimmed(text_.text()));
+  std::vector<Target> found;
+  const auto address = hexadecimal(part);
+  if (address && desk_.memory().region_of(*address))
+    found.push_back({*address, fmt::format("{}  the address", hex_address(*address))});
+  const auto add = [&](Address at, const std::string& name, const std::string& detail) {
+    if (lower(name).find(part) != std::string::npos)
+      found.push_back({at, fmt::format("{}  {:<34} {}", hex_address(at), name, detail)});
+  };
+  for (const MemoryRegion& region : desk_.memory().regions())
+    add(region.first, region.name, fmt::format("{} bytes{}", region.size, region.writable ? "" : ", protected"));
+  for (const NamedStretch& stretch : desk_.names().all()) add(stretch.first, stretch.name, stretch.value);
+  return found;
+}
+
+void MemoryScreen::typed() {
+  const Typing what = typing_;
+  const std::string text(trimmed(text_.text()));
+  typing_ = Typing::nothing;
+  if (what == Typing::place) {
+    const auto found = targets();
+    if (found.empty())
+      desk_.message().say(fmt::format("no memory and no name like \"{}\"", text), Tone::bad);
+    else
+      desk_.go(
+          found[static_cast<std::size_t>(std::clamp(target_.selected, 0, static_cast<int>(found.size()) - 1))].address);
+  }
+  if (what == Typing::sought) desk_.seek(text);
+  if (what == Typing::bytes) desk_.propose(text);
+  if (what == Typing::file_to_open) desk_.open(text);
+  if (what == Typing::file_to_compare && text.empty()) desk_.end_comparison();
+  if (what == Typing::file_to_compare && !text.empty()) desk_.compare_with(text);
+  if (what == Typing::file_to_save) desk_.save(text, scope_);
+}
+
+void MemoryScreen::on_typing_key(const Key& key) {
+  const bool file =
+      typing_ == Typing::file_to_open || typing_ == Typing::file_to_compare || typing_ == Typing::file_to_save;
+  if (key.name == Key::Name::escape) {
+    typing_ = Typing::nothing;
+  } else if (key.name == Key::Name::enter) {
+    typed();
+  } else if (key.name == Key::Name::tab && file) {
+    const PathCompletion completion = completed_path(text_.text());
+    text_.set(completion.completed);
+    choices_.clear();
+    for (const std::string& choice : completion.choices) choices_ += (choices_.empty() ? "" : "  ") + choice;
+  } else if (typing_ == Typing::file_to_save && (key.name == Key::Name::up || key.name == Key::Name::down)) {
+    scope_ = scope_ == DumpScope::all ? DumpScope::active : DumpScope::all;
+  } else if (typing_ == Typing::place && (key.name == Key::Name::up || key.name == Key::Name::down)) {
+    (void)target_.on_key(key, static_cast<int>(targets().size()));
+  } else if (text_.on_key(key)) {
+    target_ = {};
+    choices_.clear();
+  }
+}
+
+bool MemoryScreen::on_move_key(const Key& key) {
+  const auto row = static_cast<long long>(rows_.per_row);
+  const MemoryRegion* region = desk_.memory().region_of(desk_.cursor());
+  switch (key.name) {
+    case Key::Name::left:
+      desk_.move(-1);
+      return true;
+    case Key::Name::right:
+      desk_.move(1);
+      return true;
+    case Key::Name::up:
+      desk_.move(-row);
+      return true;
+    case Key::Name::down:
+      desk_.move(row);
+      return true;
+    case Key::Name::wheel_up:
+      desk_.move(-3 * row);
+      return true;
+    case Key::Name::wheel_down:
+      desk_.move(3 * row);
+      return true;
+    case Key::Name::page_up:
+      desk_.move(-row * rows_.rows);
+      return true;
+    case Key::Name::page_down:
+      desk_.move(row * rows_.rows);
+      return true;
+    case Key::Name::home:
+      if (region != nullptr) desk_.go(region->first);
+      return true;
+    case Key::Name::end:
+      if (region != nullptr) desk_.go(region->last());
+      return true;
+    case Key::Name::mouse:
+      if (region != nullptr)
+        if (const auto at = byte_at(rows_area_, rows_, *region, {key.row, key.column})) desk_.go(*at);
+      return true;
+    default:
+      return false;
+  }
+}
+
+void MemoryScreen::on_list_key(const Key& key) {
+  const auto& rows = desk_.differences();
+  const auto& written = desk_.written();
+  const bool differences = page_ == Page::differences;
+  const int count = static_cast<int>(differences ? rows.size() : written.size());
+  ListPlace& place = differences ? difference_ : write_;
+  if (const auto clicked = place.clicked(key); clicked && *clicked < count) place.selected = *clicked;
+  if (place.on_key(key, count) || key.name != Key::Name::enter || count == 0) return;
+  const auto chosen = static_cast<std::size_t>(std::clamp(place.selected, 0, count - 1));
+  desk_.go(differences ? rows[chosen].first : written[chosen].address);
+  page_ = Page::bytes;
+}
+
+void MemoryScreen::to_named(bool forward) {
+  const auto to = forward ? desk_.names().next(desk_.cursor()) : desk_.names().previous(desk_.cursor());
+  if (to)
+    desk_.go(*to);
+  else
+    desk_.message().say(forward ? "no name after this place" : "no name before this place", Tone::warning);
+}
+
+void MemoryScreen::on_letter(char32_t letter) {
+  switch (letter) {
+    case U'g':
+      return begin_typing(Typing::place);
+    case U'/':
+      return begin_typing(Typing::sought);
+    case U'm':
+      return desk_.seek_on();
+    case U'n':
+      return to_named(true);
+    case U'p':
+      return to_named(false);
+    case U'w':
+      if (desk_.lets_write()) begin_typing(Typing::bytes);
+      return;
+    case U'u':
+      return desk_.propose_undo();
+    case U'r':
+      return desk_.read_again(rows_.shown());
+    case U'a':
+      return desk_.read_region();
+    case U'c':
+      return begin_typing(Typing::file_to_compare, desk_.compared_path());
+    case U'd':
+      return desk_.to_next_difference();
+    case U's':
+      return begin_typing(Typing::file_to_save, dump_name());
+    case U'o':
+      return begin_typing(Typing::file_to_open);
+    case U'1':
+    case U'2':
+    case U'3':
+      page_ = static_cast<Page>(letter - U'1');
+      return;
+    default:
+      return;
+  }
+}
+
+Step MemoryScreen::on_key(const Key& key) {
+  if (desk_.question()) {
+    const Reply reply = reply_to(key);
+    if (reply != Reply::none) desk_.answer(reply == Reply::yes);
+    return stay();
+  }
+  if (typing()) {
+    on_typing_key(key);
+    return stay();
+  }
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (desk_.working_on().empty()) return back();
+    desk_.cancel();
+    return stay();
+  }
+  if (key.name == Key::Name::resized) return stay();
+  desk_.message().clear();
+  if (key.name == Key::Name::tab)
+    page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3);
+  else if (key.name == Key::Name::letter)
+    on_letter(key.letter);
+  else if (key.name == Key::Name::control && key.letter == U'z')
+    desk_.propose_undo();
+  else if (page_ != Page::bytes)
+    on_list_key(key);
+  else
+    (void)on_move_key(key);
+  return stay();
+}
+
+std::vector<KeyHelp> MemoryScreen::keys() const {
+  if (typing()) return {{"Enter", "done"}, {"Esc", "leave it"}};
+  return {{"g", "go to"},
+          {"/ m", "find, next"},
+          {"n p", "field"},
+          {"w u", "write, undo"},
+          {"c d", "compare, next"},
+          {"s o", "save, open"},
+          {"a r", "read the region, read again"},
+          {"Tab 1 2 3", "bytes, differences, written"}};
+}
+
+std::string MemoryScreen::help() const {
+  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what stands under the "
+         "cursor "
+         "by name with its value, and the same bytes as plain numbers. Pages are read when they come into view; .. is "
+         "not read yet. [45] is the cursor, 45* differs from the file compared. Protected regions can be read only. "
+         "Writing needs integration mode, asks first, is read back, and u writes the old bytes back.";
+}
+
+Place MemoryScreen::cursor(const Area& area) const {
+  if (!typing()) return {-1, -1};
+  const int begin = width_of(prompt()) + 3;
+  return {area.row + area.rows - 2, area.column + begin + text_.cursor_column(std::max(1, area.columns - begin - 1))};
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,70 @@
+// MEMORY ACCESS: bytes with their names, finding, comparing, writing with a question and the way back.
+// Does not live here: what is done (controller.hpp), how the rows look (picture.hpp).
+#pragma once
+
+#include <memory>
+
+#include "app/screens/memory/controller.hpp"
+#include "app/screens/memory/picture.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/widgets.hpp"
+
+namespace ecs::app {
+
+class MemoryScreen final : public Screen {
+ public:
+  explicit MemoryScreen(std::shared_ptr<UnitDesk> unit) : desk_(std::move(unit)) {}
+
+  [[nodiscard]] std::string title() const override { return "MEMORY"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override { return desk_.advance(rows_.shown()); }
+  [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing; }
+  [[nodiscard]] Place cursor(const Area& area) const override;
+
+ private:
+  enum class Page { bytes, differences, written };
+  enum class Typing { nothing, place, sought, bytes, file_to_open, file_to_compare, file_to_save };
+  struct Target {
+    Address address = 0;
+    std::string text;
+  };
+
+  void begin_typing(Typing what, const std::string& text = {});
+  void typed();
+  void on_typing_key(const Key& key);
+  void on_list_key(const Key& key);
+  [[nodiscard]] bool on_move_key(const Key& key);
+  void on_letter(char32_t letter);
+  void to_named(bool forward);
+  [[nodiscard]] std::vector<Target> targets() const;
+  [[nodiscard]] std::string prompt() const;
+  [[nodiscard]] std::string hint() const;
+
+  [[nodiscard]] std::string tabs_text(bool whole) const;
+  void draw_top(Canvas& canvas, const Area& area) const;
+  void draw_bytes(Canvas& canvas, const Area& area) const;
+  void draw_under_cursor(Canvas& canvas, const Area& area) const;
+  void draw_differences(Canvas& canvas, const Area& area) const;
+  void draw_written(Canvas& canvas, const Area& area) const;
+  void draw_targets(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] int bottom_rows(const Area& area) const;
+  [[nodiscard]] std::string selected_row() const;
+  void draw_bottom(Canvas& canvas, const Area& area) const;
+
+  MemoryDesk desk_;
+  Page page_ = Page::bytes;
+  Typing typing_ = Typing::nothing;
+  TextLine text_;
+  std::string choices_;  ///< files that the typed path may become
+  DumpScope scope_ = DumpScope::all;
+  ListPlace target_;
+  ListPlace difference_;
+  ListPlace write_;
+  mutable MemoryRows rows_;
+  mutable Area rows_area_;
+};
+
+}  // namespace ecs::app

@@ -1,0 +1,308 @@
+#include "app/screens/model/controller.hpp"
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/from_model.hpp"
+#include "commissioning/models/compare_view.hpp"
+#include "commissioning/models/plots.hpp"
+#include "commissioning/models/what_if.hpp"
+
+namespace ecs::app {
+namespace {
+
+using model::Fit;
+using model::Observations;
+
+constexpr std::array<int, 3> kApproaches{1, -1, 0};
+
+std::string_view approach_word(int approach) { return approach > 0 ? "forward" : (approach < 0 ? "reverse" : "any"); }
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+/// What a panel shows of a line: the rows of one run, or of all.
+struct Shown {
+  const Observations& data;
+  const MeasuredLine& line;
+  std::optional<int> run;
+  [[nodiscard]] bool has(std::size_t k, int approach) const {
+    return data.approach[k] == approach && (!run || data.run[k] == *run);
+  }
+};
+
+PlotSeries means_of(const Shown& shown, const std::vector<double>& value, int approach) {
+  std::map<double, std::pair<double, double>> sums;
+  for (const std::size_t k : shown.line.rows) {
+    if (!shown.has(k, approach)) continue;
+    auto& [sum, count] = sums[shown.data.position_mm[k][index_of(shown.line.axis)]];
+    sum += value[k];
+    count += 1.0;
+  }
+  PlotSeries series{std::string(approach_word(approach)), line_mark(approach), {}};
+  for (const auto& [x, sum] : sums) series.points.push_back({x, sum.first / sum.second});
+  return series;
+}
+
+PlotSeries readings_of(const Shown& shown, const std::vector<double>& value, int approach) {
+  PlotSeries series{"", reading_mark(approach), {}};
+  for (const std::size_t k : shown.line.rows)
+    if (shown.has(k, approach))
+      series.points.push_back({shown.data.position_mm[k][index_of(shown.line.axis)], value[k]});
+  return series;
+}
+
+PlotPanel panel_of(const Shown& shown, const std::vector<double>& signs, const std::vector<double>& lines,
+                   const std::string& title) {
+  const std::string unit = is_rotation(shown.line.sense) ? "um/m" : "um";
+  PlotPanel panel{title, fmt::format("{} mm", letter_of(shown.line.axis)), unit, {}};
+  for (const int approach : kApproaches)
+    if (PlotSeries series = readings_of(shown, signs, approach); !series.points.empty())
+      panel.series.push_back(std::move(series));
+  for (const int approach : kApproaches)
+    if (PlotSeries series = means_of(shown, lines, approach); !series.points.empty())
+      panel.series.push_back(std::move(series));
+  return panel;
+}
+
+std::string run_text(std::optional<int> run) { return run ? fmt::format(", run {}", *run) : ""; }
+
+}  // namespace
+
+PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of({data, line, run}, data.reading, fit.predicted,
+                  title_of(line) + run_text(run) + ": measured (dots), model (lines)");
+}
+
+PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of({data, line, run}, fit.residual, fit.residual, "what the model leaves");
+}
+
+Result<ModelDesk::Fitted> ModelDesk::fitted(model::Model model, const Observations& data, std::string said) {
+  auto fit = model::fit(model, data);
+  if (!fit) return tl::unexpected(fit.error());
+  auto comparison = lines_in(comparison_text(model::compare(*fit, data), data.size()));
+  return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
+}
+
+Result<std::unique_ptr<ModelDesk>> ModelDesk::open(Session& session, const ModelArguments& files) {
+  auto work = model_work(session, files);
+  if (!work) return tl::unexpected(work.error());
+  auto first = fitted(work->model, work->data, "");
+  if (!first) return tl::unexpected(in_file(first.error(), files.model));
+  std::unique_ptr<ModelDesk> desk(new ModelDesk);
+  desk->files_ = files;
+  desk->work_ = std::make_shared<const ModelWork>(std::move(*work));
+  desk->lines_ = measured_lines(desk->data());
+  const std::set<int> runs(desk->data().run.begin(), desk->data().run.end());
+  desk->runs_.assign(runs.begin(), runs.end());
+  desk->model_ = std::move(first->model);
+  desk->fit_ = std::move(first->fit);
+  desk->comparison_ = std::move(first->comparison);
+  return desk;
+}
+
+Result<std::unique_ptr<ModelDesk>> ModelDesk::begin_new(Session& session, const ModelArguments& files) {
+  if (const auto begun = begun_model(session, files); !begun) return tl::unexpected(begun.error());
+  auto desk = open(session, files);
+  if (!desk) {
+    std::error_code error;
+    std::filesystem::remove(files.model, error);
+    return desk;
+  }
+  (*desk)->message_.say(fmt::format(
+      "begun in {} with offset, slope and backlash of what was measured; d finds what else there is, a adds it",
+      std::filesystem::path(files.model).filename().string()));
+  return desk;
+}
+
+void ModelDesk::begin(const std::string& what) {
+  working_on_ = what;
+  since_ = std::chrono::steady_clock::now();
+  cancelled_ = false;
+  message_.clear();
+}
+
+double ModelDesk::seconds_working() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count();
+}
+
+bool ModelDesk::busy() const {
+  return diagnosing_.running() || fitting_.running() || reckoning_.running() || building_.running();
+}
+
+std::string ModelDesk::draft_name() const {
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(files_.model, error);
+  return "model-" + sha256_hex(path.string()).substr(0, 16);
+}
+
+std::optional<Draft> ModelDesk::draft() const { return draft_of(draft_name()); }
+void ModelDesk::drop_draft() { app::drop_draft(draft_name()); }
+
+void ModelDesk::take_draft() {
+  const auto kept = draft();
+  if (!kept || busy()) return;
+  auto model = model::parse_model(kept->text, "the unsaved work", std::filesystem::path(files_.model).parent_path());
+  if (!model) return message_.say(model.error());
+  begin("taking up the unsaved work");
+  fitting_.start([model = std::move(*model), work = work_](JobSigns&) {
+    return fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
+  });
+}
+
+void ModelDesk::start_diagnosis() {
+  if (busy()) return;
+  begin("looking for what is missing");
+  diagnosing_.start([model = model_, work = work_](JobSigns& signs) {
+    model::DiagnoseOptions options;
+    options.cancelled = &signs.cancelled;
+    Diagnosed found{model::diagnose(model, work->data, options), {}};
+    if (found.diagnosis && !signs.cancelled) found.next = model::next_measurement(model, work->data, *found.diagnosis);
+    return found;
+  });
+}
+
+void ModelDesk::start_adding(std::size_t candidate) {
+  if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
+  const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
+  const model::AddRequest request{effect.id,       effect.axis,   effect.sense, effect.code,
+                                  effect.approach, effect.sensor, effect.name};
+  begin("adding " + to_text(effect));
+  fitting_.start([model = model_, work = work_, request](JobSigns&) -> Result<Fitted> {
+    auto added = model::add_effect(model, work->data, request, work->data_name);
+    if (!added) return tl::unexpected(added.error());
+    return fitted(std::move(added->model), work->data,
+                  fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model",
+                              to_text(added->effect.effect), added->rms_before_um, added->rms_after_um));
+  });
+}
+
+void ModelDesk::undo() {
+  if (busy()) return;
+  auto before = model::undo(model_);
+  if (!before) return message_.say(before.error());
+  const std::string taken = model_.history.empty() ? "" : model_.history.back().effect;
+  begin("taking back " + taken);
+  fitting_.start([model = std::move(*before), work = work_, taken](JobSigns&) {
+    return fitted(model, work->data, "taken back: " + taken);
+  });
+}
+
+void ModelDesk::save() {
+  if (busy()) return;
+  std::string beside;
+  if (!saved_) {  // what people wrote into the file by hand, comments too, is not lost
+    const auto before = read_file(files_.model);
+    if (before && !before->empty()) {
+      beside = files_.model + ".before";
+      if (const auto kept = write_file(beside, *before); !kept) return message_.say(kept.error());
+    }
+  }
+  if (const auto kept = keep_model(files_.model, model_, files_.model); !kept) return message_.say(kept.error());
+  saved_ = true;
+  changed_ = false;
+  drop_draft();
+  message_.say("written to " + files_.model + (beside.empty() ? "" : "; as it was: " + beside));
+}
+
+void ModelDesk::start_after(const std::vector<std::string>& measured_again) {
+  if (busy()) return;
+  begin("reckoning what compensation would leave");
+  reckoning_.start([model = model_, work = work_, files = files_, measured_again](JobSigns&) -> Result<Lines> {
+    std::ostringstream out, messages;
+    Face face(out, messages);
+    Session session{face, {}, {}};
+    const ModelWork now{model, work->machine, {}, work->data, work->data_name};
+    const auto told = what_if_told(session, now, files.model, measured_again, files.import);
+    if (!told) return tl::unexpected(told.error());
+    return lines_in(what_if_text(*told));
+  });
+}
+
+void ModelDesk::start_map(const std::string& output) {
+  if (busy()) return;
+  if (changed_) return message_.say("save the model first (s): the map's header names its file", Tone::warning);
+  begin("compiling the model to a map");
+  building_.start([files = files_, output](JobSigns&) -> Result<std::string> {
+    std::ostringstream out, messages;
+    Face face(out, messages);
+    Session session{face, {}, {}};
+    FromModelArguments arguments;
+    arguments.model = files.model;
+    arguments.machine = files.machine;
+    arguments.output = output;
+    arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
+    const auto built = map_from_model(session, arguments);
+    if (!built) return tl::unexpected(built.error());
+    return built->text;
+  });
+}
+
+void ModelDesk::export_picture() {
+  picture_.start(fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string());
+}
+
+void ModelDesk::cancel() {
+  if (!busy()) return;
+  cancelled_ = true;
+  diagnosing_.cancel();
+  fitting_.cancel();
+  reckoning_.cancel();
+  building_.cancel();
+  message_.say("given up", Tone::warning);
+}
+
+void ModelDesk::take(Fitted fitted) {
+  model_ = std::move(fitted.model);
+  fit_ = std::move(fitted.fit);
+  comparison_ = std::move(fitted.comparison);
+  diagnosis_.reset();
+  next_.reset();
+  after_.clear();
+  changed_ = true;
+  ++generation_;
+  message_.say(fitted.said);
+  if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
+}
+
+void ModelDesk::take(Diagnosed found) {
+  if (!found.diagnosis) return message_.say(found.diagnosis.error());
+  diagnosis_ = std::move(*found.diagnosis);
+  next_ = std::move(found.next);
+}
+
+bool ModelDesk::advance() {
+  bool changed = picture_.advance(message_);
+  if (auto found = diagnosing_.take()) {
+    if (!cancelled_) take(std::move(*found));
+    changed = true;
+  }
+  if (auto fitted = fitting_.take()) {
+    if (!cancelled_ && *fitted) take(std::move(**fitted));
+    if (!cancelled_ && !*fitted) message_.say(fitted->error());
+    changed = true;
+  }
+  if (auto lines = reckoning_.take()) {
+    if (!cancelled_ && *lines) after_ = std::move(**lines);
+    if (!cancelled_ && !*lines) message_.say(lines->error());
+    changed = true;
+  }
+  if (auto built = building_.take()) {
+    if (*built) after_ = lines_in(**built);
+    if (!*built) message_.say(built->error());
+    changed = true;
+  }
+  return changed || busy();
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,186 @@
+#include "app/screens/model/screen.hpp"
+
+#include <algorithm>
+
+#include "app/screens/verbs/catalogue.hpp"
+
+namespace ecs::app {
+
+ModelScreen::ModelScreen(std::unique_ptr<ModelDesk> desk) : desk_(std::move(desk)), draft_(desk_->draft()) {}
+
+/// All runs, then one after the other.
+void ModelScreen::next_run() {
+  const auto& runs = desk_->runs();
+  const auto at = run_ ? std::find(runs.begin(), runs.end(), *run_) : runs.end();
+  if (!run_ && runs.size() > 1)
+    run_ = runs.front();
+  else if (at == runs.end() || at + 1 == runs.end())
+    run_.reset();
+  else
+    run_ = *(at + 1);
+}
+
+void ModelScreen::turn_page(int by) {
+  page_ = static_cast<Page>((static_cast<int>(page_) + by + kPages) % kPages);
+  scroll_ = {};
+}
+
+bool ModelScreen::on_curve_key(const Key& key) {
+  const int count = static_cast<int>(desk_->lines().size());
+  if (count == 0) return false;
+  if (key.name == Key::Name::down || key.name == Key::Name::up) {
+    line_ = (line_ + (key.name == Key::Name::down ? 1 : count - 1)) % count;
+    view_ = {};
+    return true;
+  }
+  if (is_letter(key, U'r')) {
+    next_run();
+    return true;
+  }
+  return on_chart_key(key, curves().measured, view_);
+}
+
+Step ModelScreen::on_question(const Key& key) {
+  const Reply reply = reply_to(key);
+  if (draft_) {
+    if (reply == Reply::no) return back();
+    if (reply == Reply::yes) desk_->take_draft();
+    if (is_letter(key, U'd')) desk_->drop_draft();
+    if (reply == Reply::yes || is_letter(key, U'd')) draft_.reset();
+    return stay();
+  }
+  if (reply == Reply::none) return stay();
+  leaving_ = false;
+  if (reply == Reply::no) return stay();
+  desk_->drop_draft();
+  return back();
+}
+
+void ModelScreen::on_asked(const Key& key) {
+  if (key.name == Key::Name::escape) {
+    asked_.reset();
+  } else if (key.name == Key::Name::tab) {
+    const std::string text = asked_->line.text();
+    asked_->line.set((asked_->purpose == Asked::For::map ? completed_path(text) : completed_paths(text)).completed);
+  } else if (key.name == Key::Name::enter) {
+    const Asked asked = *asked_;
+    asked_.reset();
+    if (asked.line.text().empty()) return;
+    if (asked.purpose == Asked::For::map)
+      desk_->start_map(asked.line.text());
+    else
+      desk_->start_after(split_words(asked.line.text()));
+  } else {
+    (void)asked_->line.on_key(key);
+  }
+}
+
+bool ModelScreen::on_after_key(const Key& key) {
+  if (is_letter(key, U'w')) {
+    desk_->start_after({});
+  } else if (is_letter(key, U'o')) {
+    asked_ = {Asked::For::measured_again, "measured again with compensation, files:", {}};
+  } else if (is_letter(key, U'm')) {
+    asked_ = {Asked::For::map, "write the map to:", TextLine(desk_->model_file() + ".map.csv")};
+  } else {
+    return false;
+  }
+  page_ = Page::after;
+  scroll_ = {};
+  return true;
+}
+
+Place ModelScreen::cursor(const Area& area) const {
+  if (!asked_) return {-1, -1};
+  const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
+  return {area.row + area.rows - 1,
+          area.column + begin + asked_->line.cursor_column(std::max(4, area.columns - begin - 1))};
+}
+
+Step ModelScreen::on_key(const Key& key) {
+  if (draft_ || leaving_) return on_question(key);
+  if (asked_) {
+    on_asked(key);
+    return stay();
+  }
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (desk_->busy()) {
+      desk_->cancel();
+      return stay();
+    }
+    if (!desk_->changed()) return back();
+    leaving_ = true;
+    return stay();
+  }
+  if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
+    turn_page(key.name == Key::Name::tab ? 1 : -1);
+    return stay();
+  }
+  if (key.name == Key::Name::letter && key.letter >= U'1' && key.letter < U'1' + kPages) {
+    page_ = static_cast<Page>(static_cast<int>(key.letter - U'1'));
+    scroll_ = {};
+    return stay();
+  }
+  if (is_letter(key, U'd')) {
+    page_ = Page::causes;
+    cause_ = {};
+    desk_->start_diagnosis();
+  } else if (is_letter(key, U'a') && desk_->diagnosis()) {
+    page_ = Page::ladder;
+    desk_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
+  } else if (is_letter(key, U'u')) {
+    desk_->undo();
+  } else if (is_letter(key, U's')) {
+    desk_->save();
+  } else if (is_letter(key, U'e')) {
+    desk_->export_picture();
+  } else if (on_after_key(key)) {
+    return stay();
+  } else if (page_ == Page::curves) {
+    (void)on_curve_key(key);
+  } else if (page_ == Page::causes) {
+    const int count = desk_->diagnosis() ? static_cast<int>(desk_->diagnosis()->candidates.size()) : 0;
+    if (const auto clicked = cause_.clicked(key); clicked && *clicked < count)
+      cause_.selected = *clicked;
+    else if (!cause_.on_key(key, count) || count == 0)
+      (void)scroll_.on_key(key);
+  } else {
+    (void)scroll_.on_key(key);
+  }
+  return stay();
+}
+
+std::vector<KeyHelp> ModelScreen::keys() const {
+  if (asked_) return {{"Enter", "go on"}, {"Tab", "complete a path"}, {"Esc", "leave it"}};
+  std::vector<KeyHelp> keys;
+  if (page_ == Page::curves)
+    keys = {{"d", "diagnose"},        {"Tab", "page"},   {"up/down", "line"},
+            {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"r", "run"}};
+  else if (page_ == Page::after)
+    keys = {{"w", "what if"}, {"o", "measured again"}, {"m", "map"}, {"Tab", "page"}};
+  else if (page_ == Page::causes)
+    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
+  else
+    keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
+  if (desk_->diagnosis() && !desk_->diagnosis()->candidates.empty()) keys.insert(keys.begin(), {"a", "add"});
+  keys.push_back({"u", "undo"});
+  keys.push_back({"s", "save"});
+  keys.push_back({"e", "picture"});
+  return keys;
+}
+
+std::string ModelScreen::help() const {
+  return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
+         "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
+         "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
+         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise. After "
+         "tells "
+         "what compensation would leave (w), what it left when measured again (o), and writes the map (m). r shows one "
+         "run after the other.";
+}
+
+std::string ModelScreen::unsaved() const {
+  return desk_->changed() ? desk_->model_file() + " has changes that are not saved" : "";
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,74 @@
+// The MODEL screen: measurements and model side by side, where it fails, what is missing, add it and watch the error
+// fall. Does not live here: its state (controller.hpp), curves (app/ui/chart.hpp).
+#pragma once
+
+#include "app/screens/model/controller.hpp"
+#include "app/ui/chart.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/widgets.hpp"
+
+namespace ecs::app {
+
+class ModelScreen final : public Screen {
+ public:
+  explicit ModelScreen(std::unique_ptr<ModelDesk> desk);
+
+  [[nodiscard]] std::string title() const override { return "MODEL"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override { return desk_->advance(); }
+  [[nodiscard]] std::string unsaved() const override;
+  [[nodiscard]] bool typing() const override { return asked_.has_value(); }
+  [[nodiscard]] Place cursor(const Area& area) const override;
+
+ private:
+  enum class Page { curves, fails, causes, ladder, next, after };
+  static constexpr int kPages = 6;
+  /// A line that is being typed at the bottom.
+  struct Asked {
+    enum class For { measured_again, map } purpose;
+    std::string label;
+    TextLine line;
+  };
+  /// The curves of one line as they are shown, made anew only when something else is to be seen.
+  struct Curves {
+    int generation = -1;
+    int line = -1;
+    std::optional<int> run;
+    PlotPanel measured;
+    PlotPanel residual;
+  };
+
+  void draw_tabs(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::string standing_text() const;
+  [[nodiscard]] int asked_rows(const Area& area) const;
+  [[nodiscard]] int standing_rows(const Area& area) const;
+  void draw_standing(Canvas& canvas, const Area& area) const;
+  void draw_curves(Canvas& canvas, const Area& area) const;
+  void draw_causes(Canvas& canvas, const Area& area) const;
+  void draw_ladder(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::vector<std::string> lines_of_page(int columns) const;
+  [[nodiscard]] bool on_curve_key(const Key& key);
+  void turn_page(int by);
+  [[nodiscard]] const Curves& curves() const;
+  [[nodiscard]] Step on_question(const Key& key);
+  void on_asked(const Key& key);
+  [[nodiscard]] bool on_after_key(const Key& key);
+  void next_run();
+
+  std::unique_ptr<ModelDesk> desk_;
+  Page page_ = Page::curves;
+  int line_ = 0;
+  ChartView view_;
+  ListPlace cause_;
+  ScrollPlace scroll_;
+  std::optional<int> run_;  ///< absent: all runs
+  mutable Curves curves_;
+  std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
+  bool leaving_ = false;        ///< asked whether the model may stay unsaved
+  std::optional<Asked> asked_;
+};
+
+}  // namespace ecs::app

@@ -1,0 +1,243 @@
+// How the model screen looks. Does not live here: its keys (screen.cpp), its state (controller.hpp).
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/screens/model/screen.hpp"
+#include "base/text.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/view.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next", "After"};
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+constexpr int kCauseNumbers = 45;  ///< columns behind the name of a cause
+
+/// "cyclic:X:EX    4.81 -> 0.55 um   98.7 %   false 0.25 %   1 rival"
+ListRow cause_row(const model::Candidate& candidate, double rms_um, int name_columns) {
+  const std::string rivals = candidate.indistinguishable_from.empty()
+                                 ? ""
+                                 : fmt::format("{} rival{}", candidate.indistinguishable_from.size(),
+                                               candidate.indistinguishable_from.size() == 1 ? "" : "s");
+  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {:>5.2g} %  {}",
+                      in_columns(place_text(candidate.effect), name_columns), rms_um, candidate.rms_after_um,
+                      100.0 * candidate.explained, 100.0 * candidate.false_naming, rivals),
+          candidate.named ? Tone::strong : Tone::plain};
+}
+
+/// A bar of `value` on a scale that ends at `most`.
+void draw_bar(Canvas& canvas, const Area& area, int row, double value, double most, Tone tone) {
+  const int length = most > 0.0 ? static_cast<int>(std::lround(value / most * area.columns)) : 0;
+  for (int c = 0; c < std::clamp(length, 0, area.columns); ++c) canvas.put(area.row + row, area.column + c, U'█', tone);
+}
+
+}  // namespace
+
+void ModelScreen::draw(Canvas& canvas, const Area& area) const {
+  draw_tabs(canvas, area.top(1));
+  const int standing = standing_rows(area);
+  const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - standing), area.columns};
+  switch (page_) {
+    case Page::curves:
+      draw_curves(canvas, body);
+      break;
+    case Page::causes:
+      draw_causes(canvas, body);
+      break;
+    case Page::ladder:
+      draw_ladder(canvas, body);
+      break;
+    default:
+      draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
+  }
+  draw_standing(canvas, {area.row + area.rows - standing, area.column, standing, area.columns});
+  if (draft_)
+    draw_question(
+        canvas, area,
+        {"Unsaved work on this model was found. Take it up?",
+         fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept, desk_->model_file()),
+         "take it up", "not now    d drop it"});
+  else if (leaving_)
+    draw_question(canvas, area,
+                  {"Leave without saving the model?", desk_->model_file() + " stays as it was.", "leave", "stay"});
+}
+
+void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  const bool room = area.columns >= 68;  // else only the page that is seen has its name
+  int column = 1;
+  for (int p = 0; p < kPages; ++p) {
+    const bool here = static_cast<Page>(p) == page_;
+    const std::string name = room || here ? fmt::format("{} {}", p + 1, kTitles[p]) : fmt::format("{}", p + 1);
+    column +=
+        canvas.text(area, 0, column, (here ? "[" : " ") + name + (here ? "]" : " "), here ? Tone::strong : Tone::faint);
+  }
+  const std::string file = std::filesystem::path(desk_->model_file()).filename().string();
+  if (column + width_of(file) + 2 <= area.columns) canvas.text_right(area.left(area.columns - 1), 0, file, Tone::faint);
+}
+
+/// What is asked has rows of its own where little would be left to type into.
+int ModelScreen::asked_rows(const Area& area) const {
+  return width_of(asked_->label) <= area.columns * 2 / 3
+             ? 0
+             : static_cast<int>(wrapped(asked_->label, area.columns - 2).size());
+}
+
+/// What the last rows say while nothing is asked and nothing was told.
+std::string ModelScreen::standing_text() const {
+  const model::Fit& fit = desk_->fit();
+  const std::size_t effects = desk_->model().effects.size();
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um", desk_->data().size(),
+                     effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
+}
+
+int ModelScreen::standing_rows(const Area& area) const {
+  if (desk_->busy()) return 1;
+  if (asked_) return 1 + asked_rows(area);
+  const int most = std::max(1, area.rows / 4);
+  if (!desk_->message().text().empty()) return desk_->message().rows(area.columns - 2, most);
+  return std::min(most, static_cast<int>(wrapped(standing_text(), area.columns - 2).size()));
+}
+
+void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  if (desk_->busy()) {
+    canvas.paragraph(text, 0,
+                     fmt::format("{} ... {:.0f} s, Esc gives up", desk_->working_on(), desk_->seconds_working()),
+                     Tone::warning);
+  } else if (asked_) {
+    canvas.paragraph(text, 0, asked_->label, Tone::strong);
+    const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
+    asked_->line.draw(canvas, area, area.rows - 1, begin, std::max(4, area.columns - begin - 1), true);
+  } else if (!desk_->message().text().empty()) {
+    desk_->message().draw(canvas, text);
+  } else {
+    canvas.paragraph(text, 0, standing_text());
+  }
+}
+
+void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
+  if (desk_->lines().empty()) return;
+  const Curves& shown = curves();
+  const int upper = std::max(8, area.rows * 3 / 5);
+  draw_chart(canvas, area.top(upper), shown.measured, view_);
+  if (area.rows - upper >= 6) draw_chart(canvas, area.below(upper), shown.residual, view_);
+  canvas.text_right({area.row + upper, area.column, 1, area.columns - 8}, 0,
+                    fmt::format("line {} of {}", line_ + 1, desk_->lines().size()), Tone::faint);
+}
+
+const ModelScreen::Curves& ModelScreen::curves() const {
+  if (curves_.generation == desk_->generation() && curves_.line == line_ && curves_.run == run_) return curves_;
+  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
+  curves_ = {desk_->generation(), line_, run_, measured_panel(desk_->data(), desk_->fit(), line, run_),
+             residual_panel(desk_->data(), desk_->fit(), line, run_)};
+  return curves_;
+}
+
+void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  if (!desk_->diagnosis()) {
+    canvas.paragraph(text, 1,
+                     desk_->busy() ? "The library is being tried on what the model leaves."
+                                   : "Press d: every effect of the library is tried on what the model leaves, and "
+                                     "weighed against noise made for this very data set.");
+    return;
+  }
+  const model::Diagnosis& d = *desk_->diagnosis();
+  const Tone tone = d.verdict == model::Verdict::adequate ? Tone::good : Tone::warning;
+  int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
+  if (d.candidates.empty()) {
+    const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
+    draw_scrolled(canvas, wide, sentences_wrapped(lines_in(diagnosis_text(d)), wide.columns), scroll_);
+    return;
+  }
+  int names = 24;  // as wide as the longest, where the numbers leave room
+  for (const model::Candidate& candidate : d.candidates)
+    names = std::max(names, width_of(place_text(candidate.effect)));
+  names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
+  canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained by chance", "effect:axis:sense", names, "rms um"),
+              Tone::faint);
+  std::vector<ListRow> rows;
+  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um, names));
+  const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
+  draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
+  row += list_rows + 1;
+  const auto chosen = static_cast<std::size_t>(std::clamp(cause_.selected, 0, static_cast<int>(rows.size()) - 1));
+  const model::Candidate& candidate = d.candidates[chosen];
+  const Area detail{text.row + row, text.column, text.rows - row, text.columns};
+  int at = canvas.paragraph(detail, 0, candidate.because);
+  at += canvas.paragraph(detail, at, parameters_text(candidate.parameters), Tone::strong);
+  if (!candidate.indistinguishable_from.empty())
+    at += canvas.paragraph(
+        detail, at,
+        fmt::format("These data cannot tell it from: {}.", fmt::join(candidate.indistinguishable_from, ", ")),
+        Tone::warning);
+  canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+}
+
+void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
+  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const auto& history = desk_->model().history;
+  std::vector<std::pair<std::string, double>> rungs;
+  if (history.empty()) rungs.emplace_back("the model as it is", desk_->fit().rms_um);
+  if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
+  for (const model::LadderStep& step : history)
+    rungs.emplace_back(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
+  double most = desk_->fit().rms_um;
+  for (const auto& [name, rms_um] : rungs) most = std::max(most, rms_um);
+
+  constexpr int kNumbers = 10;
+  const int names = std::clamp(text.columns / 2, 8, 34);
+  const Area bars = text.right_of(names + kNumbers);
+  canvas.text(text.left(names - 1), 0, 0, "step", Tone::faint);
+  canvas.text(text, 0, names, "rms um", Tone::faint);
+  int row = 1;
+  const auto rung = [&](const std::string& name, double rms_um, Tone tone, Tone bar) {
+    canvas.text(text.left(names - 1), row, 0, name, tone);
+    canvas.text(text, row, names, fmt::format("{:.3f}", rms_um), tone == Tone::plain ? Tone::strong : tone);
+    draw_bar(canvas, bars, row++, rms_um, most, bar);
+  };
+  const auto room = static_cast<std::size_t>(std::max(2, area.rows * 2 / 3 - 3));  // the newest, all in the table below
+  for (std::size_t k = rungs.size() > room ? rungs.size() - room : 0; k < rungs.size(); ++k)
+    rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
+  rung("noise of one reading", desk_->fit().noise.noise_um, Tone::faint, Tone::faint);
+  draw_scrolled(canvas, area.below(row + 1),
+                history.empty() ? wrapped(" No effect was added yet: d finds one, a adds it.", area.columns - 1)
+                                : sentences_wrapped(lines_in(ladder_text(history)), area.columns),
+                scroll_);
+}
+
+std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
+  if (page_ == Page::fails) return sentences_wrapped(desk_->comparison(), columns + 1);
+  if (page_ == Page::after) {
+    if (!desk_->after().empty()) return sentences_wrapped(desk_->after(), columns + 1);
+    return wrapped(
+        "w reckons what compensation by the unit would leave of these errors, effect by effect. o opens files measured "
+        "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "
+        "unit (PROCESS LASER DATA sends it).",
+        columns);
+  }
+  if (!desk_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
+  std::vector<std::string> lines;
+  const auto add = [&](const std::string& text) {
+    for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));
+    lines.emplace_back();
+  };
+  if (!desk_->next()->rivals.empty()) add(fmt::format("To tell apart: {}", fmt::join(desk_->next()->rivals, ", ")));
+  for (const model::MeasurementProposal& proposal : desk_->next()->proposals) add(proposal.sentence);
+  for (const std::string& note : desk_->next()->notes) add(note);
+  if (lines.empty()) add("Nothing is in doubt that a measurement could settle.");
+  return lines;
+}
+
+}  // namespace ecs::app

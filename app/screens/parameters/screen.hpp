@@ -1,0 +1,125 @@
+// E.C.S. PARAMETERS: the three groups of thesis 5.3 edited in place, checked as one types, compared with file and unit,
+// sent, received, saved. Does not live here: the set and its history (controller.hpp), the unit
+// (transfer.hpp), how the parts look (parameters_view.hpp).
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/screens/parameters/controller.hpp"
+#include "app/screens/parameters/transfer.hpp"
+#include "app/screens/parameters/view.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
+#include "commissioning/link/unit_connection.hpp"
+
+namespace ecs::app {
+
+class ParametersScreen final : public Screen {
+ public:
+  explicit ParametersScreen(std::shared_ptr<UnitDesk> line);
+
+  [[nodiscard]] std::string title() const override { return "parameters"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override;
+  [[nodiscard]] bool typing() const override;
+  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] std::string unsaved() const override;
+
+  [[nodiscard]] const ParametersDesk& desk() const { return desk_; }
+
+ private:
+  enum class Page { configuration, compensation, datuming, findings, compare };
+  static constexpr int kPages = 5;
+  /// A file being asked for in the panel.
+  struct PathPrompt {
+    std::string title;
+    std::string help;
+    TextLine path;
+    std::string hint;  ///< what Tab found, or why the file was refused
+    std::function<void(const std::string&)> done;
+  };
+  /// A parameter being sought by its name or help.
+  struct Seeking {
+    TextLine text;
+    std::vector<std::string> found;
+    int at = 0;
+    Page page = Page::configuration;  ///< where one was
+    int row = 0;
+  };
+
+  // drawing
+  void draw_start(Canvas& canvas, const Area& area) const;
+  void draw_tabs(Canvas& canvas, const Area& area) const;
+  void draw_page(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] bool nothing_listed() const;
+  void draw_below(Canvas& canvas, const Area& area) const;
+  void draw_bottom(Canvas& canvas, const Area& area) const;
+  void draw_prompt(Canvas& canvas, const Area& area) const;
+  // keys
+  [[nodiscard]] Step on_start_key(const Key& key);
+  [[nodiscard]] Step on_page_key(const Key& key);
+  [[nodiscard]] bool on_command(const Key& key);
+  void on_field_key(const Key& key);
+  void on_findings_key(const Key& key);
+  void on_compare_key(const Key& key);
+  void on_edit_key(const Key& key);
+  void on_prompt_key(const Key& key);
+  void on_seek_key(const Key& key);
+  void on_click(const Key& key);
+  [[nodiscard]] Step leave();
+  // what keys do
+  void begin_edit();
+  void begin_seeking();
+  void seek();
+  void prompt_for(std::string title, std::string help, const std::string& path,
+                  std::function<void(const std::string&)> done);
+  void ask_for_file();
+  void ask_for_machine();
+  void ask_for_check();
+  void ask_where_to_save();
+  void save_to(const std::string& path);
+  void send();
+  void receive();
+  void look_again();
+  /// Does it at once, or asks first where edits would be lost.
+  void unless_lost(const std::string& title, std::function<void()> what);
+  void after(const Result<void>& done, const std::string& said);
+  void report_undo(const std::string& what, const char* word);
+  void go_to(const std::string& key);
+  void turn_page(int to);
+
+  [[nodiscard]] bool on_group() const { return page_ <= Page::datuming; }
+  [[nodiscard]] std::vector<ParameterRow> rows() const;
+  [[nodiscard]] std::string key_here() const;
+  [[nodiscard]] ListPlace& place() { return places_[static_cast<std::size_t>(page_)]; }
+  [[nodiscard]] const ListPlace& place() const { return places_[static_cast<std::size_t>(page_)]; }
+  [[nodiscard]] int page_rows() const;
+  void settle_on_field(int direction);
+
+  ParametersDesk desk_;
+  std::optional<Draft> draft_;  ///< offered at the beginning
+  ParametersTransfer transfer_;
+  std::uint64_t seen_changes_ = 0;  ///< of the line
+  Page page_ = Page::configuration;
+  std::array<ListPlace, kPages> places_;
+  ListPlace start_;
+  MessageLine message_;
+  std::optional<ValueEdit> edit_;
+  std::optional<PathPrompt> prompt_;
+  std::optional<Seeking> seeking_;
+  std::optional<Asking> asking_;
+  bool leaving_ = false;  ///< a yes to the question leads back
+  mutable Place cursor_{-1, -1};
+  mutable Area list_area_;  ///< rows of the list, for clicks and pages
+};
+
+}  // namespace ecs::app

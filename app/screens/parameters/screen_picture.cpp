@@ -1,0 +1,213 @@
+// How the parameters screen puts its parts together. Does not live here: the parts (parameters_view.hpp), the keys
+// (screen.cpp).
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/screens/parameters/screen.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::array<const char*, 5> kTitles{"Configuration", "Compensation", "Datuming", "Findings", "Compare"};
+constexpr int kWide = 118;  ///< columns from which on the panel stands beside the list
+
+/// Rows for the panel below the list.
+int panel_rows(const Area& area) { return std::clamp(area.rows * 2 / 5, 3, 9); }
+
+std::string unit_words(const WatchedUnit& unit) {
+  const std::string name = unit.emulator ? "EMULATOR" : unit.link;
+  if (unit.open && unit.identity) return fmt::format("{}, unit {} answers", name, unit.identity->serial_number);
+  if (!unit.problem.empty()) return "no unit answers now: " + unit.problem;
+  return "the line to the unit is being opened";
+}
+
+}  // namespace
+
+void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
+  cursor_ = {-1, -1};
+  if (area.rows < 4 || area.columns < 16) {
+    canvas.text(area, 0, 0, "the terminal is too small");
+    return;
+  }
+  if (!desk_.loaded()) {
+    draw_start(canvas, area);
+  } else {
+    canvas.text(area.left(area.columns - 1), 0, 1, about(desk_, area.columns - 2),
+                desk_.unsaved() ? Tone::warning : Tone::plain);
+    draw_tabs(canvas, {area.row + 1, area.column, 1, area.columns});
+    const Area body{area.row + 2, area.column, area.rows - 3, area.columns};
+    if (area.columns >= kWide && !nothing_listed()) {
+      const int list = std::max(area.columns * 3 / 5, 78);
+      draw_page(canvas, body.left(list));
+      draw_below(canvas, body.right_of(list + 1));
+    } else {
+      const int below = nothing_listed() ? 0 : panel_rows(area);
+      draw_page(canvas, body.top(body.rows - below));
+      draw_below(canvas, body.below(body.rows - below));
+    }
+    draw_bottom(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
+  }
+  if (asking_) {
+    cursor_ = {-1, -1};
+    draw_question(canvas, area, asking_->question);
+  }
+}
+
+/// The page has one sentence instead of rows, and nothing is asked or told below it.
+bool ParametersScreen::nothing_listed() const {
+  if (prompt_ || !message_.text().empty()) return false;
+  return (page_ == Page::findings && desk_.findings().empty()) || (page_ == Page::compare && desk_.compared().empty());
+}
+
+void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
+  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  if (draft_) {
+    int row = canvas.paragraph(inside, 0, fmt::format("Unsaved work of {} was found.", draft_->kept), Tone::strong);
+    draw_list(canvas, {inside.row + row + 1, inside.column, 2, inside.columns},
+              {{"Enter  takes it up where it was left"}, {"d      drops it"}}, start_);
+    row += 4;
+    canvas.paragraph(inside, row,
+                     "It was neither saved to a file nor sent to a unit. Other parameters can be opened "
+                     "when it has been taken up and saved, or dropped.",
+                     Tone::faint);
+    message_.draw(canvas, inside.below(row + 3));
+    return;
+  }
+  int row = canvas.paragraph(inside, 0, "No parameters yet. Where shall they come from?", Tone::strong);
+  draw_list(canvas, {inside.row + row + 1, inside.column, 3, inside.columns},
+            {{"r  receive from the unit"}, {"o  open a file"}, {"n  new from a machine file"}}, start_);
+  row += 5;
+  const char* help[] = {"Takes the parameters that the unit holds now; nothing in it changes.",
+                        "A parameter file (.toml), as this screen or `ecs params receive` saves one.",
+                        "Chain, axes, transducers, scales and datum positions from a machine file (.toml); the rest "
+                        "takes its default and is to be set."};
+  canvas.paragraph(inside, row, help[static_cast<std::size_t>(std::clamp(start_.selected, 0, 2))], Tone::faint);
+  row += 3;
+  const WatchedUnit unit = transfer_.line().standing();
+  const std::string words = unit_words(unit);
+  row += canvas.paragraph(inside.top(row + 4), row, "Line: " + words, unit.open ? Tone::good : Tone::warning);
+  row = std::min(row + 1, area.rows - 2);
+  if (prompt_)
+    draw_prompt(canvas, area.below(std::min(row, area.rows - 6)));
+  else if (transfer_.running())
+    transfer_.draw(canvas, inside.below(row));
+  else
+    message_.draw(canvas, inside.below(row));
+}
+
+void ParametersScreen::draw_tabs(Canvas& canvas, const Area& area) const {
+  const bool room = area.columns >= 76;
+  int column = 0;
+  for (int p = 0; p < kPages; ++p) {
+    const bool here = static_cast<Page>(p) == page_;
+    const bool finds = static_cast<Page>(p) == Page::findings;
+    const std::size_t count =
+        finds ? desk_.findings().size() : (static_cast<Page>(p) == Page::compare ? desk_.compared().size() : 0);
+    std::string name = fmt::format("{}", p + 1);
+    if (room || here) name += std::string(" ") + kTitles[static_cast<std::size_t>(p)];
+    if (count > 0) name += fmt::format(" {}", count);
+    const Tone tone = finds && count > 0 ? (desk_.errors() > 0 ? Tone::bad : Tone::warning) : Tone::faint;
+    column += canvas.text(area, 0, column, fmt::format("{}{}{}", here ? "[" : " ", name, here ? "]" : " "),
+                          here ? Tone::strong : tone);
+    column += room ? 1 : 0;
+  }
+}
+
+void ParametersScreen::draw_page(Canvas& canvas, const Area& area) const {
+  list_area_ = area;
+  if (on_group()) {
+    cursor_ = draw_parameters(canvas, area, desk_, rows(), place(), edit_);
+    list_area_ = area.below(1);
+  } else if (page_ == Page::findings) {
+    draw_findings(canvas, area, desk_, place());
+  } else {
+    draw_compared(canvas, area, desk_, place());
+    list_area_ = area.below(1);
+  }
+}
+
+void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
+  if (prompt_) {
+    draw_prompt(canvas, area);
+  } else if (message_.is_problem() && !message_.text().empty()) {
+    draw_panel(canvas, area, "", {{message_.text(), Tone::bad}});
+  } else if (width_of(message_.text()) > area.columns - 2) {
+    draw_panel(canvas, area, "", {{message_.text(), Tone::strong}});
+  } else if (on_group()) {
+    draw_key_panel(canvas, area, desk_, key_here(), edit_ ? edit_->refusal : "");
+  } else if (page_ == Page::findings) {
+    draw_finding_panel(canvas, area, desk_, place());
+  } else {
+    draw_compared_panel(canvas, area, desk_, place());
+  }
+}
+
+void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
+  if (transfer_.running()) {
+    transfer_.draw(canvas, area);
+  } else if (seeking_) {
+    canvas.text(area, 0, 0, "find:", Tone::strong);
+    const int room = std::clamp(area.columns - 40, 8, 30);
+    seeking_->text.draw(canvas, area, 0, 6, room, true);
+    cursor_ = {area.row, area.column + 6 + seeking_->text.cursor_column(room)};
+    const std::string found = seeking_->text.text().empty() ? "a part of a name or of its help"
+                              : seeking_->found.empty()
+                                  ? "no parameter has that"
+                                  : fmt::format("{} of {}; up, down: others", seeking_->at + 1, seeking_->found.size());
+    canvas.text(area, 0, 6 + room + 2, found, seeking_->found.empty() ? Tone::warning : Tone::faint);
+  } else if (!message_.is_problem() && width_of(message_.text()) <= area.columns) {
+    message_.draw(canvas, area);
+  }
+}
+
+void ParametersScreen::draw_prompt(Canvas& canvas, const Area& area) const {
+  std::vector<PanelText> texts{{" "}};
+  if (!prompt_->hint.empty()) texts.push_back({prompt_->hint, Tone::warning});
+  texts.push_back({prompt_->help, Tone::faint});
+  canvas.fill(area);
+  draw_panel(canvas, area, prompt_->title, texts);
+  const Area line{area.row + 1, area.column + 1, 1, std::max(8, area.columns - 2)};
+  prompt_->path.draw(canvas, line, 0, 0, line.columns, true);
+  cursor_ = {line.row, line.column + prompt_->path.cursor_column(line.columns)};
+}
+
+Place ParametersScreen::cursor(const Area& /*area*/) const { return cursor_; }
+
+std::vector<KeyHelp> ParametersScreen::keys() const {
+  if (asking_) return {{"y", asking_->question.yes}, {"n", asking_->question.no}};
+  if (prompt_) return {{"Enter", "take it"}, {"Tab", "complete the path"}, {"Esc", "give it up"}};
+  if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
+  if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
+  if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
+  if (transfer_.running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
+  if (!desk_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (!desk_.loaded()) return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
+  std::vector<KeyHelp> keys;
+  if (on_group()) keys = {{"Enter", "edit"}, {"Space", "next"}};
+  if (page_ == Page::findings) keys = {{"Enter", "go to field"}};
+  if (page_ == Page::compare) keys = {{"Enter", "go to field"}, {"f", "take file's"}, {"g", "take unit's"}};
+  for (const KeyHelp& key : std::vector<KeyHelp>{{"u", "undo"},
+                                                 {"s", "save"},
+                                                 {"t", "send"},
+                                                 {"r", "receive"},
+                                                 {"/", "find"},
+                                                 {"Tab 1-5", "page"},
+                                                 {"d", "default of the field"},
+                                                 {"y", "do again what u took back"},
+                                                 {"m", "check against a machine file"},
+                                                 {"o", "open a file"},
+                                                 {"n", "new from a machine file"},
+                                                 {"l", "look into the unit again"}})
+    keys.push_back(key);
+  return keys;
+}
+
+std::string ParametersScreen::help() const {
+  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! something stands against the value, "
+         "* changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
+         "survives a crash and is offered again.";
+}
+
+}  // namespace ecs::app

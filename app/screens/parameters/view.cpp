@@ -1,0 +1,198 @@
+#include "app/screens/parameters/view.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+namespace {
+
+constexpr int kMarks = 2;  ///< column of the marks
+constexpr int kNames = 6;
+constexpr int kSideBySide = 74;  ///< columns from which on a row has room for a note
+
+struct Columns {
+  int value = 0;
+  int note = 0;  ///< 0: none
+  int end = 0;
+};
+
+Columns columns_of(const Area& area) {
+  if (area.columns < kSideBySide) return {kNames + std::max(8, (area.columns - kNames) / 2), 0, area.columns - 1};
+  return {kNames + 27, kNames + 45, area.columns - 1};
+}
+
+std::string counted(std::size_t count, std::string_view word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
+}
+
+/// "1 value differs"
+std::string differing(std::size_t count) {
+  return count == 1 ? "1 value differs" : fmt::format("{} values differ", count);
+}
+
+bool has_error(const std::vector<const params::Finding*>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const params::Finding* f) { return f->severity == params::Severity::error; });
+}
+
+/// "error, was 5, unit 7"
+std::string note_of(const ParametersDesk& desk, const std::string& key) {
+  std::vector<std::string> parts;
+  if (const auto found = desk.findings_of(key); !found.empty()) parts.push_back(has_error(found) ? "error" : "warning");
+  if (const auto was = desk.was(key)) parts.push_back("was " + (was->empty() ? std::string("empty") : *was));
+  if (desk.differs_from_unit(key)) parts.push_back("unit " + value_of(key, {*desk.unit()->parameters, {}}));
+  std::string note;
+  for (const std::string& part : parts) note += (note.empty() ? "" : ", ") + part;
+  return note;
+}
+
+void draw_row(Canvas& canvas, const Area& area, int r, const ParametersDesk& desk, const ParameterRow& row, bool here,
+              const ValueEdit* edit, Place& cursor) {
+  if (row.key.empty()) {
+    canvas.text(area, r, kMarks, row.label, Tone::strong);
+    return;
+  }
+  const Columns at = columns_of(area);
+  const bool selected = here && edit == nullptr;
+  const Tone tone = selected ? Tone::selected : Tone::plain;
+  if (selected) canvas.fill({area.row + r, area.column, 1, area.columns - 1}, U' ', Tone::selected);
+  if (here) canvas.text(area, r, 0, ">", tone);
+  const auto findings = desk.findings_of(row.key);
+  const bool changed = desk.was(row.key).has_value();
+  const Tone finding_tone = has_error(findings) ? Tone::bad : Tone::warning;
+  if (!findings.empty()) canvas.text(area, r, kMarks, "!", selected ? tone : finding_tone);
+  if (changed) canvas.text(area, r, kMarks + 1, "*", tone);
+  if (desk.differs_from_unit(row.key)) canvas.text(area, r, kMarks + 2, "u", tone);
+  canvas.text(area.left(at.value - 1), r, kNames, row.label, tone);
+  if (edit != nullptr) {
+    if (edit->choosing) {
+      canvas.text(area, r, at.value, "< " + edit->text.text() + " >", Tone::strong);
+    } else {
+      const int room = std::max(6, at.end - at.value);
+      edit->text.draw(canvas, area, r, at.value, room, true);
+      cursor = {area.row + r, area.column + at.value + edit->text.cursor_column(room)};
+    }
+    return;
+  }
+  const std::string note = at.note == 0 ? "" : note_of(desk, row.key);
+  const std::string value = value_with_unit(row.key, value_of(row.key, desk.set()));
+  canvas.text(area.left(note.empty() ? at.end : at.note - 1), r, at.value, value.empty() ? "(not stated)" : value,
+              selected ? tone : (value.empty() ? Tone::faint : Tone::strong));
+  if (!note.empty())
+    canvas.text(area.left(at.end), r, at.note, note, selected ? tone : (findings.empty() ? Tone::plain : finding_tone));
+}
+
+/// The selected row and its heading in sight.
+void keep_in_sight(const ListPlace& place, int rows, int count) {
+  const int selected = std::clamp(place.selected, 0, std::max(0, count - 1));
+  place.first = std::clamp(place.first, std::max(0, selected - rows + 1), selected);
+  if (selected <= 1) place.first = 0;
+  place.first = std::clamp(place.first, 0, std::max(0, count - rows));
+}
+
+}  // namespace
+
+std::string about(const ParametersDesk& desk, int columns) {
+  std::string name = desk.file().empty() ? "in no file yet" : desk.file();
+  std::string rest = desk.changes() > 0 ? ", " + counted(desk.changes(), "change") : "";
+  if (desk.unsaved()) rest += " not saved";
+  if (const std::size_t other = desk.differs_from_file(); !desk.unsaved() && other > 0)
+    rest += fmt::format(", {} there", differing(other));
+  std::vector<std::string> more;
+  if (desk.has_unit_values()) {
+    const std::size_t other = desk.differs_from_unit().size();
+    more.push_back(other == 0 ? "the unit holds the same" : differing(other) + " in the unit");
+  } else if (desk.unit()) {
+    more.push_back("the unit holds no parameters");
+  }
+  if (!desk.machine().empty()) more.push_back("checked for " + desk.machine());
+  for (const std::string& part : more)
+    if (std::min(width_of(name), 30) + width_of(rest + "; " + part) <= columns) rest += "; " + part;
+  if (width_of(name) + width_of(rest) > columns && !desk.file().empty())
+    name = std::filesystem::path(desk.file()).filename().string();
+  return name + rest;
+}
+
+Place draw_parameters(Canvas& canvas, const Area& area, const ParametersDesk& desk,
+                      const std::vector<ParameterRow>& rows, const ListPlace& place,
+                      const std::optional<ValueEdit>& edit) {
+  Place cursor{-1, -1};
+  if (area.rows < 2) return cursor;
+  const Columns at = columns_of(area);
+  canvas.text(area.left(at.value - 1), 0, kNames, "parameter", Tone::faint);
+  canvas.text(area, 0, at.value, "value", Tone::faint);
+  if (at.note > 0) canvas.text(area.left(at.end), 0, at.note, "! see below * changed", Tone::faint);
+  const Area list = area.below(1);
+  const int count = static_cast<int>(rows.size());
+  keep_in_sight(place, list.rows, count);
+  for (int r = 0; r < std::min(list.rows, count - place.first); ++r) {
+    const ParameterRow& row = rows[static_cast<std::size_t>(place.first + r)];
+    const bool here = place.first + r == place.selected;
+    draw_row(canvas, list, r, desk, row, here, here && edit && edit->key == row.key ? &*edit : nullptr, cursor);
+  }
+  draw_scroll_marks(canvas, list, place.first, count);
+  return cursor;
+}
+
+void draw_panel(Canvas& canvas, const Area& area, const std::string& title, const std::vector<PanelText>& texts) {
+  if (area.rows <= 0) return;
+  canvas.fill({area.row, area.column, 1, area.columns}, U'─', Tone::faint);
+  if (!title.empty()) canvas.text(area, 0, 2, " " + title + " ", Tone::strong);
+  const Area inside{area.row + 1, area.column + 1, area.rows - 1, std::max(1, area.columns - 2)};
+  int row = 0;
+  for (const PanelText& part : texts) row += canvas.paragraph(inside, row, part.text, part.tone);
+}
+
+void draw_key_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const std::string& key,
+                    const std::string& refusal) {
+  const KeyWords words = words_of(key);
+  std::vector<PanelText> texts;
+  if (!refusal.empty()) texts.push_back({"Refused: " + refusal, Tone::bad});
+  for (const params::Finding* finding : desk.findings_of(key))
+    texts.push_back({fmt::format("! {}: {}", params::name_of(finding->severity), finding->message),
+                     finding->severity == params::Severity::error ? Tone::bad : Tone::warning});
+  texts.push_back({fmt::format("Accepts {}{}.", words.accepts,
+                               words.default_value.empty() ? "" : "; default " + words.default_value),
+                   Tone::strong});
+  texts.push_back({words.help, Tone::plain});
+  if (!words.thesis_name.empty()) texts.push_back({"Thesis 5.3: " + words.thesis_name, Tone::faint});
+  draw_panel(canvas, area, key, texts);
+}
+
+void draw_findings(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place) {
+  const auto& findings = desk.findings();
+  if (findings.empty()) {
+    canvas.paragraph({area.row + 1, area.column + 2, area.rows - 1, area.columns - 4}, 0,
+                     "Nothing stands against these parameters." +
+                         std::string(desk.machine().empty() ? " Press m to check them against a machine file too."
+                                                            : " They were checked against the machine as well."),
+                     Tone::good);
+    return;
+  }
+  std::vector<ListRow> rows;
+  for (const params::Finding& finding : findings) {
+    const bool error = finding.severity == params::Severity::error;
+    rows.push_back({fmt::format("{:<8} {:<25} {}", params::name_of(finding.severity),
+                                finding.keys.empty() ? "" : full_label_of(finding.keys.front()), finding.message),
+                    error ? Tone::bad : Tone::warning});
+  }
+  draw_list(canvas, area, rows, place);
+}
+
+void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place) {
+  if (desk.findings().empty()) return draw_panel(canvas, area, "", {});
+  const auto k = std::min(static_cast<std::size_t>(std::max(0, place.selected)), desk.findings().size() - 1);
+  const params::Finding& finding = desk.findings()[k];
+  std::vector<PanelText> texts{{finding.message, Tone::plain}};
+  for (const std::string& key : finding.keys)
+    texts.push_back({fmt::format("{} = {}", key, value_with_unit(key, value_of(key, desk.set()))), Tone::strong});
+  texts.push_back({desk.errors() > 0 ? "Errors keep these parameters from being sent. Enter goes to the field."
+                                     : "Warnings may be meant. Enter goes to the field.",
+                   Tone::faint});
+  draw_panel(canvas, area, fmt::format("{} {} of {}", params::name_of(finding.severity), k + 1, desk.findings().size()),
+             texts);
+}
+
+}  // namespace ecs::app

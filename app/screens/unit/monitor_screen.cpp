@@ -1,0 +1,223 @@
+#include "app/screens/unit/monitor_screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "app/ui/chart.hpp"
+#include "commissioning/unit/status_view.hpp"
+#include "core/fault.hpp"
+
+namespace ecs::app {
+namespace {
+
+using protocol::AxisSample;
+using protocol::MonitorSample;
+
+constexpr double kOld_s = 1.0;  ///< what is older is called old
+constexpr int kBarColumns = 11;
+constexpr double kStrip_s = 40.0;                      ///< of the unit's time
+constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
+constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the line
+
+double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
+
+/// A bar from its middle: `share` −1 … 1.
+void draw_bar(Canvas& canvas, const Area& area, int row, int column, double share) {
+  const int half = kBarColumns / 2;
+  const int length = static_cast<int>(std::lround(std::clamp(share, -1.0, 1.0) * half));
+  for (int c = -half; c <= half; ++c) {
+    const bool inside = length >= 0 ? c > 0 && c <= length : c < 0 && c >= length;
+    canvas.put(area.row + row, area.column + column + half + c, c == 0 ? U'│' : (inside ? U'█' : U'·'),
+               inside ? Tone::forward : Tone::faint);
+  }
+}
+
+double largest_compensation(const WatchedUnit& unit) {
+  double most = 1.0;
+  for (const MonitorSample& sample : unit.samples)
+    for (const AxisSample& axis : sample.axes) most = std::max(most, std::abs(axis.compensation_um));
+  return most;
+}
+
+constexpr int kReferenceColumn = 26;
+constexpr int kBarColumn = 58;
+
+std::string heading() {
+  return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", "position mm", "mm/min", "ref", "sw",
+                     "mark", "approach", "um", "added", "relay");
+}
+
+void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um) {
+  canvas.text(area, row, 1,
+              fmt::format("{} {:>11.4f} {:>9.1f}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), a.position_mm,
+                          a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
+                          a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
+              Tone::strong);
+  canvas.paint({area.row + row, area.column + kReferenceColumn, 1, 3}, a.referenced ? Tone::good : Tone::warning);
+  draw_bar(canvas, area, row, kBarColumn, a.compensation_um / most_um);
+  canvas.text(area, row, kBarColumn + kBarColumns + 2, a.relay_closed ? "closed" : "open",
+              a.relay_closed ? Tone::good : Tone::faint);
+}
+
+}  // namespace
+
+void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s) {
+  if (unit.samples.empty()) {
+    canvas.paragraph({area.row + 1, area.column + 1, area.rows, area.columns - 2}, 0,
+                     unit.problem.empty() ? "opening the line ..." : unit.problem,
+                     unit.problem.empty() ? Tone::warning : Tone::bad);
+    return;
+  }
+  const MonitorSample& sample = unit.samples.back();
+  const std::string fault = sample.fault == Fault::none ? "no fault" : std::string(ecs::text_of(sample.fault).meaning);
+  int c = 1 + canvas.text(area, 0, 1, fmt::format("{}  ", ecs::name_of(sample.mode)), Tone::strong);
+  canvas.text(area, 0, c, fault, sample.fault == Fault::none ? Tone::good : Tone::bad);
+  const bool old = age_s > kOld_s;
+  canvas.text_right(area, 0,
+                    fmt::format("{:.1f} a second, {} failed, {} ", unit.per_second, unit.failed,
+                                old ? fmt::format("OLD: {:.0f} s", age_s) : fmt::format("{:.0f} ms old", 1e3 * age_s)),
+                    old ? Tone::bad : Tone::faint);
+  canvas.text(area, 2, 1, heading(), Tone::faint);
+  const double most_um = largest_compensation(unit);
+  int row = 3;
+  for (const Axis axis : kAllAxes)
+    if (sample.axes[index_of(axis)].present) draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um);
+  if (!unit.problem.empty())
+    canvas.paragraph({area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2}, 0, unit.problem,
+                     Tone::bad);
+}
+
+void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
+  const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
+  draw_monitor(canvas, area, seen_, age_s);
+  constexpr int kAbove = 8;
+  canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, surroundings_, Tone::strong);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
+    strip_panel_ = strip_panel();
+    strip_at_ = now;
+  }
+  if (area.rows > kAbove + 6)
+    draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
+  const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
+  if (recording_)
+    canvas.text(last, 0, 0,
+                fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
+                Tone::warning);
+  else
+    message_.draw(canvas, last);
+}
+
+PlotPanel MonitorScreen::strip_panel() const {
+  const char* units[] = {"mm", "mm/min", "um"};
+  const char* names[] = {"position", "speed", "compensation"};
+  PlotPanel panel;
+  panel.x_label = "s";
+  panel.title =
+      fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
+  panel.y_label = units[static_cast<int>(strip_)];
+  PlotSeries series{"", Mark::forward, {}};
+  for (const MonitorSample& sample : seen_.samples) {
+    if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
+    const AxisSample& a = sample.axes[index_of(axis_)];
+    const double value =
+        strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);
+    series.points.push_back({time_s(sample), value});
+  }
+  if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
+  return panel;
+}
+
+bool MonitorScreen::advance() {
+  const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
+  const bool weather = surroundings != surroundings_;
+  surroundings_ = surroundings;
+  const std::uint64_t changes = desk_->changes();
+  const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
+  if (changes == changes_ && (!old || frozen_)) return weather;
+  changes_ = changes;
+  WatchedUnit now = desk_->now();
+  record(now);
+  if (frozen_) return recording_.has_value() || weather;
+  seen_ = std::move(now);
+  (void)picture_.advance(message_);
+  return true;
+}
+
+/// The samples that came since the last look.
+void MonitorScreen::record(const WatchedUnit& unit) {
+  const std::uint64_t missed = unit.received - std::min(unit.received, received_);
+  received_ = unit.received;
+  if (!recording_) return;
+  const laser::Values surroundings = environment_ ? environment_->now().values : laser::Values();
+  const auto kept = unit.samples.size();
+  for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
+    if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {
+      message_.say(added.error());
+      recording_.reset();
+      return;
+    }
+}
+
+void MonitorScreen::toggle_recording() {
+  if (recording_) {
+    if (const auto ended = recording_->end(); !ended)
+      message_.say(ended.error());
+    else if (recording_->samples() == 0)
+      message_.say("no sample came: nothing was written", Tone::warning);
+    else
+      message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
+    recording_.reset();
+    return;
+  }
+  auto begun = MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
+  if (begun)
+    recording_.emplace(std::move(*begun));
+  else
+    message_.say(begun.error());
+}
+
+Step MonitorScreen::on_key(const Key& key) {
+  message_.clear();
+  strip_at_ = {};
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+    if (!recording_) return back();
+    toggle_recording();
+    return stay();
+  }
+  if (is_letter(key, U'f')) frozen_ = !frozen_;
+  if (is_letter(key, U'r')) toggle_recording();
+  if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
+  if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
+  if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor");
+  for (const Axis axis : kAllAxes)
+    if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
+  return stay();
+}
+
+std::vector<KeyHelp> MonitorScreen::keys() const {
+  return {{"f", frozen_ ? "go on" : "freeze"},
+          {"r", recording_ ? "end recording" : "record to CSV"},
+          {"x y z", "axis of the strip"},
+          {"v", "position, speed, um"},
+          {"t", environment_ ? "no thermometer" : "thermometer"},
+          {"e", "picture"},
+          {"Esc", "back"}};
+}
+
+std::string MonitorScreen::help() const {
+  return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
+         "and "
+         "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
+         "the "
+         "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
+         "pressed again, until then beside it as .part; f freezes the picture, not the recording. t shows air and "
+         "material temperature of a USB "
+         "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,14 @@
+// The unit in a few words, for the line that stands on every screen. Does not live here: the line
+// (app/ui/screen_program.hpp).
+#pragma once
+
+#include <optional>
+
+#include "app/ui/screen_program.hpp"
+#include "commissioning/link/unit_connection.hpp"
+
+namespace ecs::app {
+
+[[nodiscard]] Standing standing_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest);
+
+}  // namespace ecs::app

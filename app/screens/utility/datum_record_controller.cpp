@@ -1,0 +1,117 @@
+#include "app/screens/utility/datum_record_controller.hpp"
+
+#include <fmt/format.h>
+
+#include "app/screens/utility/datum_view_controller.hpp"
+#include "base/clock.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::chrono::milliseconds kRecordLimit{30'000};
+
+Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live) {
+  const auto identity = line.client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  live.begin(line, axis);
+  const auto result = line.client().record_datum(
+      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(line, busy, false); });
+  if (!result) return tl::unexpected(result.error());
+  auto recording = read_recording(line.client(), result->value,
+                                  [&live](const protocol::Progress& progress) { live.fetch(progress); });
+  live.end();
+  if (!recording) return recording;
+  recording->taken = now_utc();
+  recording->serial_number = identity->serial_number;
+  return recording;
+}
+
+}  // namespace
+
+DatumRecordDesk::DatumRecordDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
+  (void)unit_.look(*desk_);
+}
+
+Question DatumRecordDesk::question(Axis axis) const {
+  const std::string unsaved = unsaved_record_of();
+  return {
+      fmt::format("Record axis {} for {:.0f} seconds?", letter_of(axis), kDatumRecord_s),
+      fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon "
+                  "as the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away "
+                  "from the reference switch.{}{}",
+                  letter_of(axis), kDatumRecord_s, emulator() ? " This is the emulator: g references its machine." : "",
+                  unsaved.empty() ? "" : " The record of " + unsaved + " was not saved: this one takes its place."),
+      "record", "not now"};
+}
+
+void DatumRecordDesk::start(Axis axis) {
+  if (busy()) return;
+  axis_ = axis;
+  switch_seen_ = false;
+  marker_seen_ = false;
+  job_.start([desk = desk_, live = live_, axis](JobSigns& signs) {
+    return desk->on_line(signs, [&](UnitLink& line) { return recorded(line, axis, *live); });
+  });
+}
+
+void DatumRecordDesk::reference() {
+  const auto seen = live_->now();
+  if (!busy() || phase() != Phase::recording)
+    message_.say("g references the emulated machine while the record runs: Enter first.", Tone::warning);
+  else if (seen.workshop.empty())
+    message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
+  else
+    reference_.start(seen.workshop, {axis_});
+}
+
+void DatumRecordDesk::cancel() {
+  given_up_ = busy();
+  job_.cancel();
+  reference_.cancel();
+}
+
+DatumRecordDesk::Phase DatumRecordDesk::phase() const {
+  if (!busy()) return Phase::ready;
+  const auto seen = live_->now();
+  if (seen.fetching) return Phase::fetching;
+  return seen.running ? Phase::recording : Phase::starting;
+}
+
+double DatumRecordDesk::part() const { return live_->now().part; }
+
+double DatumRecordDesk::seconds_left() const {
+  const auto seen = live_->now();
+  return seen.fetching ? seen.seconds_left : (1.0 - seen.part) * kDatumRecord_s;
+}
+
+void DatumRecordDesk::follow_live() {
+  const auto seen = live_->now();
+  if (seen.changes == live_changes_ || !busy()) return;
+  live_changes_ = seen.changes;
+  if (!seen.sample) return;
+  unit_.take(*seen.sample);
+  const protocol::AxisSample& axis = seen.sample->axes[index_of(axis_)];
+  switch_seen_ = switch_seen_ || axis.switch_active;
+  marker_seen_ = marker_seen_ || axis.marker;
+}
+
+bool DatumRecordDesk::advance() {
+  bool changed = unit_.look(*desk_) || busy();
+  follow_live();
+  changed = reference_.advance(message_) || changed;
+  const auto result = job_.take();
+  if (!result) return changed;
+  if (*result)
+    recorded_ = **result;
+  else
+    say_failed(message_, result->error(), given_up_);
+  return true;
+}
+
+std::optional<DatumRecording> DatumRecordDesk::take() {
+  std::optional<DatumRecording> record;
+  record.swap(recorded_);
+  return record;
+}
+
+}  // namespace ecs::app

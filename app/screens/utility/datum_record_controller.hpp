@@ -1,0 +1,61 @@
+// RECORD DATUM SEQUENCE: ten seconds of one axis out of the unit, while its control references the machine.
+// Does not live here: drawing (datum_record_screen.hpp), what is done with the record (datum_view_controller.hpp).
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "app/screens/utility/datum_live.hpp"
+#include "app/screens/utility/parts.hpp"
+#include "app/screens/utility/reference.hpp"
+#include "commissioning/unit/datum_recording.hpp"
+
+namespace ecs::app {
+
+class DatumRecordDesk {
+ public:
+  enum class Phase { ready, starting, recording, fetching };
+  explicit DatumRecordDesk(std::shared_ptr<UnitDesk> desk);
+
+  [[nodiscard]] Question question(Axis axis) const;
+  void start(Axis axis);
+  /// The bundled emulator's machine references the axis that is recorded; the message says why not.
+  void reference();
+  void cancel();
+  [[nodiscard]] bool busy() const { return job_.running(); }
+  [[nodiscard]] Phase phase() const;
+  [[nodiscard]] bool referencing() const { return reference_.running(); }
+  /// @return whether anything changed
+  [[nodiscard]] bool advance();
+  /// The record, once.
+  [[nodiscard]] std::optional<DatumRecording> take();
+
+  [[nodiscard]] const UnitView& unit() const { return unit_; }
+  [[nodiscard]] Axis axis() const { return axis_; }  ///< recorded now or last
+  [[nodiscard]] double part() const;                 ///< of the phase, 0 … 1
+  [[nodiscard]] double seconds_left() const;         ///< of the phase; negative: not known
+  [[nodiscard]] bool switch_seen() const { return switch_seen_; }
+  [[nodiscard]] bool marker_seen() const { return marker_seen_; }
+  [[nodiscard]] bool emulator() const { return unit_.standing.emulator; }
+  [[nodiscard]] MessageLine& message() { return message_; }
+  [[nodiscard]] const MessageLine& message() const { return message_; }
+
+ private:
+  void follow_live();
+
+  std::shared_ptr<UnitDesk> desk_;
+  UnitDesk::Watching watching_;
+  UnitView unit_;
+  std::shared_ptr<DatumLive> live_ = std::make_shared<DatumLive>();
+  std::uint64_t live_changes_ = 0;
+  Axis axis_ = Axis::X;
+  bool switch_seen_ = false;
+  bool marker_seen_ = false;
+  std::optional<DatumRecording> recorded_;
+  bool given_up_ = false;
+  MessageLine message_;
+  MachineReference reference_;
+  Job<Result<DatumRecording>> job_;
+};
+
+}  // namespace ecs::app

@@ -1,0 +1,29 @@
+// RECORD DATUM SEQUENCE: which axis, ten seconds with what the unit sees meanwhile, then the graph opens.
+// Does not live here: recording (datum_record_controller.hpp), the graph (datum_view_screen.hpp).
+#pragma once
+
+#include "app/screens/utility/datum_record_controller.hpp"
+#include "app/ui/screen.hpp"
+
+namespace ecs::app {
+
+class DatumRecordScreen final : public Screen {
+ public:
+  explicit DatumRecordScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+
+  [[nodiscard]] std::string title() const override { return "RECORD DATUM SEQUENCE"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override;
+
+ private:
+  [[nodiscard]] Axis chosen() const;
+  DatumRecordDesk desk_;
+  ListPlace place_;
+  Asking asking_;
+};
+
+}  // namespace ecs::app

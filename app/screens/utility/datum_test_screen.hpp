@@ -1,0 +1,29 @@
+// TEST DATUM ROUTINE: the axes with the stage in which each stands, live; what failed and what to do next.
+// Does not live here: testing (datum_test_controller.hpp).
+#pragma once
+
+#include "app/screens/utility/datum_test_controller.hpp"
+#include "app/ui/screen.hpp"
+
+namespace ecs::app {
+
+class DatumTestScreen final : public Screen {
+ public:
+  explicit DatumTestScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+
+  [[nodiscard]] std::string title() const override { return "TEST DATUM ROUTINE"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override { return desk_.advance(); }
+
+ private:
+  void draw_rows(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] std::string call() const;
+  DatumTestDesk desk_;
+  ListPlace place_;
+  Asking asking_;
+};
+
+}  // namespace ecs::app

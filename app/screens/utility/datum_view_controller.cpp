@@ -1,0 +1,261 @@
+#include "app/screens/utility/datum_view_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "app/screens/utility/parts.hpp"
+#include "base/file.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr const char* kDraft = "datum-sequence";
+constexpr double kLeastSeen_s = 0.05;
+
+constexpr double kTurnedBack_mm = 0.5;  ///< a servo swings less when it stops
+
+/// Whether the axis went back from where it had come to after this sample.
+bool turned_back(const ShownRecord& record, std::size_t from) {
+  const double onward = record.speeds_mm_min[from] >= 0.0 ? 1.0 : -1.0;
+  double furthest = onward * record.recording.position_mm(from);
+  for (std::size_t i = from; i < record.recording.samples.size(); ++i) {
+    const double here = onward * record.recording.position_mm(i);
+    furthest = std::max(furthest, here);
+    if (here < furthest - kTurnedBack_mm) return true;
+  }
+  return false;
+}
+
+const DatumEvent* first_event(const ShownRecord& record, const char* what) {
+  for (const DatumEvent& event : record.events)
+    if (event.what == what) return &event;
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> datuming_hints(const ShownRecord& record) {
+  std::vector<std::string> hints;
+  const auto& samples = record.recording.samples;
+  if (samples.empty() || first_event(record, "motion begins") == nullptr)
+    return {"The axis did not move in this record: reference it while the record runs."};
+  const auto first_switch = first_switch_s(record);
+  if (!first_switch)
+    return {"The switch did not change: the axis did not reach it, or it is not connected. Begin nearer to it."};
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    changes += samples[i].switch_closed != samples[i - 1].switch_closed ? 1U : 0U;
+  constexpr std::size_t kOneApproach = 2;  // reached and left again
+  if (changes > kOneApproach)
+    return {
+        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off "
+                    "first. Nothing is read from that. Move the axis well away from the switch and record again.",
+                    changes)};
+  const std::size_t at = record.at(*first_switch + record.shift_s).value_or(0);
+  const double speed = record.speeds_mm_min[at];
+  hints.push_back(
+      fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; the routine "
+                  "allows half as much again.",
+                  speed >= 0.0 ? "forward" : "reverse", std::abs(speed)));
+  hints.push_back(fmt::format("Reference switch initial state: the contact was {} before.",
+                              samples.front().switch_closed ? "closed" : "open"));
+  const DatumEvent* taken = nullptr;  // a control stops behind the marker that it takes
+  for (const DatumEvent& event : record.events)
+    if (event.what == "marker" && event.time_s >= *first_switch) taken = &event;
+  const bool turned = turned_back(record, at);
+  if (taken == nullptr) {
+    hints.emplace_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
+    return hints;
+  }
+  const bool closed = samples[record.at(taken->time_s + record.shift_s).value_or(0)].switch_closed;
+  hints.push_back(fmt::format("Reference switch final state: the contact was {} at the last marker, {:.3f} s.",
+                              closed ? "closed" : "open", taken->time_s));
+  hints.push_back(fmt::format("Datum type {}: the axis {} after it had reached the switch, and the marker came {} it.",
+                              turned   ? "allen_bradley"
+                              : closed ? "siemens"
+                                       : "fanuc",
+                              turned ? "turned back" : "went on", closed ? "on" : "off"));
+  return hints;
+}
+
+std::string unsaved_record_of() {
+  const auto draft = draft_of(kDraft);
+  return draft ? draft->kept : "";
+}
+
+DatumViewDesk::DatumViewDesk() : draft_(draft_of(kDraft)) {}
+
+void DatumViewDesk::take(DatumRecording recording) {
+  first_ = shown(std::move(recording), "just recorded");
+  saved_ = false;
+  draft_.reset();
+  show_all();
+  keep_fresh_draft();
+}
+
+void DatumViewDesk::keep_fresh_draft() {
+  drafting_.start([recording = first_->recording](JobSigns&) { return keep_draft(kDraft, to_csv(recording)); });
+}
+
+void DatumViewDesk::take_draft() {
+  if (!draft_) return;
+  auto recording = parse_recording(draft_->text, "draft");
+  if (recording) {
+    first_ = shown(std::move(*recording), "recorded " + draft_->kept);
+    saved_ = false;
+    show_all();
+  } else {
+    message_.say(recording.error());
+  }
+  draft_.reset();
+}
+
+void DatumViewDesk::drop_earlier_draft() {
+  drop_draft(kDraft);
+  draft_.reset();
+}
+
+void DatumViewDesk::read(const std::string& path, bool as_overlay) {
+  if (busy()) return;
+  reading_.start([path, as_overlay](JobSigns&) -> Result<Opened> {
+    auto recording = read_recording_file(path);
+    if (!recording) return tl::unexpected(recording.error());
+    return Opened{shown(std::move(*recording), std::filesystem::path(path).filename().string()), as_overlay};
+  });
+}
+
+void DatumViewDesk::open(const std::string& path) { read(path, false); }
+void DatumViewDesk::overlay(const std::string& path) { read(path, true); }
+
+void DatumViewDesk::drop_overlay() {
+  second_.reset();
+  show_all();
+}
+
+void DatumViewDesk::align() {
+  if (!first_ || !second_) return;
+  const auto a = first_switch_s(*first_), b = first_switch_s(*second_);
+  if (!a || !b) {
+    message_.say("The switch does not change in both records: nothing to lay over each other.", Tone::warning);
+    return;
+  }
+  second_->shift_s = second_->shift_s != 0.0 ? 0.0 : *a - *b;
+  message_.say(second_->shift_s == 0.0 ? "Both begin at 0 s."
+                                       : fmt::format("The second is shifted by {:+.3f} s: the switches change first at "
+                                                     "the same time. a shifts it back.",
+                                                     second_->shift_s));
+  show_all();
+}
+
+void DatumViewDesk::save(const std::string& path) {
+  if (!first_ || busy()) return;
+  writing_.start([recording = first_->recording, path](JobSigns&) -> Result<std::string> {
+    if (const auto written = write_file(path, to_csv(recording)); !written) return tl::unexpected(written.error());
+    return path;
+  });
+}
+
+void DatumViewDesk::export_picture() {
+  if (!first_) return;
+  message_.say("The picture is being drawn ...");
+  export_.start(datum_figure(*first_, second()),
+                fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)));
+}
+
+std::string DatumViewDesk::proposed_name() const {
+  return first_
+             ? file_name_now(fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), ".csv")
+             : "";
+}
+
+void DatumViewDesk::show_all() {
+  if (!first_) return;
+  from_s_ = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
+  to_s_ = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
+  to_s_ = std::max(to_s_, from_s_ + kLeastSeen_s);
+  redraw();
+}
+
+void DatumViewDesk::redraw() {
+  if (first_) panel_ = speed_panel(*first_, second(), from_s_, to_s_);
+}
+
+void DatumViewDesk::whole() {
+  cursor_s_.reset();
+  show_all();
+}
+
+void DatumViewDesk::go_to(double time_s) {
+  cursor_s_ = time_s;
+  if (time_s < from_s_ || time_s > to_s_) {
+    const double half = 0.5 * (to_s_ - from_s_);
+    from_s_ = time_s - half;
+    to_s_ = time_s + half;
+    redraw();
+  }
+}
+
+void DatumViewDesk::move_cursor(int direction, int columns) {
+  if (!first_) return;
+  const double step_s = (to_s_ - from_s_) / std::max(1, columns);
+  const double least_s = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
+  const double most_s = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
+  const double sample_s = first_->recording.sample_period_us * 1e-6;
+  const double moved = cursor_s_ ? *cursor_s_ + direction * std::max(step_s, sample_s) : (from_s_ + to_s_) / 2.0;
+  go_to(std::clamp(std::round(moved / sample_s) * sample_s, least_s, most_s));
+}
+
+void DatumViewDesk::zoom(double factor) {
+  if (!first_) return;
+  const double centre = cursor_s_.value_or(0.5 * (from_s_ + to_s_));
+  const double width = std::max(kLeastSeen_s, (to_s_ - from_s_) * factor);
+  show_all();
+  const double least = from_s_, most = to_s_;
+  if (width >= most - least) return;
+  from_s_ = std::clamp(centre - 0.5 * width, least, most - width);
+  to_s_ = from_s_ + width;
+  redraw();
+}
+
+bool DatumViewDesk::advance() {
+  bool changed = export_.advance(message_);
+  if (const auto opened = reading_.take()) {
+    changed = true;
+    if (!*opened) {
+      message_.say((*opened).error());
+    } else if ((*opened)->as_overlay) {
+      second_ = (*opened)->record;
+      show_all();
+      message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
+    } else {
+      first_ = (*opened)->record;
+      saved_ = true;
+      cursor_s_.reset();
+      show_all();
+      message_.say(fmt::format("{}: axis {}, {} samples", first_->name, letter_of(first_->recording.axis),
+                               first_->recording.samples.size()));
+    }
+  }
+  if (const auto written = writing_.take()) {
+    changed = true;
+    if (*written) {
+      saved_ = true;
+      first_->name = std::filesystem::path(**written).filename().string();
+      drop_draft(kDraft);
+      message_.say("written: " + **written);
+    } else {
+      message_.say(written->error());
+    }
+  }
+  if (const auto drafted = drafting_.take()) {
+    if (!*drafted) message_.say(drafted->error());
+    if (saved_) drop_draft(kDraft);
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace ecs::app

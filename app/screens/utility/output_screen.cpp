@@ -1,0 +1,177 @@
+#include "app/screens/utility/output_screen.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+namespace {
+
+constexpr int kAxisRow = 2;
+constexpr int kBoxRow = 7;
+constexpr int kPromptRow = 13;  ///< a proposal or an explanation follows
+constexpr const char* kScaleExplained =
+    "To set the output scale: put a dial gauge on the axis and zero it, close the relay (r), step the value to the "
+    "size of your "
+    "largest error, press m and type what the gauge shows. The scale and polarity that follow are proposed here. "
+    "The converter alone is tested with the relay open: measure its voltage.";
+
+/// What the box says, and how.
+ListRow relay_row(const OutputDesk& desk) {
+  const OutputSetting& now = desk.setting();
+  const char axis = letter_of(now.axis);
+  const std::string um = um_text(now.um);
+  if (!desk.unit().fresh)
+    return {now.at_rest() ? std::string("RELAY NOT KNOWN  no answer: what the unit puts out is not known")
+                          : fmt::format("RELAY NOT KNOWN  no answer; axis {} was told {}, relay {}", axis, um,
+                                        now.relay ? "closed" : "open"),
+            Tone::bad};
+  if (now.relay) return {fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um), Tone::bad};
+  if (now.um != 0.0)
+    return {fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um, axis), Tone::warning};
+  return {"RELAY OPEN       nothing is put out, nothing moves", Tone::good};
+}
+
+void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
+  const ListRow row = relay_row(desk);
+  canvas.frame(box, {}, row.tone);
+  canvas.text({box.row + 1, box.column + 2, 1, box.columns - 4}, 0, 0, row.text, row.tone);
+}
+
+}  // namespace
+
+void OutputScreen::draw(Canvas& canvas, const Area& area) const {
+  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  draw_unit_row(canvas, inside, 0, desk_.unit());
+  draw_axis_rows(canvas, inside, kAxisRow, desk_.unit(), desk_.axis());
+  draw_relay_box(canvas, {inside.row + kBoxRow, inside.column, 3, inside.columns}, desk_);
+  const auto* seen = desk_.unit().axis(desk_.axis());
+  const auto moved = desk_.moved_um();
+  canvas.text(inside, kBoxRow + 3, 0,
+              fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(desk_.setting().um),
+                          seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), desk_.step_um()));
+  canvas.text(inside, kBoxRow + 4, 0,
+              moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",
+                                  *moved, letter_of(desk_.axis()))
+                    : std::string("moved              -      shown from the first value on"));
+  canvas.text(inside, kBoxRow + 5, 0,
+              fmt::format("at most    {:>9g} um  output scale {:g} counts/um, polarity {:+d}{}",
+                          desk_.parameters().output_limit_um, desk_.parameters().output_scale_counts_per_um,
+                          static_cast<int>(desk_.parameters().compensation_polarity),
+                          desk_.parameters_known() ? "" : " (default)"));
+  if (prompt_.active())
+    prompt_.draw(canvas, inside, kPromptRow);
+  else if (desk_.busy())
+    canvas.text(inside, kPromptRow, 0, "The unit is told ...");
+  canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kPromptRow + 1,
+                   proposal_.empty() ? kScaleExplained : proposal_, proposal_.empty() ? Tone::faint : Tone::strong);
+  desk_.message().draw(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns});
+  asking_.draw(canvas, inside);
+}
+
+void OutputScreen::type_value() {
+  prompt_.ask(fmt::format("Value for {}, um:", letter_of(desk_.axis())), Prompt::Kind::number, "",
+              [this](const std::string& typed) {
+                const auto um = desk_.value_in(typed);
+                if (!um)
+                  desk_.message().say(um.error());
+                else if (desk_.setting().relay)
+                  asking_.ask(desk_.question(*um), [this, um = *um] { desk_.set(um, true); });
+                else
+                  desk_.set(*um, false);
+              });
+}
+
+void OutputScreen::type_measured() {
+  const auto moved = desk_.moved_um();
+  if (desk_.setting().um == 0.0 || !desk_.setting().relay) {
+    desk_.message().say("Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.",
+                        Tone::warning);
+    return;
+  }
+  prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(desk_.axis())), Prompt::Kind::number,
+              moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) {
+                const auto proposal = desk_.scale_from_measured(typed);
+                if (proposal)
+                  proposal_ = proposal->sentence;
+                else
+                  desk_.message().say(proposal.error());
+              });
+}
+
+void OutputScreen::toggle_relay() {
+  const OutputSetting now = desk_.setting();
+  if (now.relay)
+    desk_.set(now.um, false);
+  else
+    asking_.ask(desk_.question(now.um), [this, um = now.um] { desk_.set(um, true); });
+}
+
+void OutputScreen::choose_next(int by) {
+  const auto axes = desk_.unit().axes();
+  const auto at = std::find(axes.begin(), axes.end(), desk_.axis());
+  if (at == axes.end()) return;
+  const auto k = std::clamp(static_cast<int>(at - axes.begin()) + by, 0, static_cast<int>(axes.size()) - 1);
+  desk_.choose(axes[static_cast<std::size_t>(k)]);
+}
+
+Step OutputScreen::leave() {
+  if (!desk_.busy() && (desk_.setting().at_rest() || !desk_.unit().fresh)) return back();
+  desk_.off();
+  return stay();
+}
+
+void OutputScreen::on_command(const Key& key) {
+  if (key.name == Key::Name::up || key.name == Key::Name::down) choose_next(key.name == Key::Name::down ? 1 : -1);
+  if (const auto axis = axis_of_key(key)) desk_.choose(*axis);
+  const auto axes = desk_.unit().axes();
+  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size())))
+    desk_.choose(axes[static_cast<std::size_t>(*k)]);
+  if (key.name == Key::Name::enter) type_value();
+  if (is_letter(key, U'+') || is_letter(key, U'=')) desk_.step(1);
+  if (is_letter(key, U'-')) desk_.step(-1);
+  if (is_letter(key, U'>') || is_letter(key, U'.')) desk_.resize_step(1);
+  if (is_letter(key, U'<') || is_letter(key, U',')) desk_.resize_step(-1);
+  if (is_letter(key, U'r')) toggle_relay();
+  if (is_letter(key, U'm')) type_measured();
+}
+
+Step OutputScreen::on_key(const Key& key) {
+  if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
+  desk_.message().clear();
+  if (key.name == Key::Name::escape || is_letter(key, U'q')) return leave();
+  if (is_letter(key, U'o') || is_letter(key, U' '))
+    desk_.off();
+  else
+    on_command(key);
+  return stay();
+}
+
+std::vector<KeyHelp> OutputScreen::keys() const {
+  if (asking_.active()) return {{"y", "the axis may move"}, {"n", "leave it"}};
+  if (prompt_.active()) return {{"Enter", "take the number"}, {"Esc", "leave it"}};
+  return {{"o", "ALL OFF"},
+          {"Enter", "value"},
+          {"+ -", "step"},
+          {"r", desk_.setting().relay ? "open relay" : "relay"},
+          {"x y z", "axis"},
+          {"m", "measured"},
+          {"< >", "step size"},
+          {"Esc", desk_.setting().at_rest() ? "back" : "all off"},
+          {"Space", "ALL OFF as well"}};
+}
+
+std::string OutputScreen::help() const {
+  return std::string(
+             "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
+             "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
+             "Esc switch everything off; a second Esc leaves. If the line is lost the unit opens its relays by itself "
+             "after 60 s without a question. ") +
+         kScaleExplained;
+}
+
+Place OutputScreen::cursor(const Area& area) const {
+  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kPromptRow);
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,219 @@
+#include "app/screens/utility/parts.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "core/fault.hpp"
+
+namespace ecs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point moment) { return std::chrono::duration<double>(Clock::now() - moment).count(); }
+
+/// Ages are shown in seconds, below one not at all.
+int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); }
+
+}  // namespace
+
+bool UnitView::look(const UnitDesk& desk) {
+  const int age_before = shown_age(age_s);
+  const bool fresh_before = fresh;
+  const std::uint64_t now = desk.changes();
+  if (now != changes || !sample) {
+    standing = desk.standing();
+    const auto newest = desk.newest();
+    fresh = newest.has_value();
+    if (newest && standing.newest_at >= taken_at_) take(*newest, standing.newest_at);
+  }
+  age_s = sample ? seconds_since(taken_at_) : 0.0;
+  const bool changed = now != changes || fresh != fresh_before || shown_age(age_s) != age_before;
+  changes = now;
+  return changed;
+}
+
+void UnitView::take(const protocol::MonitorSample& seen) { take(seen, Clock::now()); }
+
+void UnitView::take(const protocol::MonitorSample& seen, Clock::time_point at) {
+  const bool was_away = standing.times_lost != times_lost_;  // a busy computer alone makes no unit late
+  if (sample && began_anew(*sample, seen, was_away ? at - taken_at_ : Clock::duration::zero())) ++restarts;
+  times_lost_ = standing.times_lost;
+  sample = seen;
+  fresh = true;
+  taken_at_ = at;
+  age_s = 0.0;
+}
+
+bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after, Clock::duration passed) {
+  const auto had_run_us = static_cast<double>(before.unit_time_us);
+  const auto now_us = static_cast<double>(after.unit_time_us);
+  const double passed_us = std::chrono::duration<double, std::micro>(passed).count();
+  return now_us < had_run_us || had_run_us + passed_us - now_us > had_run_us / 2.0;
+}
+
+std::vector<Axis> UnitView::axes() const {
+  std::vector<Axis> axes;
+  for (const Axis a : kAllAxes)
+    if (!standing.identity || standing.identity->axis_present[index_of(a)]) axes.push_back(a);
+  return axes;
+}
+
+const protocol::AxisSample* UnitView::axis(Axis which) const {
+  return sample && sample->axes[index_of(which)].present ? &sample->axes[index_of(which)] : nullptr;
+}
+
+std::string age_text(double age_s) { return age_s < 1.0 ? "" : fmt::format("seen {} s ago", shown_age(age_s)); }
+
+void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& unit) {
+  if (!unit.standing.problem.empty()) {
+    const std::string age = unit.sample ? " (" + age_text(std::max(1.0, unit.age_s)) + ")" : "";
+    canvas.paragraph(area.below(row).top(2), 0, fmt::format("NO ANSWER{}: {}", age, unit.standing.problem), Tone::bad);
+    return;
+  }
+  if (!unit.sample) {
+    canvas.text(area, row, 0, "Opening the line to the unit ...", Tone::warning);
+    return;
+  }
+  const std::string name = unit.standing.identity ? "unit " + unit.standing.identity->serial_number : "the unit";
+  const std::string mode = fmt::format("{}, {}", name, ecs::name_of(unit.sample->mode));
+  if (unit.sample->fault == Fault::none)
+    canvas.text(area, row, 0, mode, Tone::strong);
+  else
+    canvas.paragraph(area.below(row).top(2), 0,
+                     fmt::format("{}, fault: {}", mode, ecs::text_of(unit.sample->fault).meaning), Tone::bad);
+  if (unit.age_s >= 1.5) canvas.text_right(area, row, age_text(unit.age_s), Tone::warning);
+}
+
+int draw_axis_rows(Canvas& canvas, const Area& area, int row, const UnitView& unit, std::optional<Axis> chosen) {
+  canvas.text(area, row, 0,
+              fmt::format("  {:<4} {:>13} {:>10}  {:<11}{:<8}{:<8}{}", "axis", "position mm", "mm/min", "referenced",
+                          "switch", "marker", "relay"),
+              Tone::faint);
+  int r = row;
+  for (const Axis a : unit.axes()) {
+    ++r;
+    const bool here = chosen && a == *chosen;
+    const protocol::AxisSample* s = unit.axis(a);
+    if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
+    canvas.text(area, r, 0,
+                s == nullptr ? fmt::format("{} {:<4} {:>13}", here ? ">" : " ", letter_of(a), "not seen yet")
+                             : fmt::format("{} {:<4} {:>13.4f} {:>10.1f}  {:<11}{:<8}{:<8}{}", here ? ">" : " ",
+                                           letter_of(a), s->position_mm, s->speed_mm_min, s->referenced ? "yes" : "no",
+                                           s->switch_active ? "on" : "off", s->marker ? "seen" : "-",
+                                           s->relay_closed ? "CLOSED" : "open"),
+                here ? Tone::selected : (unit.fresh ? Tone::plain : Tone::faint));
+  }
+  return r - row + 1;
+}
+
+void Asking::ask(Question question, std::function<void()> on_yes) {
+  question_ = std::move(question);
+  on_yes_ = std::move(on_yes);
+}
+
+bool Asking::on_key(const Key& key) {
+  if (!question_) return false;
+  const Reply reply = reply_to(key);
+  if (reply == Reply::none) return true;
+  question_.reset();
+  const auto on_yes = std::move(on_yes_);
+  if (reply == Reply::yes && on_yes) on_yes();
+  return true;
+}
+
+void Asking::draw(Canvas& canvas, const Area& area) const {
+  if (question_) draw_question(canvas, area, *question_);
+}
+
+void Prompt::ask(std::string label, Kind kind, const std::string& text,
+                 std::function<void(const std::string&)> on_text) {
+  label_ = std::move(label);
+  kind_ = kind;
+  line_.set(text);
+  hint_.clear();
+  on_text_ = std::move(on_text);
+}
+
+bool Prompt::on_key(const Key& key) {
+  if (!active()) return false;
+  hint_.clear();
+  if (key.name == Key::Name::escape) {
+    on_text_ = nullptr;
+  } else if (key.name == Key::Name::enter) {
+    const auto on_text = std::move(on_text_);
+    on_text_ = nullptr;
+    if (!line_.text().empty()) on_text(line_.text());
+  } else if (key.name == Key::Name::tab && kind_ == Kind::path) {
+    const PathCompletion completion = completed_path(line_.text());
+    line_.set(completion.completed);
+    for (const std::string& choice : completion.choices) hint_ += (hint_.empty() ? "" : "  ") + choice;
+  } else {
+    (void)line_.on_key(key);
+  }
+  return true;
+}
+
+int Prompt::columns(const Area& area) const {
+  const int room = area.columns - width_of(label_) - 2;
+  return std::max(8, kind_ == Kind::number ? std::min(16, room) : room);
+}
+
+void Prompt::draw(Canvas& canvas, const Area& area, int row) const {
+  if (!active()) return;
+  canvas.fill({area.row + row, area.column, 1, area.columns});
+  const int begin = canvas.text(area, row, 0, label_ + " ", Tone::strong);
+  line_.draw(canvas, area, row, begin, columns(area), true);
+  const std::string hint = !hint_.empty() ? hint_ : "Enter takes it, Esc leaves it";
+  const int beside = begin + columns(area) + 2;
+  if (kind_ == Kind::number)
+    canvas.paragraph({area.row + row, area.column + beside, 1, std::max(0, area.columns - beside)}, 0, hint,
+                     Tone::faint);
+  if (kind_ == Kind::path && row > 0) {
+    canvas.fill({area.row + row - 1, area.column, 1, area.columns});
+    canvas.paragraph(area.below(row - 1).top(1), 0, hint_.empty() ? "Tab completes the path; " + hint : hint_,
+                     Tone::faint);
+  }
+}
+
+Place Prompt::cursor(const Area& area, int row) const {
+  if (!active()) return {-1, -1};
+  return {area.row + row, area.column + width_of(label_) + 1 + line_.cursor_column(columns(area))};
+}
+
+void say_failed(MessageLine& message, const Problem& problem, bool& given_up) {
+  const bool unit_knows = problem.message.find("could not be told") == std::string::npos;
+  if (given_up && unit_knows)
+    message.say("Given up.", Tone::warning);
+  else
+    message.say(problem);
+  given_up = false;
+}
+
+std::string file_name_now(const std::string& stem, const std::string& extension) {
+  return fmt::format("{}-{:%Y%m%d-%H%M%S}{}", stem, fmt::localtime(std::time(nullptr)), extension);
+}
+
+std::optional<int> axis_clicked(const Key& key, int first_row, int count) {
+  const int k = key.row - first_row;
+  if (key.name != Key::Name::mouse || k < 0 || k >= count) return std::nullopt;
+  return k;
+}
+
+bool file_is_there(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+
+std::optional<Axis> axis_of_key(const Key& key) {
+  for (const Axis a : kAllAxes)
+    if (is_letter(key, static_cast<char32_t>(letter_of(a))) || is_letter(key, static_cast<char32_t>(letter_of(a) + 32)))
+      return a;
+  return std::nullopt;
+}
+
+}  // namespace ecs::app

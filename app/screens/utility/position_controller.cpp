@@ -1,0 +1,90 @@
+#include "app/screens/utility/position_controller.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::app {
+
+PositionDesk::PositionDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
+  (void)unit_.look(*desk_);
+  restarts_ = unit_.restarts;
+}
+
+Result<double> PositionDesk::position_in(const std::string& typed) {
+  const auto number = number_in(typed);
+  if (!number) return problem(ProblemKind::usage, fmt::format("expected a position in mm, found \"{}\"", typed));
+  if (std::abs(*number) > kLargest_mm)
+    return problem(ProblemKind::usage,
+                   fmt::format("expected a position within +/-{:.0f} mm, found {}", kLargest_mm, typed));
+  return *number;
+}
+
+Question PositionDesk::question(Axis axis, double position_mm) const {
+  const protocol::AxisSample* now = unit_.axis(axis);
+  const std::string shown = now == nullptr ? "" : fmt::format(" It shows {:.4f} mm now.", now->position_mm);
+  const std::string reference =
+      now != nullptr && now->referenced
+          ? " The axis stays marked as referenced, but its positions are yours from now on: reference the machine "
+            "again (compensation mode does) before anything relies on them."
+          : " The axis does not become referenced by this: only its reference sequence does that.";
+  return {fmt::format("Let the unit show {:.4f} mm for axis {}?", position_mm, letter_of(axis)),
+          "Nothing moves: only the number changes, and the unit counts on from there." + shown + reference, "set it",
+          "leave it"};
+}
+
+void PositionDesk::set(Axis axis, double position_mm) { start(axis, position_mm, false, 0.0); }
+
+void PositionDesk::undo() {
+  if (done_.empty()) {
+    message_.say("Nothing to undo: no position was set here.", Tone::warning);
+    return;
+  }
+  const PresetPosition& last = done_.back();
+  start(last.axis, 0.0, true, last.before_mm - last.after_mm);
+}
+
+/// @param shift_mm  of an undo: the axis may have moved since, so it is shifted from where it stands
+void PositionDesk::start(Axis axis, double position_mm, bool is_undo, double shift_mm) {
+  if (busy()) return;
+  job_.start([desk = desk_, axis, position_mm, is_undo, shift_mm](JobSigns& signs) {
+    return desk->on_line(signs, [&](UnitLink& line) -> Result<Change> {
+      const auto before = line.client().monitor();
+      if (!before) return tl::unexpected(before.error());
+      const double shown_mm = before->axes[index_of(axis)].position_mm;
+      const double wanted_mm = is_undo ? shown_mm + shift_mm : position_mm;
+      if (const auto set = line.client().set_axis_position(axis, wanted_mm); !set) return tl::unexpected(set.error());
+      return Change{{axis, shown_mm, wanted_mm}, is_undo};
+    });
+  });
+}
+
+bool PositionDesk::advance() {
+  bool changed = unit_.look(*desk_);
+  if (unit_.restarts != restarts_) {
+    restarts_ = unit_.restarts;
+    if (!done_.empty())
+      message_.say("The unit was restarted: it counts from 0 again, and what was set here is gone.", Tone::warning);
+    done_.clear();
+    changed = true;
+  }
+  const auto change = job_.take();
+  if (!change) return changed;
+  if (!*change) {
+    message_.say(change->error());
+    return true;
+  }
+  const PresetPosition& preset = (*change)->preset;
+  if ((*change)->is_undo)
+    done_.pop_back();
+  else
+    done_.push_back(preset);
+  message_.say(fmt::format("Axis {} {} {:.4f} mm; it showed {:.4f} mm.{}", letter_of(preset.axis),
+                           (*change)->is_undo ? "is back at" : "now shows", preset.after_mm, preset.before_mm,
+                           (*change)->is_undo ? "" : " u takes it back."));
+  return true;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,33 @@
+// SET AXIS POSITION: the axes with what the unit shows for them, live; a position is typed, asked for, set.
+// Does not live here: the line (commissioning/link/unit_connection.hpp), what is set (position_controller.hpp).
+#pragma once
+
+#include "app/screens/utility/position_controller.hpp"
+#include "app/ui/screen.hpp"
+
+namespace ecs::app {
+
+class PositionScreen final : public Screen {
+ public:
+  explicit PositionScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+
+  [[nodiscard]] std::string title() const override { return "SET AXIS POSITION"; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override;
+  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool typing() const override { return prompt_.active(); }
+  [[nodiscard]] Place cursor(const Area& area) const override;
+
+ private:
+  [[nodiscard]] Axis chosen() const;
+  void type();
+
+  PositionDesk desk_;
+  ListPlace place_;
+  Prompt prompt_;
+  Asking asking_;
+};
+
+}  // namespace ecs::app

@@ -1,0 +1,188 @@
+#include "app/screens/verbs/live_screen.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <ostream>
+#include <sstream>
+#include <streambuf>
+
+#include <fmt/format.h>
+
+#include "app/cli/keyboard.hpp"
+#include "app/cli/program.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kNext = "next: ";
+constexpr const char* kLeave = "q";
+
+std::vector<std::string> lines_in(const std::string& text) {
+  std::vector<std::string> lines;
+  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
+  return lines;
+}
+
+}  // namespace
+
+/// Between the verb, which runs beside the screen, and the screen: what it says, what is typed to it.
+struct LiveScreen::Wire {
+  std::mutex mutex;
+  std::string said;
+  std::deque<std::string> typed;
+
+  class Mouth final : public std::streambuf {
+   public:
+    explicit Mouth(Wire& wire) : wire_(&wire) {}
+
+   protected:
+    int_type overflow(int_type c) override {
+      if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+      const std::lock_guard lock(wire_->mutex);
+      wire_->said += traits_type::to_char_type(c);
+      return c;
+    }
+    std::streamsize xsputn(const char* text, std::streamsize count) override {
+      const std::lock_guard lock(wire_->mutex);
+      wire_->said.append(text, static_cast<std::size_t>(count));
+      return count;
+    }
+
+   private:
+    Wire* wire_;
+  };
+
+  class Keys final : public Keyboard {
+   public:
+    Keys(Wire& wire, JobSigns& signs) : wire_(&wire), signs_(&signs) {}
+    std::optional<std::string> line() override {
+      if (signs_->cancelled) return kLeave;
+      const std::lock_guard lock(wire_->mutex);
+      if (wire_->typed.empty()) return std::nullopt;
+      std::string line = std::move(wire_->typed.front());
+      wire_->typed.pop_front();
+      return line;
+    }
+    [[nodiscard]] bool ended() const override { return false; }
+
+   private:
+    Wire* wire_;
+    JobSigns* signs_;
+  };
+
+  void type(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    typed.push_back(line);
+  }
+};
+
+bool runs_live(const std::string& verb) { return verb == "laser capture" || verb == "laser devices"; }
+
+LiveScreen::LiveScreen(std::string name, const std::vector<std::string>& words)
+    : name_(std::move(name)), wire_(std::make_shared<Wire>()) {
+  job_.start([words, wire = wire_](JobSigns& signs) {
+    Wire::Mouth mouth(*wire);
+    std::ostream messages(&mouth);
+    std::ostringstream out;
+    FaceOptions options;
+    options.keyboard = std::make_shared<Wire::Keys>(*wire, signs);
+    const int code = run_program(words, out, messages, options);
+    return Answer{lines_in(out.str()), code};
+  });
+}
+
+LiveScreen::~LiveScreen() = default;
+
+/// The line that says what comes next, as long as it is the verb's last word on it.
+std::string LiveScreen::next() const {
+  const auto found =
+      std::find_if(said_.rbegin(), said_.rend(), [](const std::string& line) { return line.starts_with(kNext); });
+  return found == said_.rend() ? std::string() : *found;
+}
+
+void LiveScreen::draw(Canvas& canvas, const Area& area) const {
+  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  int row = 0;
+  if (answer_) {
+    canvas.text(inside, row++, 0,
+                answer_->exit_code == 0 ? "done" : fmt::format("ended with code {}", answer_->exit_code),
+                answer_->exit_code == 0 ? Tone::good : Tone::warning);
+    std::vector<std::string> lines = answer_->lines;
+    lines.insert(lines.end(), said_.begin(), said_.end());
+    draw_scrolled(canvas, inside.below(row), sentences_wrapped(lines, inside.columns), scroll_);
+    return;
+  }
+  row += std::max(1, canvas.paragraph(inside, row, next().empty() ? "running ..." : next(), Tone::strong));
+  canvas.text(inside, row, 0, ">", Tone::strong);
+  line_.draw(canvas, inside, row, 2, std::max(8, inside.columns - 2), true);
+  row += 2;
+  for (auto line = said_.rbegin(); line != said_.rend() && row < inside.rows; ++line) {
+    if (line->starts_with(kNext)) continue;
+    row += canvas.paragraph(inside, row, *line, line->starts_with("warning:") ? Tone::warning : Tone::plain);
+  }
+}
+
+Place LiveScreen::cursor(const Area& area) const {
+  if (answer_) return {-1, -1};
+  const int columns = area.columns - 2;
+  const int rows = std::max<int>(1, static_cast<int>(wrapped(next(), columns).size()));
+  return {area.row + rows, area.column + 3 + line_.cursor_column(std::max(8, columns - 2))};
+}
+
+Step LiveScreen::on_key(const Key& key) {
+  if (answer_) {
+    if (key.name == Key::Name::escape || key.name == Key::Name::enter) return back();
+    (void)scroll_.on_key(key);
+    return stay();
+  }
+  if (key.name == Key::Name::escape) {
+    job_.cancel();
+    return stay();
+  }
+  if (key.name == Key::Name::enter) {
+    wire_->type(line_.text());
+    line_.set("");
+    return stay();
+  }
+  (void)line_.on_key(key);
+  return stay();
+}
+
+bool LiveScreen::advance() {
+  std::string text;
+  {
+    const std::lock_guard lock(wire_->mutex);
+    const std::size_t whole = wire_->said.rfind('\n');
+    if (whole != std::string::npos) {
+      text = wire_->said.substr(0, whole);
+      wire_->said.erase(0, whole + 1);
+    }
+  }
+  if (!text.empty())
+    for (std::string& line : lines_in(text)) said_.push_back(std::move(line));
+  auto answer = job_.take();
+  if (answer) answer_ = std::move(*answer);
+  return job_.running() || answer.has_value() || !text.empty();
+}
+
+std::vector<KeyHelp> LiveScreen::keys() const {
+  if (answer_) return {{"up/down", "read"}, {"Esc", "back"}};
+  return {{"Enter", "take a reading, or send what is typed"},
+          {"u", "take the last one back"},
+          {"s", "skip"},
+          {"Esc", "leave; what was read is kept"}};
+}
+
+std::string LiveScreen::help() const {
+  return "The verb `ecs " + name_ +
+         "` as it runs. What comes next stands in the upper row, what it said below, the newest first. Type a value, "
+         "or a "
+         "command (u takes the last reading back, s skips a target, q leaves), and press Enter; an empty line is a "
+         "trigger "
+         "where readings come from a device. Esc leaves: what was read is kept in a .part file, and --resume goes on "
+         "with it.";
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,47 @@
+// The menus of thesis figure 5.4, and those that came since. Does not live here: what an entry opens.
+#pragma once
+
+#include <functional>
+
+#include "app/ui/screen.hpp"
+#include "app/ui/widgets.hpp"
+
+namespace ecs::app {
+
+class UnitDesk;
+
+struct MenuChoice {
+  std::string name;
+  std::string help;
+  std::function<std::unique_ptr<Screen>()> opens;
+  bool only_sought = false;  ///< shown while a name is sought
+};
+
+class MenuScreen final : public Screen {
+ public:
+  MenuScreen(std::string title, std::string help, std::vector<MenuChoice> choices);
+
+  [[nodiscard]] std::string title() const override { return title_; }
+  void draw(Canvas& canvas, const Area& area) const override;
+  [[nodiscard]] Step on_key(const Key& key) override;
+  [[nodiscard]] std::vector<KeyHelp> keys() const override;
+  [[nodiscard]] std::string help() const override { return help_; }
+  /// While a name is sought, letters are text.
+  [[nodiscard]] bool typing() const override { return seeking_; }
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> seen() const;
+  void stop_seeking(std::size_t entry);
+  [[nodiscard]] Step on_click(const Key& key, int count);
+  std::string title_;
+  std::string help_;
+  std::vector<MenuChoice> choices_;
+  ListPlace place_;
+  bool seeking_ = false;
+  TextLine sought_;
+};
+
+/// The first screen: every menu, every screen, every verb.
+[[nodiscard]] std::unique_ptr<Screen> main_menu(const std::shared_ptr<UnitDesk>& desk);
+
+}  // namespace ecs::app

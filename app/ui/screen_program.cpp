@@ -1,0 +1,174 @@
+#include "app/ui/screen_program.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "app/ui/drafts.hpp"
+#include "app/ui/key_line.hpp"
+#include "app/ui/overlay.hpp"
+#include "app/ui/talk.hpp"
+#include "base/interrupt.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr int kWait_ms = 40;  ///< between two looks at running work
+
+Area key_area(const Canvas& canvas) { return {canvas.rows() - 1, 0, 1, canvas.columns()}; }
+
+/// @param partly  the picture shows a text in part only
+KeyLine key_line_of(const Screen& screen, bool partly) {
+  KeyLine line{screen.keys(), {{screen.typing() ? "F1" : "?", "help"}}};
+  if (partly) line.ends.insert(line.ends.begin(), {"F2", "more"});
+  return line;
+}
+
+/// The end of a long link: the port says more than the folders before it.
+std::string short_link(const std::string& link, int room) {
+  if (width_of(link) <= room) return link;
+  const std::size_t slash = link.rfind('/');
+  if (slash != std::string::npos && slash + 1 < link.size()) return short_link(link.substr(slash + 1), room);
+  const std::u32string letters = code_points(link);
+  const std::size_t kept = std::min(letters.size(), static_cast<std::size_t>(std::max(1, room - 1)));
+  return "…" + utf8_of(std::u32string_view(letters).substr(letters.size() - kept));
+}
+
+/// The way here at the left, its end first where it is too long; the unit at the right, its state before all.
+void draw_header(Canvas& canvas, const std::string& path, const Standing& standing, bool unsaved) {
+  const Area header = canvas.whole().top(1);
+  canvas.fill(header, U' ', Tone::selected);
+  const std::string saved = unsaved ? "NOT SAVED" : "";
+  const int link_room = std::max(8, header.columns / 2 - width_of(standing.state) - width_of(saved));
+  std::string right = standing.link.empty() ? "" : short_link(standing.link, link_room) + " " + standing.state;
+  if (unsaved) right = right.empty() ? saved : saved + "  " + right;
+  if (width_of(right) >= header.columns) canvas.keep_whole(right);
+  const int room = header.columns - width_of(right) - 4;
+  std::string left = path;
+  for (std::size_t cut = left.find(" > "); width_of(left) > room && cut != std::string::npos; cut = left.find(" > "))
+    left.erase(0, cut + 3);
+  canvas.text({header.row, header.column, 1, std::max(0, room + 2)}, 0, 1, left, Tone::selected);
+  canvas.text_right({header.row, header.column, 1, header.columns - 1}, 0, right,
+                    standing.bad ? Tone::bad : Tone::selected);
+}
+
+const std::vector<KeyHelp> kLeavingKeys{{"y", "leave"}, {"n", "stay"}};
+
+void draw_leaving(Canvas& canvas, const std::string& unsaved) {
+  draw_question(
+      canvas, canvas.whole(),
+      {"Leave the program?",
+       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WOULD BE LOST: no draft can be written, see LOG." : ""),
+       "leave", "stay"});
+  draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
+}
+
+/// The screens one behind the other.
+class Stack {
+ public:
+  explicit Stack(std::unique_ptr<Screen> first) { screens_.push_back(std::move(first)); }
+  [[nodiscard]] bool empty() const { return screens_.empty(); }
+  [[nodiscard]] bool is_last() const { return screens_.size() == 1; }
+  [[nodiscard]] Screen& front() { return *screens_.back(); }
+  [[nodiscard]] std::string path() const {
+    std::string path;
+    for (const auto& screen : screens_) path += (path.empty() ? "" : " > ") + screen->title();
+    return path;
+  }
+  void take(Step step) {
+    if (step.kind == Step::Kind::open && step.next) screens_.push_back(std::move(step.next));
+    if (step.kind == Step::Kind::back) screens_.pop_back();
+    if (step.kind == Step::Kind::leave) screens_.clear();
+  }
+  [[nodiscard]] std::string unsaved() const {
+    for (const auto& screen : screens_)
+      if (std::string work = screen->unsaved(); !work.empty()) return work;
+    return {};
+  }
+
+ private:
+  std::vector<std::unique_ptr<Screen>> screens_;
+};
+
+}  // namespace
+
+Area screen_area(const Canvas& canvas) { return {1, 0, std::max(0, canvas.rows() - 2), canvas.columns()}; }
+
+Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
+                  bool with_help) {
+  draw_header(canvas, path, standing, !screen.unsaved().empty());
+  screen.draw(canvas, screen_area(canvas));
+  draw_key_line(canvas, key_area(canvas), key_line_of(screen, !canvas.whole_texts().empty()));
+  if (with_help) {
+    Overlay help;
+    help.show_help(screen);
+    help.draw(canvas);
+  }
+  return canvas;
+}
+
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StandingNow& standing_now) {
+  catch_signals();
+  Stack stack(std::move(first));
+  Standing standing;
+  Overlay over;
+  std::vector<std::string> partly;  ///< seen in part only in the last picture
+  bool changed = true;              ///< since the last picture
+  bool urgent = true;               ///< by a key
+  bool sure = false;                ///< asked once about unsaved work
+  while (!stack.empty() && interrupting_signal() == 0) {
+    Screen& screen = stack.front();
+    changed = screen.advance() || changed;
+    if (auto next = screen.opens_by_itself()) {
+      stack.take(opened(std::move(next)));
+      changed = urgent = true;
+      continue;
+    }
+    if (Standing now = standing_now(); now != standing) {
+      standing = std::move(now);
+      changed = true;
+    }
+    if (changed) {
+      Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), false);
+      partly = canvas.whole_texts();
+      if (over.shown()) over.draw(canvas);
+      if (sure) draw_leaving(canvas, stack.unsaved());
+      changed =
+          !terminal.show(canvas, over.shown() || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
+    }
+    Key key = terminal.read(kWait_ms);
+    if (const Area line = key_area(terminal.canvas()); key.name == Key::Name::mouse && key.row == line.row)
+      key = clicked_key(line, sure ? KeyLine{kLeavingKeys, {}} : key_line_of(screen, !partly.empty()), key.column)
+                .value_or(Key{});
+    urgent = key.name != Key::Name::none;
+    changed = changed || urgent;
+    if (!urgent) {
+      continue;
+    } else if (sure) {
+      const Reply reply = reply_to(key);
+      if (reply == Reply::yes) return 0;
+      sure = reply == Reply::none;
+    } else if (over.shown()) {
+      over.on_key(key);
+    } else if (key.name == Key::Name::control && key.letter == U'l') {
+      terminal.redraw();
+    } else if (key.name == Key::Name::control && key.letter == U'c') {
+      if (stack.unsaved().empty()) return 0;
+      sure = true;
+    } else if ((is_letter(key, U'?') && !screen.typing()) || (key.name == Key::Name::function && key.number == 1)) {
+      over.show_help(screen);
+    } else if (key.name == Key::Name::function && key.number == 2 && !partly.empty()) {
+      over.show_whole(partly);
+    } else {
+      Step step = screen.on_key(key);
+      if (step.kind == Step::Kind::back && stack.is_last())
+        sure = true;
+      else
+        stack.take(std::move(step));
+    }
+  }
+  const int signal = interrupting_signal();
+  return signal == 0 ? 0 : 128 + signal;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,257 @@
+#include "app/ui/widgets.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace ecs::app {
+namespace {
+
+constexpr int kWheelRows = 3;
+
+std::optional<int> moved(const Key& key, int from, int page, int last) {
+  switch (key.name) {
+    case Key::Name::up:
+      return from - 1;
+    case Key::Name::down:
+      return from + 1;
+    case Key::Name::wheel_up:
+      return from - kWheelRows;
+    case Key::Name::wheel_down:
+      return from + kWheelRows;
+    case Key::Name::page_up:
+      return from - page;
+    case Key::Name::page_down:
+      return from + page;
+    case Key::Name::home:
+      return 0;
+    case Key::Name::end:
+      return last;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void draw_scroll_marks(Canvas& canvas, const Area& area, int first, int count) {
+  const int column = area.column + area.columns - 1;
+  const auto put = [&](int row, int step, char32_t mark) {  // in a row near the edge whose text leaves room for it
+    const int edge = row;
+    for (int k = 0; k < std::min(2, area.rows / 2) && canvas.at(row, column).glyph != U' '; ++k) row += step;
+    canvas.put(canvas.at(row, column).glyph == U' ' ? row : edge, column, mark, Tone::faint);
+  };
+  if (first > 0) put(area.row, 1, U'↑');
+  if (first + area.rows < count) put(area.row + area.rows - 1, -1, U'↓');
+}
+
+bool ListPlace::on_key(const Key& key, int count, int page) {
+  const auto to = moved(key, selected, page, count - 1);
+  if (!to) return false;
+  selected = std::clamp(*to, 0, std::max(0, count - 1));
+  return true;
+}
+
+std::optional<int> ListPlace::clicked(const Key& key) const {
+  if (key.name != Key::Name::mouse || key.row < seen.row || key.row >= seen.row + seen.rows) return std::nullopt;
+  return first + key.row - seen.row;
+}
+
+void draw_list(Canvas& canvas, const Area& area, const std::vector<ListRow>& rows, const ListPlace& place,
+               bool active) {
+  const int count = static_cast<int>(rows.size());
+  const int selected = std::clamp(place.selected, 0, std::max(0, count - 1));
+  place.first = std::clamp(place.first, std::max(0, selected - area.rows + 1), std::max(0, selected));
+  place.first = std::clamp(place.first, 0, std::max(0, count - area.rows));
+  place.seen = area.top(std::min(area.rows, count - place.first));
+  for (int r = 0; r < place.seen.rows; ++r) {
+    const int k = place.first + r;
+    const ListRow& row = rows[static_cast<std::size_t>(k)];
+    const bool here = active && k == selected;
+    if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
+    canvas.text(area, r, 0, here ? ">" : " ", here ? Tone::selected : Tone::plain);
+    canvas.text(area, r, 2, row.text, here ? Tone::selected : row.tone);
+  }
+  draw_scroll_marks(canvas, area, place.first, count);
+}
+
+bool ScrollPlace::on_key(const Key& key, int page) {
+  if (key.name == Key::Name::left || key.name == Key::Name::right) {
+    column = std::max(0, column + (key.name == Key::Name::right ? kColumns : -kColumns));
+    return true;
+  }
+  const auto to = moved(key, first, page, 1 << 20);
+  if (!to) return false;
+  first = std::max(0, *to);
+  if (key.name == Key::Name::home) column = 0;
+  return true;
+}
+
+namespace {
+
+/// Rows of tables stay whole: cells stand at least two blanks apart.
+bool is_sentence(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(' ');
+  return begin != std::string::npos && line.find(' ', begin) != std::string::npos &&
+         line.find("  ", begin) == std::string::npos;
+}
+
+/// A sentence over several lines, indented as it was.
+void add_wrapped(std::vector<std::string>& lines, const std::string& line, int columns) {
+  const std::size_t indent = std::min(line.find_first_not_of(' '), static_cast<std::size_t>(std::max(0, columns - 20)));
+  const std::string before(indent, ' ');
+  for (const std::string& part : wrapped(line, columns - static_cast<int>(indent))) lines.push_back(before + part);
+}
+
+/// The part of a line that is seen from a column on, with a mark at either edge where it goes on.
+void draw_sideways(Canvas& canvas, const Area& area, int row, const std::string& line, int from) {
+  int column = -from;
+  bool goes_on = false;
+  for (const Sign& sign : signs_of(line)) {
+    if (column >= 0 && column + sign.columns <= area.columns)
+      canvas.put(area.row + row, area.column + column, sign.glyph);
+    column += sign.columns;
+    goes_on = goes_on || column > area.columns;
+  }
+  if (goes_on) canvas.put(area.row + row, area.column + area.columns - 1, U'→', Tone::strong);
+  if (from > 0 && column + from > 0) canvas.put(area.row + row, area.column, U'←', Tone::strong);
+}
+
+}  // namespace
+
+std::vector<std::string> sentences_wrapped(const std::vector<std::string>& lines, int columns) {
+  std::vector<std::string> out;
+  for (const std::string& line : lines) {
+    if (width_of(line) > columns && is_sentence(line))
+      add_wrapped(out, line, columns);
+    else
+      out.push_back(line);
+  }
+  return out;
+}
+
+void draw_scrolled(Canvas& canvas, const Area& area, const std::vector<std::string>& lines, const ScrollPlace& place) {
+  const int count = static_cast<int>(lines.size());
+  place.first = std::clamp(place.first, 0, std::max(0, count - area.rows));
+  int widest = 0;
+  for (const std::string& line : lines) widest = std::max(widest, width_of(line));
+  const int steps = (std::max(0, widest - area.columns) + ScrollPlace::kColumns - 1) / ScrollPlace::kColumns;
+  place.column = std::clamp(place.column, 0, steps * ScrollPlace::kColumns);
+  for (int r = 0; r < std::min(area.rows, count - place.first); ++r)
+    draw_sideways(canvas, area, r, lines[static_cast<std::size_t>(place.first + r)], place.column);
+  draw_scroll_marks(canvas, area, place.first, count);
+}
+
+bool TextLine::on_key(const Key& key) {
+  switch (key.name) {
+    case Key::Name::letter:
+      text_.insert(at_, 1, key.letter);
+      ++at_;
+      return true;
+    case Key::Name::backspace:
+      if (at_ > 0) text_.erase(--at_, 1);
+      return true;
+    case Key::Name::erase:
+      if (at_ < text_.size()) text_.erase(at_, 1);
+      return true;
+    case Key::Name::left:
+      if (at_ > 0) --at_;
+      return true;
+    case Key::Name::right:
+      if (at_ < text_.size()) ++at_;
+      return true;
+    case Key::Name::home:
+      at_ = 0;
+      return true;
+    case Key::Name::end:
+      at_ = text_.size();
+      return true;
+    case Key::Name::control:
+      if (key.letter != U'u') return false;
+      text_.erase(0, at_);
+      at_ = 0;
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::string TextLine::text() const { return utf8_of(text_); }
+
+void TextLine::set(const std::string& text) {
+  text_ = code_points(text);
+  at_ = text_.size();
+}
+
+/// Columns of the letters from `first` up to the cursor.
+int TextLine::columns_before_cursor(std::size_t first) const {
+  return width_of(utf8_of(std::u32string_view(text_).substr(first, at_ - first)));
+}
+
+std::size_t TextLine::first_seen(int columns) const {
+  const int room = std::max(1, columns - 1);
+  std::size_t first = at_ - std::min(at_, static_cast<std::size_t>(room));  // no letter takes less than a column
+  while (first > 0 && columns_of(text_[first]) == 0) --first;
+  while (first < at_ && columns_before_cursor(first) > room) ++first;
+  return first;
+}
+
+int TextLine::cursor_column(int columns) const { return columns_before_cursor(first_seen(columns)); }
+
+void TextLine::draw(Canvas& canvas, const Area& area, int row, int column, int columns, bool active) const {
+  const Tone tone = active ? Tone::strong : Tone::plain;
+  const std::size_t first = first_seen(columns);
+  int used = 0;
+  for (const Sign& sign : signs_of(utf8_of(std::u32string_view(text_).substr(first)))) {
+    if (used + sign.columns > columns) break;
+    canvas.put(area.row + row, area.column + column + used, sign.glyph, tone);
+    used += sign.columns;
+  }
+  for (; used < columns; ++used) canvas.put(area.row + row, area.column + column + used, active ? U'_' : U' ', tone);
+  if (first > 0 && columns > 1) canvas.put(area.row + row, area.column + column, U'…', Tone::faint);
+}
+
+PathCompletion completed_path(const std::string& typed) {
+  namespace fs = std::filesystem;
+  const std::size_t slash = typed.rfind('/');
+  const std::string folder = slash == std::string::npos ? "" : typed.substr(0, slash + 1);
+  const std::string begun = slash == std::string::npos ? typed : typed.substr(slash + 1);
+  PathCompletion completion{typed, {}};
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, fault)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(begun) || (begun.empty() && name.starts_with("."))) continue;
+    std::error_code no_folder;
+    completion.choices.push_back(name + (entry.is_directory(no_folder) ? "/" : ""));
+  }
+  std::sort(completion.choices.begin(), completion.choices.end());
+  if (completion.choices.empty()) return completion;
+  std::string common = completion.choices.front();
+  for (const std::string& choice : completion.choices) {
+    std::size_t same = 0;
+    while (same < common.size() && same < choice.size() && common[same] == choice[same]) ++same;
+    common.resize(same);
+  }
+  completion.completed = folder + common;
+  if (completion.choices.size() == 1) completion.choices.clear();
+  return completion;
+}
+
+PathCompletion completed_paths(const std::string& typed) {
+  std::size_t start = 0;
+  bool quoted = false;
+  for (std::size_t k = 0; k < typed.size(); ++k) {
+    if (typed[k] == '"') quoted = !quoted;
+    if (typed[k] == ' ' && !quoted) start = k + 1;
+  }
+  std::string word = typed.substr(start);
+  if (word.starts_with('"')) word.erase(0, 1);
+  PathCompletion found = completed_path(word);
+  if (found.completed.find(' ') != std::string::npos) {
+    const bool whole = found.choices.empty() && !found.completed.ends_with('/');
+    found.completed = '"' + found.completed + (whole ? "\"" : "");
+  }
+  found.completed = typed.substr(0, start) + found.completed;
+  return found;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,94 @@
+// `ecs doctor`: the findings as a list, and storing a link that works.
+#include "commissioning/link/doctor.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/cli/menus.hpp"
+#include "base/json.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct DoctorArguments {
+  bool save = false;
+};
+
+Json json_of(const DoctorFinding& finding) {
+  return Json{{"check", finding.check},
+              {"state", name_of(finding.state)},
+              {"message", finding.message},
+              {"action", text_or_null(finding.action)}};
+}
+
+std::string text_of(const DoctorFinding& finding) {
+  const std::string action = finding.action.empty() ? "" : fmt::format("\n         -> {}", finding.action);
+  return fmt::format("{:<8} {}: {}{}\n", name_of(finding.state), finding.check, finding.message, action);
+}
+
+Json statistics_json(const protocol::LinkStatistics& s) {
+  return Json{{"requests", s.requests},
+              {"retries", s.retries},
+              {"timeouts", s.timeouts},
+              {"crc_errors", s.crc_errors},
+              {"stale_replies", s.stale_replies},
+              {"mean_round_trip_ms", s.replies > 0 ? number_or_null(s.mean_round_trip_ms()) : Json(nullptr)},
+              {"worst_round_trip_ms", s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr)}};
+}
+
+/// The first finding that is a problem, with what to do.
+Problem why_not(const Diagnosis& diagnosis) {
+  Problem why{ProblemKind::link, "the link does not work", {}, 0, 0, {}};
+  for (const DoctorFinding& finding : diagnosis.findings) {
+    if (finding.state != FindingState::problem) continue;
+    why.message = finding.message + (finding.action.empty() ? "" : "; " + finding.action);
+    break;
+  }
+  return why;
+}
+
+Result<Outcome> examine(Session& session, const DoctorArguments& arguments) {
+  const auto choice = chosen_link(session.link_option);
+  if (!choice) return tl::unexpected(choice.error());
+  session.link_name = to_text(*choice);
+  if (arguments.save && session.link_option.empty())
+    return problem(ProblemKind::usage, "doctor --save: give the --link that is to be stored");
+  Diagnosis diagnosis = diagnosis_of(*choice, [&session](const std::string& note) { session.face.note(note); });
+  if (arguments.save && diagnosis.works) {
+    if (auto stored = store_link(session.link_name); !stored) return tl::unexpected(stored.error());
+    diagnosis.findings.push_back(
+        {"stored", FindingState::ok, fmt::format("stored in {}", configuration_file().string()), {}});
+  }
+  std::string text = fmt::format("link {} ({})\n", session.link_name, choice->origin);
+  Json findings = Json::array();
+  for (const auto& list : {diagnosis.findings, surroundings()}) {
+    for (const DoctorFinding& finding : list) {
+      findings.push_back(json_of(finding));
+      text += text_of(finding);
+    }
+  }
+  text += diagnosis.works ? "the link works\n" : "the link does not work\n";
+  Json object{{"link", session.link_name},
+              {"origin", choice->origin},
+              {"works", diagnosis.works},
+              {"working_link", text_or_null(diagnosis.working_link)},
+              {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
+              {"statistics", statistics_json(diagnosis.statistics)},
+              {"findings", findings}};
+  if (!diagnosis.works) object["error"] = app::json_of(why_not(diagnosis));
+  return Outcome{text, one_line(object), diagnosis.works ? kDone : exit_code_of(ProblemKind::link)};
+}
+
+}  // namespace
+
+void add_doctor_verb(Menu& root) {
+  const auto arguments = std::make_shared<DoctorArguments>();
+  root.verb("doctor", "why a link does not work, and what to do; reads only",
+            "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save")
+      .flag("--save", arguments->save, "store the link, if it works, as the one to use without --link")
+      .uses_link()
+      .runs([arguments](Session& session) { return examine(session, *arguments); });
+}
+
+}  // namespace ecs::app

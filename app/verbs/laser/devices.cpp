@@ -1,0 +1,246 @@
+// `ecs laser devices`: which HID devices are plugged in, udev rules for them, learning a trigger, trying a description.
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "app/verbs/laser/devices_learn.hpp"
+#include "app/verbs/laser/menu.hpp"
+#include "base/file.hpp"
+#include "base/interrupt.hpp"
+#include "base/json.hpp"
+#include "commissioning/measurements/capture_view.hpp"
+#include "commissioning/measurements/device_choice.hpp"
+#include "devices/builtin.hpp"
+#include "devices/sensor.hpp"
+#include "devices/trigger.hpp"
+#include "devices/udev.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{20};
+
+struct Arguments {
+  bool udev = false;
+  bool learn = false;
+  LearnChoice choice;
+  std::string output;
+  std::string trying;
+  int count = 1;
+  std::string describe;
+  std::vector<std::string> descriptions;
+  bool force = false;
+};
+
+double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::string hex(std::uint16_t value) { return fmt::format("0x{:04x}", value); }
+
+std::string builtin_for(const laser::HidIdentity& identity) {
+  for (const laser::DeviceDescription& device : laser::builtin_devices())
+    if (laser::matching(device, {identity})) return device.name;
+  return {};
+}
+
+Json lengths(const std::map<std::uint8_t, std::size_t>& reports) {
+  Json out = Json::object();
+  for (const auto& [number, bytes] : reports) out[std::to_string(number)] = bytes;
+  return out;
+}
+
+Json json_of(const laser::HidIdentity& one) {
+  const auto opened = laser::HidDevice::open(one);
+  return Json{{"path", one.path},
+              {"vendor_id", hex(one.vendor_id)},
+              {"product_id", hex(one.product_id)},
+              {"serial", text_or_null(one.serial)},
+              {"manufacturer", text_or_null(one.manufacturer)},
+              {"product", text_or_null(one.product)},
+              {"interface", one.interface >= 0 ? Json(one.interface) : Json(nullptr)},
+              {"usage_page", hex(one.usage_page)},
+              {"usage", hex(one.usage)},
+              {"input_reports", lengths(one.reports.input)},
+              {"feature_reports", lengths(one.reports.feature)},
+              {"described_by", text_or_null(builtin_for(one))},
+              {"usable", opened.has_value()},
+              {"hindrance", opened ? Json(nullptr) : Json(opened.error().message)}};
+}
+
+std::string text_of(const laser::HidIdentity& one) {
+  std::string text =
+      fmt::format("{}\n  usage page 0x{:04x}, usage 0x{:04x}", laser::to_text(one), one.usage_page, one.usage);
+  for (const auto& [number, bytes] : one.reports.input)
+    text += number == 0 ? fmt::format(", input reports of {} bytes", bytes)
+                        : fmt::format(", input report {} of {} bytes", number, bytes);
+  text += '\n';
+  if (const std::string name = builtin_for(one); !name.empty())
+    text += fmt::format("  known: --environment {}\n", name);
+  if (const auto opened = laser::HidDevice::open(one); !opened) text += fmt::format("  {}\n", opened.error().message);
+  return text;
+}
+
+Result<Outcome> list() {
+  const auto present = laser::hid_devices();
+  if (!present) return tl::unexpected(present.error());
+  Json devices = Json::array();
+  std::string text;
+  for (const laser::HidIdentity& one : *present) {
+    devices.push_back(json_of(one));
+    text += text_of(one);
+  }
+  if (text.empty()) text = "no HID device is plugged in (or the kernel has no hidraw)\n";
+  return Outcome{text, one_line(Json{{"devices", devices}}), kDone};
+}
+
+Result<Outcome> rules(const Arguments& arguments) {
+  std::vector<laser::DeviceDescription> devices = laser::builtin_devices();
+  for (const std::string& file : arguments.descriptions) {
+    const auto more = described(file);
+    if (!more) return tl::unexpected(more.error());
+    devices.insert(devices.end(), more->begin(), more->end());
+  }
+  const std::string text = laser::udev_rules(devices);
+  return Outcome{text, one_line(Json{{"rules", text}, {"file", "/etc/udev/rules.d/70-ecs.rules"}}), kDone};
+}
+
+Result<Outcome> learn(Session& session, const Arguments& arguments) {
+  if (arguments.output.empty())
+    return problem(ProblemKind::usage, "-o FILE.toml is missing: where the description goes");
+  std::error_code error;
+  if (std::filesystem::exists(arguments.output, error) && !arguments.force)
+    return problem(ProblemKind::usage,
+                   fmt::format("{} is there already: give another -o, or --force", arguments.output));
+  const auto found = learn_device(session, arguments.choice);
+  if (!found) return tl::unexpected(found.error());
+  const std::string toml = laser::to_toml(found->description);
+  if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
+  const laser::TriggerLayout& trigger = found->description.trigger;
+  return Outcome{
+      fmt::format("{}\nwritten to {}; longest bounce seen {:.0f} ms\n", toml, arguments.output, found->bounce_ms),
+      one_line(Json{{"output", arguments.output},
+                    {"name", found->description.name},
+                    {"byte", trigger.byte},
+                    {"mask", trigger.mask},
+                    {"active", trigger.active_high ? "high" : "low"},
+                    {"debounce_ms", trigger.debounce_ms},
+                    {"bounce_ms", number_or_null(found->bounce_ms)}}),
+      kDone};
+}
+
+Result<Outcome> try_trigger(Session& session, const Arguments& arguments, laser::DevicePort port) {
+  laser::Trigger trigger(std::move(port));
+  session.face.note(fmt::format("press {} {} time{}", trigger.port().device().name, arguments.count,
+                                arguments.count == 1 ? "" : "s"));
+  const double begin_s = steady_s();
+  int seen = 0;
+  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
+    if (trigger.pressed(kStep, steady_s()))
+      session.face.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
+    if (trigger.look(steady_s()) == laser::PortChange::lost)
+      return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(trigger.port())));
+  }
+  if (seen < arguments.count)
+    return problem(
+        ProblemKind::refused,
+        fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
+                    seen, arguments.count, arguments.choice.timeout_s));
+  return Outcome{fmt::format("{} presses\n", seen), one_line(Json{{"presses", seen}}), kDone};
+}
+
+Json json_of(const laser::Values& values) {
+  Json out = Json::object();
+  for (const auto& [quantity, value] : values) out[std::string(laser::name_of(quantity))] = number_or_null(value);
+  return out;
+}
+
+Result<Outcome> try_sensor(Session& session, const Arguments& arguments, laser::DevicePort port) {
+  constexpr double kPause_s = 1.0;
+  laser::Sensor sensor(std::move(port), kPause_s);
+  const double begin_s = steady_s();
+  int seen = 0;
+  Json answers = Json::array();
+  std::string text;
+  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
+    sensor.attend(steady_s());
+    if (sensor.look(steady_s()) == laser::PortChange::lost)
+      return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(sensor.port())));
+    if (sensor.answers() > seen) {
+      seen = sensor.answers();
+      const laser::Values values = sensor.values(steady_s(), kPause_s);
+      answers.push_back(json_of(values));
+      text += around_text(values) + "\n";
+      session.face.note(around_text(values));
+    }
+    std::this_thread::sleep_for(kStep);
+  }
+  if (seen < arguments.count)
+    return problem(ProblemKind::refused,
+                   fmt::format("{} answered {} times of {} with a value within {} s: is its description "
+                               "right, is its probe plugged in?",
+                               name_of(sensor.port()), seen, arguments.count, arguments.choice.timeout_s));
+  return Outcome{text, one_line(Json{{"answers", answers}}), kDone};
+}
+
+Result<Outcome> try_device(Session& session, const Arguments& arguments) {
+  const auto devices = described(arguments.trying);
+  if (!devices) return tl::unexpected(devices.error());
+  const laser::DeviceKind kind = devices->front().kind;
+  auto port = opened_device(arguments.trying, kind);
+  if (!port) return tl::unexpected(port.error());
+  return kind == laser::DeviceKind::trigger ? try_trigger(session, arguments, std::move(*port))
+                                            : try_sensor(session, arguments, std::move(*port));
+}
+
+Result<Outcome> describe(const Arguments& arguments) {
+  const auto devices = laser::builtin_named(arguments.describe);
+  if (devices.empty()) {
+    std::string names;
+    for (const laser::DeviceDescription& one : laser::builtin_devices())
+      names += (names.empty() ? "" : ", ") + one.name;
+    return problem(ProblemKind::usage,
+                   fmt::format("--describe: expected one of {}, got \"{}\"", names, arguments.describe));
+  }
+  std::string text;
+  for (const laser::DeviceDescription& device : devices) {
+    text += (text.empty() ? "" : "\n") + laser::to_toml(device);
+    for (std::size_t k = 1; k < device.match.ids.size(); ++k)
+      text += fmt::format("# the same: vendor_id = 0x{:04x}, product_id = 0x{:04x}\n", device.match.ids[k].vendor_id,
+                          device.match.ids[k].product_id);
+  }
+  return Outcome{text, one_line(Json{{"toml", text}}), kDone};
+}
+
+Result<Outcome> devices(Session& session, const Arguments& arguments) {
+  if (arguments.udev) return rules(arguments);
+  if (arguments.learn) return learn(session, arguments);
+  if (!arguments.trying.empty()) return try_device(session, arguments);
+  if (!arguments.describe.empty()) return describe(arguments);
+  return list();
+}
+
+}  // namespace
+
+void add_laser_devices(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
+            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
+            "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml")
+      .texts("DESCRIPTION", arguments->descriptions, "with --udev: device descriptions to make rules for as well")
+      .flag("--learn", arguments->learn, "finds the bit that changes while a trigger is pressed")
+      .text("-o,--output", arguments->output, "with --learn: the description to write")
+      .text("--device", arguments->choice.device, "with --learn: only this path, serial number or vendor:product")
+      .text("--name", arguments->choice.name, "with --learn: what the device is called")
+      .integer("--presses", arguments->choice.presses, "with --learn: presses to learn from", 2, 20)
+      .text("--try", arguments->trying, "shows what a device says: DEVICE.toml[@SERIAL], or temper")
+      .integer("--count", arguments->count, "with --try: values or presses", 1, 1'000'000)
+      .number("--timeout", arguments->choice.timeout_s, "with --learn and --try: seconds", Need::optional, 0.1, 86400.0)
+      .text("--describe", arguments->describe, "a description that comes with the program, as TOML")
+      .flag("--udev", arguments->udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules")
+      .flag("--force", arguments->force, "replaces an output file that is there")
+      .runs([arguments](Session& session) { return devices(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,167 @@
+#include "app/verbs/laser/devices_learn.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "base/clock.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "devices/learn.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr double kQuiet_s = 1.0;  ///< after the last release
+constexpr std::size_t kUsualReport = 64;
+
+struct Watched {
+  laser::HidIdentity identity;
+  laser::HidDevice device;
+  std::vector<laser::TimedReport> reports;
+  [[nodiscard]] bool numbered() const { return identity.reports.numbered; }
+  [[nodiscard]] std::size_t report_bytes() const {
+    std::size_t longest = 0;
+    for (const auto& entry : identity.reports.input) longest = std::max(longest, entry.second);
+    return longest == 0 ? kUsualReport : longest;
+  }
+};
+
+double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+bool is_meant(const laser::HidIdentity& one, const std::string& device) {
+  return device.empty() || one.path == device || one.serial == device ||
+         lower(device) == fmt::format("{:04x}:{:04x}", one.vendor_id, one.product_id);
+}
+
+Result<std::vector<Watched>> opened(const LearnChoice& choice) {
+  const auto present = laser::hid_devices();
+  if (!present) return tl::unexpected(present.error());
+  std::vector<Watched> watched;
+  std::vector<Problem> problems;
+  for (const laser::HidIdentity& identity : *present) {
+    if (!is_meant(identity, choice.device)) continue;
+    auto device = laser::HidDevice::open(identity);
+    if (device)
+      watched.push_back({identity, std::move(*device), {}});
+    else
+      problems.push_back(device.error());
+  }
+  if (!watched.empty()) return watched;
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return problem(ProblemKind::link, present->empty()
+                                        ? "no HID device is plugged in: plug the trigger in, then try again"
+                                        : fmt::format("no HID device is \"{}\": `ecs laser devices` lists "
+                                                      "paths, ids and serial numbers",
+                                                      choice.device));
+}
+
+/// Reads what is there; false: the device is gone.
+bool take_reports(Watched& one) {
+  while (true) {
+    auto report = one.device.read(one.report_bytes(), std::chrono::milliseconds(0));
+    if (!report) return false;
+    if (!*report) return true;
+    one.reports.push_back({steady_s(), std::move(**report)});
+  }
+}
+
+int most_presses(const std::vector<Watched>& watched) {
+  int most = 0;
+  for (const Watched& one : watched) most = std::max(most, laser::presses_seen(one.reports, one.numbered()));
+  return most;
+}
+
+double last_report_s(const std::vector<Watched>& watched) {
+  double last = 0.0;
+  for (const Watched& one : watched)
+    if (laser::presses_seen(one.reports, one.numbered()) > 0) last = std::max(last, one.reports.back().time_s);
+  return last;
+}
+
+bool user_left(const Session& session) {
+  Keyboard* keyboard = session.face.keyboard();
+  const auto line = keyboard == nullptr ? std::nullopt : keyboard->line();
+  return line && lower(trimmed(*line)) == "q";
+}
+
+Result<void> watch(Session& session, const LearnChoice& choice, std::vector<Watched>& watched) {
+  const double begin_s = steady_s();
+  int told = 0;
+  while (!interrupted() && steady_s() - begin_s < choice.timeout_s) {
+    for (Watched& one : watched)
+      if (!take_reports(one))
+        return problem(ProblemKind::link,
+                       fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
+                                   laser::to_text(one.identity)));
+    if (user_left(session)) return problem(ProblemKind::refused, "left: nothing was learned");
+    const int seen = std::min(most_presses(watched), choice.presses);
+    if (seen > told) session.face.note(fmt::format("{} of {}", told = seen, choice.presses));
+    if (seen >= choice.presses && steady_s() - last_report_s(watched) > kQuiet_s) return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return {};
+}
+
+/// The one device in which something changed.
+Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
+  std::vector<const Watched*> changed;
+  for (const Watched& one : watched)
+    if (laser::presses_seen(one.reports, one.numbered()) > 0) changed.push_back(&one);
+  if (changed.size() == 1) return changed.front();
+  if (changed.empty())
+    return watched.size() == 1 ? Result<const Watched*>(&watched.front())
+                               : problem(ProblemKind::refused,
+                                         "none of the devices changed anything: is the trigger plugged in? `ecs laser "
+                                         "devices` lists what is");
+  std::string names;
+  for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + laser::to_text(one->identity);
+  return problem(
+      ProblemKind::refused,
+      fmt::format("several devices sent something: {}. Touch only the trigger, or say which with --device", names));
+}
+
+bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {
+  return std::count_if(watched.begin(), watched.end(), [&](const Watched& one) {
+           return one.identity.vendor_id == mine.identity.vendor_id &&
+                  one.identity.product_id == mine.identity.product_id &&
+                  one.identity.interface == mine.identity.interface;
+         }) > 1;
+}
+
+}  // namespace
+
+Result<LearnedDevice> learn_device(Session& session, const LearnChoice& choice) {
+  auto watched = opened(choice);
+  if (!watched) return tl::unexpected(watched.error());
+  session.face.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
+                                choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
+  if (const auto done = watch(session, choice, *watched); !done) return tl::unexpected(done.error());
+  if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
+  const auto one = pressed_one(*watched);
+  if (!one) return tl::unexpected(one.error());
+  const laser::HidIdentity& identity = (*one)->identity;
+  const auto found = laser::learned((*one)->reports, choice.presses, (*one)->numbered());
+  if (!found) {
+    Problem why = found.error();
+    why.message = laser::to_text(identity) + ": " + why.message;
+    return tl::unexpected(std::move(why));
+  }
+  LearnedDevice out;
+  out.bounce_ms = found->bounce_ms;
+  laser::DeviceDescription& device = out.description;
+  device.name = !choice.name.empty() ? choice.name : identity.product.empty() ? "trigger" : identity.product;
+  device.source = fmt::format("learned {} from {} presses of {}", now_utc(), choice.presses, laser::to_text(identity));
+  device.kind = laser::DeviceKind::trigger;
+  device.match.ids = {{identity.vendor_id, identity.product_id}};
+  if (identity.interface >= 0) device.match.interface = identity.interface;
+  if (!identity.serial.empty() && has_twin(*watched, **one)) device.match.serial = identity.serial;
+  device.report.number = found->report_number;
+  device.report.bytes = found->report_bytes;
+  device.trigger = found->trigger;
+  return out;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,28 @@
+// `ecs laser devices --learn`: watches devices while the user presses, and describes the one that was pressed.
+// Does not live here: which bit it is (devices/learn.hpp).
+#pragma once
+
+#include <string>
+
+#include "app/cli/verb_context.hpp"
+#include "devices/description.hpp"
+
+namespace ecs::app {
+
+struct LearnChoice {
+  std::string device;  ///< path, serial or "16c0:27db"; empty: whichever is pressed
+  std::string name;    ///< of the description; empty: as the device calls itself
+  int presses = 3;
+  double timeout_s = 60.0;
+};
+
+struct LearnedDevice {
+  laser::DeviceDescription description;
+  double bounce_ms = 0.0;
+};
+
+/// Ends a second after the last release, or at the time limit. `refused` with the reason where nothing or too much
+/// changed; `link` where no device can be watched.
+[[nodiscard]] Result<LearnedDevice> learn_device(Session& session, const LearnChoice& choice);
+
+}  // namespace ecs::app

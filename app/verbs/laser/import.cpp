@@ -1,0 +1,134 @@
+// `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/laser/menu.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "commissioning/measurements/import_profile.hpp"
+#include "commissioning/measurements/json.hpp"
+#include "laser/writers/measurement_writer.hpp"
+#include "laser/writers/renishaw_dynamic_writer.hpp"
+#include "laser/writers/renishaw_writer.hpp"
+#include "laser/writers/table_writers.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string output;
+  std::string save_profile;
+  ImportArguments import;
+};
+
+Json json_of_file(const std::string& file, const laser::Imported& imported) {
+  Json object{{"file", file}, {"format", laser::name_of(imported.format)}};
+  object.update(json_of(imported.set));
+  if (!imported.environment.empty()) object["environment_records"] = imported.environment.size();
+  return object;
+}
+
+/// A plate or a probed surface has hundreds of lines; the first of them show what was read.
+std::string shortened_table(std::vector<LineSummary> lines) {
+  constexpr std::size_t kShown = 20;
+  const std::size_t more = lines.size() - std::min(lines.size(), kShown);
+  lines.resize(lines.size() - more);
+  return lines_table(lines) + (more > 0 ? fmt::format("and {} more measurement lines\n", more) : "");
+}
+
+std::string text_of_file(const std::string& file, const laser::Imported& imported) {
+  std::string text = fmt::format("{}: {}\n", file, laser::name_of(imported.format));
+  if (imported.set.readings.empty())
+    text += fmt::format("  no readings; {} records of the environment\n", imported.environment.size());
+  else
+    text += shortened_table(lines_in(imported.set));
+  for (const std::string& note : imported.set.notes) text += fmt::format("  assumed: {}\n", note);
+  return text;
+}
+
+Json whole(const std::vector<Json>& files, const laser::MeasurementSet& set, const std::string& output) {
+  Json format = files.front()["format"];
+  for (const Json& file : files)
+    if (file["format"] != format) format = nullptr;
+  Json object{{"format", std::move(format)}};
+  object.update(json_of(set));
+  object["output"] = text_or_null(output);
+  object["files"] = files;
+  return object;
+}
+
+/// The set in the form that the output's extension names; the measurement CSV for any other.
+Result<std::string> content_for(const std::string& output, const laser::MeasurementSet& set) {
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  if (extension == ".rtl" || extension == ".rta" || extension == ".rts") {
+    if (!set.readings.empty() && laser::renishaw_extension(set) != extension)
+      return problem(ProblemKind::usage, fmt::format("{}: these readings make a {} file, not {}", output,
+                                                     laser::renishaw_extension(set), extension));
+    return laser::to_renishaw_run(set);
+  }
+  if (extension == ".rtx") return laser::to_renishaw_dynamic(set, std::filesystem::path(output).filename().string());
+  if (extension == ".ren") return laser::to_renishaw_table(set);
+  if (extension == ".pos") return laser::to_api_pos(set);
+  if (extension == ".dat") return laser::to_iso230_assignments(set);
+  return laser::to_csv(set);
+}
+
+Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
+  const auto content = content_for(output, set);
+  if (!content) return tl::unexpected(content.error());
+  return write_file(output, *content);
+}
+
+Result<Outcome> import(Session&, const Arguments& arguments) {
+  if (const auto spared = spares_inputs(arguments.output, arguments.files); !spared)
+    return tl::unexpected(spared.error());
+  std::vector<laser::MeasurementSet> sets;
+  std::vector<Json> files;
+  std::string text;
+  for (const std::string& file : arguments.files) {
+    auto imported = read_measurements(file, arguments.import);
+    if (!imported) return tl::unexpected(imported.error());
+    text += text_of_file(file, *imported);
+    files.push_back(json_of_file(file, *imported));
+    sets.push_back(std::move(imported->set));
+  }
+  if (!arguments.save_profile.empty()) {
+    const auto kept = with_profile(arguments.import);
+    if (!kept) return tl::unexpected(kept.error());
+    const auto saved = save_profile(arguments.save_profile, *kept);
+    if (!saved) return tl::unexpected(saved.error());
+    text += fmt::format("import options kept in {}\n", saved->string());
+  }
+  auto all = joined(sets);
+  if (!all) return tl::unexpected(all.error());
+  if (arguments.output.empty()) {
+    text += "nothing written: give -o OUT.csv to keep it\n";
+  } else {
+    if (all->readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
+    if (const auto written = write_set(arguments.output, *all); !written) return tl::unexpected(written.error());
+    text += fmt::format("{} readings written to {}\n", all->readings.size(), arguments.output);
+  }
+  return Outcome{text, one_line(whole(files, *all, arguments.output)), kDone};
+}
+
+}  // namespace
+
+void add_laser_import(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("import", "any instrument's file as a measurement set (CSV); says what it took it for",
+                        "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
+                        "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
+                        "--skip 3 --save-profile gauge -o table.csv");
+  verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
+      .text("-o,--output", arguments->output, "the file to write: CSV, or .rtl .rta .rts .rtx .ren .pos .dat")
+      .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
+  take_import_options(verb, arguments->import);
+  verb.runs([arguments](Session& session) { return import(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,143 @@
+// `ecs laser normalise`: errors referred to 20 degC by a coefficient, and back; `ecs laser air`: the index of air.
+#include "laser/analysis/normalise.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/laser/menu.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "commissioning/measurements/json.hpp"
+#include "laser/analysis/refraction.hpp"
+#include "laser/writers/measurement_writer.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct NormaliseArguments {
+  std::string file;
+  std::string output;
+  std::optional<double> coefficient;
+  std::optional<double> instrument;
+  std::optional<double> material_degC;
+  std::string sensor = "t_material_degC";
+  double fixed_mm = 0.0;
+  bool back = false;
+  ImportArguments import;
+};
+
+Result<void> written(const std::string& output, const laser::MeasurementSet& set) {
+  if (output.empty()) return {};
+  return laser::write_measurement_set(output, set);
+}
+
+Result<Outcome> taken_back(const NormaliseArguments& arguments, const laser::MeasurementSet& set) {
+  const auto back = laser::denormalised(set);
+  if (!back) return tl::unexpected(back.error());
+  if (const auto done = written(arguments.output, *back); !done) return tl::unexpected(done.error());
+  const Json object{
+      {"file", arguments.file}, {"readings", back->readings.size()}, {"output", text_or_null(arguments.output)}};
+  return Outcome{fmt::format("{} readings as they were before they were referred to 20 degC\n", back->readings.size()),
+                 one_line(object), kDone};
+}
+
+Result<Outcome> normalise(Session& session, const NormaliseArguments& arguments) {
+  if (arguments.back == arguments.coefficient.has_value())
+    return problem(
+        ProblemKind::usage,
+        "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
+  if (const auto spared = spares_inputs(arguments.output, {arguments.file}); !spared)
+    return tl::unexpected(spared.error());
+  const auto imported = read_said(session, arguments.file, arguments.import);
+  if (!imported) return tl::unexpected(imported.error());
+  if (arguments.back) return taken_back(arguments, imported->set);
+  laser::Normalisation how;
+  how.coefficient_um_per_m_degC = *arguments.coefficient;
+  how.instrument_um_per_m_degC = arguments.instrument;
+  how.material_degC = arguments.material_degC;
+  how.sensor = arguments.sensor;
+  how.fixed_mm = arguments.fixed_mm;
+  const auto done = laser::normalised(imported->set, how);
+  if (!done) {
+    Problem why = done.error();
+    why.file = arguments.file;
+    return tl::unexpected(why);
+  }
+  if (const auto kept = written(arguments.output, done->set); !kept) return tl::unexpected(kept.error());
+  std::string text = fmt::format("{} of {} readings referred to 20 degC, changed by up to {:.3f} um\n", done->changed,
+                                 done->set.readings.size(), done->largest_um);
+  for (const std::string& note : done->notes) text += fmt::format("  {}\n", note);
+  text += arguments.output.empty() ? "nothing written: give -o OUT.csv to keep it\n"
+                                   : fmt::format("written to {}; --back takes it back\n", arguments.output);
+  const Json object{{"file", arguments.file},
+                    {"coefficient_um_per_m_degC", how.coefficient_um_per_m_degC},
+                    {"instrument_um_per_m_degC", done->instrument_um_per_m_degC},
+                    {"least_degC", done->least_degC},
+                    {"most_degC", done->most_degC},
+                    {"fixed_mm", how.fixed_mm},
+                    {"changed", done->changed},
+                    {"readings", done->set.readings.size()},
+                    {"largest_um", number_or_null(done->largest_um)},
+                    {"per_coefficient_um", number_or_null(done->per_coefficient_um)},
+                    {"notes", done->notes},
+                    {"output", text_or_null(arguments.output)}};
+  return Outcome{text, one_line(object), kDone};
+}
+
+struct AirArguments {
+  laser::BeamAir air;
+  double wavelength_nm = laser::kRedHeNe_nm;
+};
+
+Result<Outcome> air(const AirArguments& arguments) {
+  const auto ciddor = laser::refractive_index(arguments.air, arguments.wavelength_nm);
+  if (!ciddor) return tl::unexpected(Problem{ProblemKind::usage, ciddor.error().message, {}, 0, 0, {}});
+  const auto edlen =
+      laser::refractive_index(arguments.air, arguments.wavelength_nm, laser::AirEquation::modified_edlen);
+  const auto standard = laser::refractive_index({}, arguments.wavelength_nm);
+  if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
+  const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
+  const Json object{{"ciddor", *ciddor},
+                    {"modified_edlen", *edlen},
+                    {"wavelength_in_air_nm", arguments.wavelength_nm / *ciddor},
+                    {"against_standard_um_per_m", against_standard_um_per_m}};
+  return Outcome{fmt::format("refractive index    {:.9f} (Ciddor)   {:.9f} (modified Edlen)\n"
+                             "wavelength in air   {:.6f} nm\n"
+                             "against 20 degC, 1013.25 hPa, 50 %: {:+.3f} um per metre\n",
+                             *ciddor, *edlen, arguments.wavelength_nm / *ciddor, against_standard_um_per_m),
+                 one_line(object), kDone};
+}
+
+}  // namespace
+
+void add_laser_normalise(Menu& menu) {
+  const auto arguments = std::make_shared<NormaliseArguments>();
+  Verb verb = menu.verb("normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
+                        "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
+                        "  ecs laser normalise exx20.csv --back -o exx.csv");
+  verb.text("FILE", arguments->file, "measurement file", Need::required)
+      .number("--coefficient", arguments->coefficient, "expansion of the result [um per metre and degC]; 0: none")
+      .number("--instrument", arguments->instrument,
+              "what the instrument applied already; as the file says if not given (Renishaw Exp coeff)")
+      .text("--material-sensor", arguments->sensor, "column with the temperature of the material")
+      .number("--material", arguments->material_degC, "one material temperature for all readings [degC]")
+      .number("--fixed", arguments->fixed_mm, "position that expansion leaves where it is [mm]")
+      .flag("--back", arguments->back, "take it back, to the last digit")
+      .text("-o,--output", arguments->output, "the CSV to write");
+  take_import_options(verb, arguments->import);
+  verb.runs([arguments](Session& session) { return normalise(session, *arguments); });
+}
+
+void add_laser_air(Menu& menu) {
+  const auto arguments = std::make_shared<AirArguments>();
+  Verb verb = menu.verb("air", "refractive index of air by Ciddor and modified Edlen",
+                        "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42");
+  verb.number("--temperature", arguments->air.temperature_degC, "[degC]")
+      .number("--pressure", arguments->air.pressure_hPa, "[hPa]")
+      .number("--humidity", arguments->air.humidity_pct, "relative [%]")
+      .number("--co2", arguments->air.co2_ppm, "carbon dioxide [ppm]")
+      .number("--wavelength", arguments->wavelength_nm, "in vacuum [nm]");
+  verb.runs([arguments](Session&) { return air(*arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,283 @@
+// `ecs laser process`: runs left out, slope removed, curve smoothed; what that changed, as numbers, CSV and plot.
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "app/plot/curves.hpp"
+#include "app/plot/gnuplot.hpp"
+#include "app/verbs/laser/menu.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "commissioning/measurements/json.hpp"
+#include "commissioning/measurements/levelling.hpp"
+#include "laser/map/recipe.hpp"
+#include "laser/writers/measurement_writer.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::string file;
+  std::string slope;
+  double smooth_mm = 0.0;
+  std::vector<std::string> exclude_runs;
+  std::vector<std::string> exclude_rows;
+  std::string output;
+  std::string plot;
+  ImportArguments import;
+};
+
+/// One measurement line, processed.
+struct Processed {
+  laser::Group group;
+  LevelledReadings readings;
+  std::optional<laser::Smoothed> smooth;
+  [[nodiscard]] const laser::Curve& curve() const { return smooth ? smooth->curve : readings.level.curve; }
+};
+
+laser::SlopeMethod method_for(const Arguments& arguments, const laser::Group& group) {
+  const auto chosen = laser::slope_method_named(arguments.slope);
+  return chosen ? *chosen : laser::default_slope(curve_of(group.sense, group.axis));
+}
+
+Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group, const Arguments& arguments) {
+  auto readings = levelled_readings(set, group, method_for(arguments, group));
+  if (!readings) return tl::unexpected(readings.error());
+  Processed out{group, std::move(*readings), std::nullopt};
+  if (arguments.smooth_mm > 0.0) {
+    laser::Smoothing how;
+    how.window_mm = arguments.smooth_mm;
+    auto smooth = laser::smoothed(out.readings.level.curve, how);
+    if (!smooth) return tl::unexpected(smooth.error());
+    out.smooth = std::move(*smooth);
+  }
+  return out;
+}
+
+std::string_view word_for(laser::Taken taken) {
+  if (taken == laser::Taken::noise) return "noise";
+  return taken == laser::Taken::signal ? "signal" : "unknown";
+}
+
+// --- as text
+
+std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
+
+std::string smoothing_text(const laser::Smoothed& smooth, std::string_view unit) {
+  std::string text = fmt::format("  smoothing took away {:.3f} {} rms, at most {:.3f} at {:.6g} mm", smooth.removed_rms,
+                                 unit, smooth.removed_peak, smooth.removed_peak_position_mm);
+  if (smooth.taken == laser::Taken::noise) return text + ":\n  no more than the repeats explain as noise\n";
+  if (smooth.taken == laser::Taken::signal)
+    return text + fmt::format(
+                      ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): form of the curve went too, use a "
+                      "narrower window\n",
+                      smooth.F.value_or(0.0), smooth.F_99.value_or(0.0));
+  return text + ";\n  without repeats nobody can tell whether that is noise\n";
+}
+
+std::string text_of(const Processed& p) {
+  const auto unit = laser::unit_of(p.group.sense);
+  std::string text = fmt::format("{} ({} along {}), parked at {} mm\n", name_of(curve_of(p.group.sense, p.group.axis)),
+                                 name_of(p.group.sense), letter_of(p.group.axis), parked_text(p.group));
+  text += fmt::format("  slope removed ({}): {:.3f} {} per m", laser::name_of(p.readings.level.method),
+                      p.readings.level.removed.slope_per_m, unit);
+  if (const auto& s = p.readings.level.slope_std_error_per_m) text += fmt::format(" +- {:.3f}", *s);
+  text += fmt::format("\n  band {:.3f} -> {:.3f} {} ({})\n", p.readings.band_before, p.readings.band, unit,
+                      "range of all readings, slope removed");
+  if (p.smooth) text += smoothing_text(*p.smooth, unit);
+  text += fmt::format("{:>12} {:>14} {:>14} {:>14} {:>14}\n", "target [mm]", "fwd measured", "rev measured",
+                      "fwd processed", "rev processed");
+  const auto& before = p.readings.before_curve.points;
+  for (std::size_t i = 0; i < before.size() && i < p.curve().points.size(); ++i) {
+    const laser::CurvePoint& after = p.curve().points[i];
+    text += fmt::format("{:>12.4f} {:>14} {:>14} {:>14} {:>14}\n", before[i].position_mm, cell(before[i].forward),
+                        cell(before[i].reverse), cell(after.forward), cell(after.reverse));
+  }
+  return text;
+}
+
+// --- as JSON
+
+Json smoothing_json(const laser::Smoothed& smooth, double window_mm) {
+  return {{"window_mm", window_mm},
+          {"removed_rms", number_or_null(smooth.removed_rms)},
+          {"removed_peak", number_or_null(smooth.removed_peak)},
+          {"removed_peak_position_mm", number_or_null(smooth.removed_peak_position_mm)},
+          {"noise_rms", number_or_null(smooth.noise_rms)},
+          {"F", number_or_null(smooth.F)},
+          {"F_99", number_or_null(smooth.F_99)},
+          {"taken", word_for(smooth.taken)}};
+}
+
+Json json_of(const Processed& p, double window_mm) {
+  Json object = json_of_line(p.group.axis, p.group.sense, p.group.parked_mm, p.group.compensated);
+  const laser::Levelled& level = p.readings.level;
+  object["slope"] = {{"method", laser::name_of(level.method)},
+                     {"removed_per_m", number_or_null(level.removed.slope_per_m)},
+                     {"removed_offset", number_or_null(level.removed.offset)},
+                     {"std_error_per_m", number_or_null(level.slope_std_error_per_m)}};
+  object["smoothing"] = p.smooth ? smoothing_json(*p.smooth, window_mm) : Json(nullptr);
+  object["band_before"] = number_or_null(p.readings.band_before);
+  object["band_after"] = number_or_null(p.readings.band);
+  object["points"] = Json::array();
+  for (const laser::CurvePoint& point : p.curve().points)
+    object["points"].push_back({{"position_mm", number_or_null(point.position_mm)},
+                                {"forward", number_or_null(point.forward)},
+                                {"reverse", number_or_null(point.reverse)},
+                                {"forward_count", point.forward_count},
+                                {"reverse_count", point.reverse_count}});
+  object["notes"] = p.curve().notes;
+  return object;
+}
+
+// --- as files
+
+laser::Reading reading_at(const Processed& p, double position_mm, double value, Approach approach, int count) {
+  laser::Reading reading;
+  reading.axis = p.group.axis;
+  reading.sense = p.group.sense;
+  reading.position_mm = p.group.parked_mm;
+  reading.position_mm[index_of(reading.axis)] = position_mm;
+  reading.error = value;
+  reading.approach = p.curve().approach_known ? approach : Approach::unknown;
+  reading.compensated = p.group.compensated;
+  reading.extras["readings_averaged"] = count;
+  return reading;
+}
+
+/// The processed means as a measurement set, what was done in its metadata.
+laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::MeasurementSet& from, double window_mm) {
+  laser::MeasurementSet set;
+  set.metadata = from.metadata;
+  for (const Processed& p : lines) {
+    const auto name = name_of(curve_of(p.group.sense, p.group.axis));
+    set.metadata.push_back(
+        {"processing",
+         fmt::format("{} means; slope {:.4f} {} per m removed by {}", name, p.readings.level.removed.slope_per_m,
+                     laser::unit_of(p.group.sense), laser::name_of(p.readings.level.method))});
+    if (p.smooth)
+      set.metadata.push_back(
+          {"processing", fmt::format("{} smoothed by a local quadratic over {} mm", name, window_mm)});
+    for (const laser::CurvePoint& point : p.curve().points) {
+      if (point.forward)
+        set.readings.push_back(
+            reading_at(p, point.position_mm, *point.forward, Approach::forward, point.forward_count));
+      if (point.reverse && p.curve().approach_known)
+        set.readings.push_back(
+            reading_at(p, point.position_mm, *point.reverse, Approach::reverse, point.reverse_count));
+    }
+  }
+  return set;
+}
+
+Result<void> write_before_after(const std::vector<Processed>& lines, const Arguments& arguments) {
+  if (lines.size() != 1)
+    return problem(ProblemKind::usage, fmt::format("--plot: expected one measurement line in {}, found {}: split the "
+                                                   "file",
+                                                   arguments.file, lines.size()));
+  const Processed& p = lines.front();
+  const Component component = curve_of(p.group.sense, p.group.axis);
+  PlotFigure figure{fmt::format("{}  {}", name_of(component), laser::description_of(component)), {}, 1, true};
+  figure.panels.push_back(panel_of(p.readings.before, p.readings.before_curve, "as measured"));
+  figure.panels.push_back(panel_of(p.readings.after, p.curve(), "processed"));
+  return write_plot(arguments.plot, figure);
+}
+
+Result<std::string> write_files(const std::vector<Processed>& lines, const laser::MeasurementSet& from,
+                                const Arguments& arguments) {
+  std::string text;
+  if (!arguments.output.empty()) {
+    const auto written = laser::write_measurement_set(arguments.output, as_set(lines, from, arguments.smooth_mm));
+    if (!written) return tl::unexpected(written.error());
+    text += fmt::format("means written to {}\n", arguments.output);
+  }
+  if (!arguments.plot.empty()) {
+    if (const auto drawn = write_before_after(lines, arguments); !drawn) return tl::unexpected(drawn.error());
+    text += fmt::format("plot written to {}\n", arguments.plot);
+  }
+  return text;
+}
+
+/// An exclusion that fits no reading is a slip of the pen, not a wish.
+Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const laser::Selection& selection,
+                     const laser::MeasurementSet& set, const std::string& file) {
+  std::set<int> runs;
+  int last_row = 0;
+  for (const laser::Reading& reading : set.readings) {
+    runs.insert(reading.run);
+    last_row = std::max(last_row, reading.row);
+  }
+  std::vector<Problem> problems;
+  for (std::size_t i = 0; i < exclusions.size(); ++i) {
+    if (selection.left_out[i] > 0) continue;
+    const std::string message = exclusions[i].run
+                                    ? fmt::format("--exclude-run {}: there is no such run; there are {}",
+                                                  *exclusions[i].run, fmt::join(runs, ", "))
+                                    : fmt::format("--exclude-row {}: there is no such data row; the last one is {}",
+                                                  exclusions[i].row.value_or(0), last_row);
+    problems.push_back({ProblemKind::refused, message, file, 0, 0, {}});
+  }
+  if (problems.empty()) return {};
+  return tl::unexpected(folded(std::move(problems)));
+}
+
+Result<Outcome> process(Session& session, const Arguments& arguments) {
+  if (!arguments.plot.empty())
+    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  for (const std::string& output : {arguments.output, arguments.plot})
+    if (const auto spared = spares_inputs(output, {arguments.file}); !spared) return tl::unexpected(spared.error());
+  const auto exclusions = exclusions_of(arguments.exclude_runs, arguments.exclude_rows);
+  if (!exclusions) return tl::unexpected(exclusions.error());
+  const auto imported = read_said(session, arguments.file, arguments.import);
+  if (!imported) return tl::unexpected(imported.error());
+  const laser::Selection selection = laser::selected(imported->set, *exclusions);
+  if (const auto fits = all_fit(*exclusions, selection, imported->set, arguments.file); !fits)
+    return tl::unexpected(fits.error());
+  std::vector<Processed> lines;
+  for (const laser::Group& group : laser::groups_of(selection.chosen)) {
+    auto line = processed(selection.chosen, group, arguments);
+    if (!line) {
+      Problem why = line.error();
+      if (why.file.empty()) why.file = arguments.file;
+      return tl::unexpected(why);
+    }
+    lines.push_back(std::move(*line));
+  }
+  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", arguments.file));
+  const auto written = write_files(lines, imported->set, arguments);
+  if (!written) return tl::unexpected(written.error());
+  Json object{{"file", arguments.file}, {"lines", Json::array()}};
+  std::string text;
+  for (const Processed& line : lines) {
+    text += text_of(line);
+    object["lines"].push_back(json_of(line, arguments.smooth_mm));
+  }
+  object["readings"] = imported->set.readings.size();
+  object["excluded"] = imported->set.readings.size() - selection.chosen.readings.size();
+  object["output"] = text_or_null(arguments.output);
+  object["plot"] = text_or_null(arguments.plot);
+  text +=
+      fmt::format("{} of {} readings left out\n", object["excluded"].get<std::size_t>(), imported->set.readings.size());
+  return Outcome{text + *written, one_line(object), kDone};
+}
+
+}  // namespace
+
+void add_laser_process(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("process", "slope removal, smoothing and exclusion of runs; before and after",
+                        "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg");
+  verb.text("FILE", arguments->file, "measurement file", Need::required)
+      .choice("--slope", arguments->slope, {"none", "end_points", "least_squares"},
+              "slope to remove; least_squares for straightness, else none")
+      .number("--smooth", arguments->smooth_mm, "window of the local quadratic [mm]; 0: none", Need::optional, 0.0, 1e6)
+      .texts("--exclude-run", arguments->exclude_runs, "runs to leave out: 3 or 3,5")
+      .texts("--exclude-row", arguments->exclude_rows, "data rows to leave out, from 1")
+      .text("-o,--output", arguments->output, "CSV of the processed means")
+      .text("--plot", arguments->plot, "before and after on the same scale: OUT.svg or OUT.png");
+  take_import_options(verb, arguments->import);
+  verb.runs([arguments](Session& session) { return process(session, *arguments); });
+}
+
+}  // namespace ecs::app

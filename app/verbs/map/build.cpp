@@ -1,0 +1,301 @@
+// `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest.
+#include "laser/map/build.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "app/verbs/map/menu.hpp"
+#include "base/date.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/declared_zero.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "commissioning/maps/from_model.hpp"
+#include "commissioning/maps/view.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "laser/map/csv.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> files;
+  std::string params;
+  std::string output;
+  std::string params_out;
+  std::vector<std::string> zero;
+  std::string customer;
+  std::string engineer;
+  std::string date;
+  std::string from_model;
+  std::string machine;
+  std::optional<double> increment_mm;
+};
+
+struct Recipe {
+  laser::MapRecipe recipe;
+  std::string file;  ///< empty: suggested by the files
+  std::vector<std::string> unused;
+};
+
+Result<Recipe> recipe_of(const Arguments& arguments, const UnitParameters& parameters) {
+  const bool by_recipe = lower(arguments.files.front()).ends_with(".toml");
+  if (by_recipe && arguments.files.size() > 1)
+    return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
+  if (by_recipe) {
+    auto recipe = laser::read_map_recipe(arguments.files.front());
+    if (!recipe) return tl::unexpected(recipe.error());
+    return Recipe{std::move(*recipe), arguments.files.front(), {}};
+  }
+  auto suggested = laser::suggest_recipe({arguments.files.begin(), arguments.files.end()}, parameters);
+  if (!suggested) return tl::unexpected(suggested.error());
+  return Recipe{std::move(suggested->recipe), {}, std::move(suggested->unused)};
+}
+
+Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    const auto zero = declared_zero_in(word);
+    if (!zero) return tl::unexpected(zero.error());
+    const auto same = [&](const auto& other) { return other.component == zero->component; };
+    if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
+        std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
+      return problem(ProblemKind::usage, fmt::format("--zero {}: it is measured or declared zero already: keep one",
+                                                     name_of(zero->component)));
+    recipe.declared_zero.push_back(*zero);
+  }
+  return {};
+}
+
+Result<void> complete(laser::MapRecipe& recipe, const Arguments& arguments) {
+  if (!arguments.customer.empty()) recipe.customer = arguments.customer;
+  if (!arguments.engineer.empty()) recipe.engineer = arguments.engineer;
+  if (!arguments.date.empty()) recipe.date = arguments.date;
+  return declare_zero(recipe, arguments.zero);
+}
+
+double squareness_in(const UnitParameters& parameters, Component c) {
+  if (c == Component::C0Y) return parameters.C0Y_um_per_m;
+  return c == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
+}
+
+std::vector<std::string> files_for(const Recipe& recipe, Component component) {
+  std::vector<std::string> names;
+  for (const laser::ComponentRecipe& one : recipe.recipe.components)
+    if (one.component == component)
+      for (const auto& file : one.files) names.push_back(file.string());
+  return names;
+}
+
+/// Everything the answer tells.
+struct Built {
+  Recipe recipe;
+  laser::BuiltMap map;
+  params::Identity identity;
+  std::vector<laser::MapFinding> findings;
+  [[nodiscard]] bool complete() const {
+    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
+  }
+  [[nodiscard]] std::vector<Component> squares() const {
+    std::vector<Component> out;
+    for (const laser::ComponentOutcome& one : map.outcomes)
+      if (is_squareness(one.component)) out.push_back(one.component);
+    return out;
+  }
+};
+
+/// A file that does not say its axis or sense can be made to, by importing it.
+Problem with_way_out(Problem why) {
+  if (why.kind == ProblemKind::usage && !why.file.empty())
+    why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+  for (Problem& other : why.also) other = with_way_out(std::move(other));
+  return why;
+}
+
+Result<Built> built(const Arguments& arguments) {
+  const auto parameters = params::read_parameters(arguments.params);
+  if (!parameters) return tl::unexpected(parameters.error());
+  auto recipe = recipe_of(arguments, parameters->parameters);
+  if (!recipe) return tl::unexpected(with_way_out(recipe.error()));
+  if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
+  auto map = laser::build_map(recipe->recipe, parameters->parameters);
+  if (!map) return tl::unexpected(with_way_out(map.error()));
+  laser::MapHeader& header = map->map.header;
+  if (header.machine.empty()) header.machine = parameters->identity.machine;
+  if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
+  auto travels = travels_beside(arguments.params, *parameters);
+  if (!arguments.machine.empty()) {
+    const auto machine = params::read_machine(arguments.machine);
+    if (!machine) return tl::unexpected(machine.error());
+    travels = travels_of(machine->machine);
+  }
+  auto findings = laser::findings_for(map->map, map->parameters, travels);
+  return Built{std::move(*recipe), std::move(*map), parameters->identity, std::move(findings)};
+}
+
+// --- as text
+
+std::string outcomes_text(const Built& b) {
+  std::string text = fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band",
+                                 "most", "slope", "smth", "n");
+  for (const laser::ComponentOutcome& one : b.map.outcomes) {
+    text += fmt::format("{:<4} {:<38} {:<4} {:>6.1f} {:>6.1f} {:>6.1f} {:>5.2f} {:>4}\n", name_of(one.component),
+                        laser::description_of(one.component), unit_of(one.component), one.band, one.largest,
+                        one.slope_um_per_m, one.smoothed_rms, one.points);
+    text +=
+        fmt::format("     from {} ({} readings)\n", fmt::join(files_for(b.recipe, one.component), ", "), one.readings);
+    for (const std::string& note : one.notes) text += fmt::format("     note: {}\n", note);
+  }
+  return text;
+}
+
+std::string squareness_text(const Built& b, const Arguments& arguments) {
+  std::string text;
+  for (const Component c : b.squares())
+    text +=
+        fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c), squareness_in(b.map.parameters, c));
+  if (text.empty()) return text;
+  if (!arguments.params_out.empty()) return fmt::format("squareness measured, in {}:\n{}", arguments.params_out, text);
+  return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
+}
+
+std::string text_of(const Built& b, const Arguments& arguments) {
+  std::string text = outcomes_text(b);
+  for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
+    text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
+                        z.reason);
+  text +=
+      "band: range of the readings as measured; most: largest compensation; slope:\n"
+      "taken away, per m; smth: rms that smoothing took away; n: points per table\n";
+  for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
+  for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
+  text += squareness_text(b, arguments) + findings_text(b.findings) + verdict_text(b.findings);
+  text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
+                                   : fmt::format("map written to {}\n", arguments.output);
+  if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
+  return text;
+}
+
+// --- as JSON
+
+Json outcomes_json(const Built& b) {
+  Json out = Json::array();
+  for (const laser::ComponentOutcome& one : b.map.outcomes)
+    out.push_back({{"component", name_of(one.component)},
+                   {"description", laser::description_of(one.component)},
+                   {"unit", unit_of(one.component)},
+                   {"files", files_for(b.recipe, one.component)},
+                   {"readings", one.readings},
+                   {"band", number_or_null(one.band)},
+                   {"largest", number_or_null(one.largest)},
+                   {"slope_removed_per_m", number_or_null(one.slope_um_per_m)},
+                   {"smoothed_rms", number_or_null(one.smoothed_rms)},
+                   {"points", one.points},
+                   {"notes", one.notes}});
+  return out;
+}
+
+Json json_of_built(const Built& b, const Arguments& arguments) {
+  Json squareness = Json::object();
+  for (const Component c : b.squares())
+    squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_in(b.map.parameters, c));
+  Json missing = Json::array();
+  for (const laser::MapFinding& f : b.findings)
+    if (f.objection) missing.push_back(f.message);
+  return {{"map", text_or_null(arguments.output)},
+          {"params_out", text_or_null(arguments.params_out)},
+          {"recipe", text_or_null(b.recipe.file)},
+          {"complete", b.complete()},
+          {"components", outcomes_json(b)},
+          {"squareness", std::move(squareness)},
+          {"missing", std::move(missing)},
+          {"findings", json_of(b.findings)},
+          {"unused", b.recipe.unused},
+          {"notes", b.map.notes},
+          {"header", json_of(b.map.map.header)}};
+}
+
+Result<void> write(const Built& b, const Arguments& arguments) {
+  if (!arguments.output.empty())
+    if (const auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
+  if (!arguments.params_out.empty())
+    return params::write_parameters(arguments.params_out, b.map.parameters, b.identity);
+  return {};
+}
+
+void say_what_is_odd(Session& session, const Built& b) {
+  for (const std::string& objection : made_for_two_machines(b.map.map.header, b.identity)) session.face.warn(objection);
+  const laser::MapHeader& header = b.map.map.header;
+  for (const auto& [name, value] :
+       {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
+    if (value.empty())
+      session.face.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
+}
+
+Problem nothing_built(const Built& b) {
+  std::vector<Problem> problems{
+      {ProblemKind::refused, "no component could be built; nothing was written", {}, 0, 0, {}}};
+  for (const std::string& unused : b.recipe.unused)
+    problems.push_back({ProblemKind::refused, "not used: " + unused, {}, 0, 0, {}});
+  return folded(std::move(problems));
+}
+
+Result<Outcome> from_model(Session& session, const Arguments& a) {
+  if (!a.files.empty())
+    return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
+  return map_from_model(session, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out, a.zero,
+                                  a.customer, a.engineer, a.date});
+}
+
+Result<void> enough_given(const Arguments& arguments) {
+  if (arguments.files.empty())
+    return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
+  if (arguments.params.empty())
+    return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
+  if (arguments.increment_mm)
+    return problem(ProblemKind::usage, "--increment goes with --from-model; a recipe says increment_mm by component");
+  return {};
+}
+
+Result<Outcome> build(Session& session, const Arguments& arguments) {
+  if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
+  if (!arguments.from_model.empty()) return from_model(session, arguments);
+  if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
+  for (const std::string& output : {arguments.output, arguments.params_out})
+    if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
+  const auto b = built(arguments);
+  if (!b) return tl::unexpected(b.error());
+  if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
+  if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
+  say_what_is_odd(session, *b);
+  return Outcome{text_of(*b, arguments), one_line(json_of_built(*b, arguments)), kDone};
+}
+
+}  // namespace
+
+void add_map_build(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("build", "the error map from measured files, by a recipe or as the files suggest",
+            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv")
+      .texts("FILE", arguments->files, "a recipe (.toml), or measurement files")
+      .text("--params", arguments->params, "parameters of the unit; with --from-model those of the machine by default")
+      .text("--from-model", arguments->from_model, "a fitted model (.toml) in place of measured files")
+      .text("--machine", arguments->machine,
+            "the machine (.toml): for --from-model, else for the travels to cover; "
+            "by default machine.toml beside the parameters")
+      .number("--increment", arguments->increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
+      .text("-o,--output", arguments->output, "map CSV to write")
+      .text("--params-out", arguments->params_out, "parameters to write, with the squareness that was measured")
+      .texts("--zero", arguments->zero, "declare a component zero: EBY=\"too small to measure\"")
+      .text("--customer", arguments->customer, "for the header")
+      .text("--engineer", arguments->engineer, "for the header")
+      .text("--date", arguments->date, "for the header, as in 2026-03-12")
+      .runs([arguments](Session& session) { return build(session, *arguments); });
+}
+
+}  // namespace ecs::app

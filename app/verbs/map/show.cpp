@@ -1,0 +1,125 @@
+// `ecs map show` and `ecs map header`: a map from a file or from the unit, as text, JSON or plot.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/plot/curves.hpp"
+#include "app/plot/gnuplot.hpp"
+#include "app/verbs/map/menu.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "commissioning/maps/source.hpp"
+#include "commissioning/maps/view.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::string file;
+  bool unit = false;
+  std::string component;
+  std::string params;
+  std::string machine;
+  std::string plot;
+};
+
+Result<std::optional<Component>> chosen(const std::string& name) {
+  if (name.empty()) return std::optional<Component>();
+  const auto component = component_of(name);
+  if (!component || is_squareness(*component))
+    return problem(ProblemKind::usage,
+                   fmt::format("--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
+                               component ? "; squareness lives in the parameters" : ""));
+  return component;
+}
+
+using Judged = std::optional<std::vector<laser::MapFinding>>;
+
+/// By --params, else by the parameters of the unit; nothing if neither. Travels: of --machine, else beside --params.
+Result<Judged> judged(const Arguments& arguments, const FoundMap& found) {
+  params::ParametersFile by;
+  if (!arguments.params.empty()) {
+    auto file = params::read_parameters(arguments.params);
+    if (!file) return tl::unexpected(file.error());
+    by = std::move(*file);
+  } else if (found.parameters) {
+    by.parameters = *found.parameters;
+  } else {
+    return Judged();
+  }
+  if (arguments.machine.empty()) return Judged(findings_with_travels(found.map, by, arguments.params));
+  const auto machine = params::read_machine(arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine->machine)));
+}
+
+Result<Outcome> show(Session& session, const Arguments& arguments) {
+  const auto only = chosen(arguments.component);
+  if (!only) return tl::unexpected(only.error());
+  if (!arguments.plot.empty())
+    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  const auto found = found_map(session, arguments.file, arguments.unit);
+  if (!found) return tl::unexpected(found.error());
+  const auto findings = judged(arguments, *found);
+  if (!findings) return tl::unexpected(findings.error());
+  std::vector<laser::MapTable> tables;
+  for (const laser::MapTable& table : found->map.tables)
+    if (!*only || table.component == **only) tables.push_back(table);
+  if (*only && tables.empty())
+    return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found->name, name_of(**only)));
+  Json object{{"map", found->name}, {"header", json_of(found->map.header)}, {"tables", Json::array()}};
+  for (const laser::MapTable& table : tables) object["tables"].push_back(json_of(table, only->has_value()));
+  std::string text = header_view(found->map.header) + "\n" + tables_text(tables);
+  object["findings"] = nullptr;
+  if (*findings) {
+    object["findings"] = json_of(**findings);
+    text += (*findings)->empty() ? "no findings\n" : findings_text(**findings);
+  } else {
+    text += "not judged: give --params to see what stands against sending it\n";
+  }
+  if (!arguments.plot.empty()) {
+    const std::string title = fmt::format("Error map of {}: compensation",
+                                          found->map.header.machine.empty() ? found->name : found->map.header.machine);
+    if (const auto drawn = write_plot(arguments.plot, figure_of(found->map, *only, title)); !drawn)
+      return tl::unexpected(drawn.error());
+    text += fmt::format("plot written to {}\n", arguments.plot);
+  }
+  object["plot"] = text_or_null(arguments.plot);
+  return Outcome{text, one_line(object), kDone};
+}
+
+Result<Outcome> header(Session& session, const Arguments& arguments) {
+  const auto found = found_map(session, arguments.file, arguments.unit);
+  if (!found) return tl::unexpected(found.error());
+  Json object{{"map", found->name}};
+  object.update(json_of(found->map.header));
+  return Outcome{header_view(found->map.header), one_line(object), kDone};
+}
+
+}  // namespace
+
+void add_map_show(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("show", "header, tables and findings of a map file or of the map in the unit",
+            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg")
+      .text("FILE", arguments->file, "map CSV; or give --unit")
+      .flag("--unit", arguments->unit, "the map in the unit")
+      .text("--component", arguments->component, "one of the 18 curves, with its values in --json")
+      .text("--params", arguments->params, "parameters to judge the map by; with --unit the unit's own")
+      .text("--machine", arguments->machine,
+            "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
+      .text("--plot", arguments->plot, "OUT.svg or OUT.png")
+      .uses_link()
+      .runs([arguments](Session& session) { return show(session, *arguments); });
+}
+
+void add_map_header(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  menu.verb("header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit")
+      .text("FILE", arguments->file, "map CSV; or give --unit")
+      .flag("--unit", arguments->unit, "the map in the unit")
+      .uses_link()
+      .runs([arguments](Session& session) { return header(session, *arguments); });
+}
+
+}  // namespace ecs::app

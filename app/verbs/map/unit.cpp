@@ -1,0 +1,100 @@
+// `ecs map receive` and `ecs map verify`: the map in the unit as a file, and against a file.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/map/menu.hpp"
+#include "base/file.hpp"
+#include "commissioning/maps/sent.hpp"
+#include "commissioning/maps/view.hpp"
+#include "laser/map/csv.hpp"
+#include "params/diff.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::size_t kMostShown = 20;
+
+struct ReceiveArguments {
+  std::string output;
+};
+
+Result<Outcome> receive(Session& session, const ReceiveArguments& arguments) {
+  const auto found = found_map(session, {}, true);
+  if (!found) return tl::unexpected(found.error());
+  if (found->map.tables.empty() && found->map.header.declared_zero.empty())
+    return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
+  const std::string csv = laser::to_map_csv(found->map);
+  Json object{
+      {"map", text_or_null(arguments.output)}, {"header", json_of(found->map.header)}, {"tables", Json::array()}};
+  for (const laser::MapTable& table : found->map.tables)
+    object["tables"].push_back(json_of(table, arguments.output.empty()));
+  if (arguments.output.empty()) return Outcome{csv, one_line(object), kDone};
+  if (const auto written = write_file(arguments.output, csv); !written) return tl::unexpected(written.error());
+  return Outcome{fmt::format("map of the unit written to {}: {} tables", arguments.output, found->map.tables.size()),
+                 one_line(object), kDone};
+}
+
+struct VerifyArguments {
+  std::string file;
+  std::string params;
+};
+
+Json difference_json(const MapDifference& d) {
+  return {{"component", d.component ? Json(name_of(*d.component)) : Json(nullptr)},
+          {"approach", d.component ? Json(word_for(d.approach)) : Json(nullptr)},
+          {"position_mm", number_or_null(d.position_mm)},
+          {"expected", number_or_null(d.expected)},
+          {"found", number_or_null(d.found)},
+          {"message", d.message}};
+}
+
+std::string text_of(const std::vector<MapDifference>& differences) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(differences.size(), kMostShown); ++i) text += differences[i].message + "\n";
+  if (differences.size() > kMostShown) text += fmt::format("… and {} more\n", differences.size() - kMostShown);
+  return text;
+}
+
+Result<Outcome> verify(Session& session, const VerifyArguments& arguments) {
+  if (const auto readable = laser::read_map_csv(arguments.file); !readable) return tl::unexpected(readable.error());
+  const auto found = found_map(session, {}, true);
+  if (!found) return tl::unexpected(found.error());
+  const auto verdict = verdict_on(*found, arguments.file, arguments.params);
+  if (!verdict) return tl::unexpected(verdict.error());
+  const auto& differences = verdict->differences;
+  const auto& of_parameters = verdict->parameters;
+  const bool same = verdict->same();
+  Json object{{"map", arguments.file}, {"same", same}, {"differences", Json::array()}, {"parameters", Json::array()}};
+  for (const MapDifference& d : differences) object["differences"].push_back(difference_json(d));
+  for (const params::Difference& d : of_parameters)
+    object["parameters"].push_back({{"key", d.key}, {"unit", text_or_null(d.unit)}, {"expected", d.a}, {"found", d.b}});
+  std::string text = text_of(differences) + params::to_text(of_parameters, "file", "unit");
+  text += same ? fmt::format("the unit holds {}", arguments.file)
+               : fmt::format("the unit does not hold {}: {} differences", arguments.file,
+                             differences.size() + of_parameters.size());
+  return Outcome{text, one_line(object), same ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_map_receive(Menu& menu) {
+  const auto arguments = std::make_shared<ReceiveArguments>();
+  menu.verb("receive", "the map in the unit as a map CSV",
+            "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502")
+      .text("-o,--output", arguments->output, "file to write; without it the CSV goes to stdout")
+      .uses_link()
+      .runs([arguments](Session& session) { return receive(session, *arguments); });
+}
+
+void add_map_verify(Menu& menu) {
+  const auto arguments = std::make_shared<VerifyArguments>();
+  menu.verb("verify", "whether the unit holds this map, to the resolution of its memory",
+            "ecs map verify map.csv --params mill.toml")
+      .text("FILE", arguments->file, "map CSV", Need::required)
+      .text("--params", arguments->params, "parameter file to compare as well")
+      .uses_link()
+      .runs([arguments](Session& session) { return verify(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,105 @@
+// `ecs memory show, compare`: decoding dumps, without a unit.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/memory/menu.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/memory/compare.hpp"
+#include "commissioning/memory/view.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kUnitWord = "unit";
+
+Result<MemoryDump> dump_of_unit(Session& session, DumpScope scope) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  return take_dump(unit->client(), unit->name(), scope, progress_bar(session, "memory"));
+}
+
+struct ShowArguments {
+  std::string file;
+  bool unit = false;
+  bool bytes = false;
+};
+
+Result<Outcome> show(Session& session, const ShowArguments& arguments) {
+  if (arguments.unit == !arguments.file.empty())
+    return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
+  const auto dump = arguments.unit ? dump_of_unit(session, DumpScope::active) : read_dump(arguments.file);
+  if (!dump) return tl::unexpected(dump.error());
+  const DecodedMemory memory = decoded(*dump);
+  return Outcome{text_of(*dump, memory, arguments.bytes), one_line(json_of(*dump, memory)), kDone};
+}
+
+struct CompareArguments {
+  std::string a;
+  std::string b;
+};
+
+Result<MemoryDump> dump_from(Session& session, const std::string& file_or_unit) {
+  return file_or_unit == kUnitWord ? dump_of_unit(session, DumpScope::all) : read_dump(file_or_unit);
+}
+
+/// What is wrong with one of the two by itself: its file, or the image that its unit would use.
+std::vector<std::string> damage_in(const MemoryDump& dump) {
+  std::vector<std::string> damage = dump.damage;
+  const DecodedMemory memory = decoded(dump);
+  for (const DecodedImage& image : memory.images)
+    if (&image == memory.main_image() && image.verdict.fault != ImageFault::none)
+      damage.push_back(fmt::format("{}: the image {}", image.region, ecs::text_of(image.verdict.fault)));
+  return damage;
+}
+
+std::string damage_text(std::string_view side, const std::string& file, const std::vector<std::string>& damage) {
+  std::string text;
+  for (const std::string& one : damage) text += fmt::format("DAMAGED {} ({}): {}\n", side, file, one);
+  return text;
+}
+
+Result<Outcome> compare(Session& session, const CompareArguments& arguments) {
+  const auto a = dump_from(session, arguments.a);
+  if (!a) return tl::unexpected(a.error());
+  const auto b = dump_from(session, arguments.b);
+  if (!b) return tl::unexpected(b.error());
+  Json list = Json::array();
+  std::string text;
+  for (const MemoryDifference& difference : differences(*a, *b)) {
+    list.push_back({{"what", difference.what}, {"a", difference.a}, {"b", difference.b}});
+    text += fmt::format("{}: A {} | B {}\n", difference.what, difference.a, difference.b);
+  }
+  const bool same = list.empty();
+  if (same) text = "no difference\n";
+  const std::vector<std::string> hurt_a = damage_in(*a), hurt_b = damage_in(*b);
+  const Json object{{"a", arguments.a},
+                    {"b", arguments.b},
+                    {"same", same},
+                    {"damaged", {{"a", hurt_a}, {"b", hurt_b}}},
+                    {"differences", list}};
+  return Outcome{damage_text("A", arguments.a, hurt_a) + damage_text("B", arguments.b, hurt_b) + text, one_line(object),
+                 same && hurt_a.empty() && hurt_b.empty() ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_memory_decoding(Menu& menu) {
+  const auto shown = std::make_shared<ShowArguments>();
+  menu.verb("show", "what a dump holds: parameters, tables, header, checks, faults",
+            "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit")
+      .text("FILE", shown->file, "dump or memory image")
+      .flag("--unit", shown->unit, "the active image of the unit")
+      .flag("--bytes", shown->bytes, "names and meaning beside the bytes")
+      .uses_link()
+      .runs([shown](Session& session) { return show(session, *shown); });
+  const auto compared = std::make_shared<CompareArguments>();
+  menu.verb("compare", "the fields that differ between two dumps; `unit` stands for the unit",
+            "ecs memory compare before.ecsdump after.ecsdump")
+      .text("A", compared->a, "dump, memory image, or `unit`", Need::required)
+      .text("B", compared->b, "dump, memory image, or `unit`", Need::required)
+      .uses_link()
+      .runs([compared](Session& session) { return compare(session, *compared); });
+}
+
+}  // namespace ecs::app

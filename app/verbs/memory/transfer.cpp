@@ -1,0 +1,222 @@
+// `ecs memory read, write, dump, load`: bytes between unit and file.
+#include "commissioning/unit/transfer.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/memory/menu.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "base/numbers.hpp"
+#include "base/text.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/memory/decode.hpp"
+#include "commissioning/memory/fields.hpp"
+#include "commissioning/memory/space.hpp"
+#include "commissioning/unit/map_checks.hpp"
+
+namespace ecs::app {
+namespace {
+
+// --- read
+struct ReadArguments {
+  std::string address;
+  std::string length;
+  std::string output;
+  bool hex = false;
+};
+
+/// 16 bytes a line with address and characters.
+std::string listing(Address first, ByteView bytes) {
+  std::string text;
+  for (std::size_t at = 0; at < bytes.size(); at += 16) {
+    const ByteView row = bytes.subspan(at, std::min<std::size_t>(16, bytes.size() - at));
+    std::string characters;
+    for (const std::uint8_t byte : row) characters += byte >= 0x20 && byte < 0x7F ? static_cast<char>(byte) : '.';
+    text += fmt::format("{}  {:<47}  {}\n", hex_address(first + static_cast<Address>(at)), hex_of(row), characters);
+  }
+  return text;
+}
+
+std::string plain_hex(ByteView bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes) text += fmt::format("{:02X}", byte);
+  return text;
+}
+
+Result<Outcome> read_bytes(Session& session, const ReadArguments& arguments) {
+  const auto address = whole_number(arguments.address, "ADDRESS");
+  if (!address) return tl::unexpected(address.error());
+  const auto length = whole_number(arguments.length, "LENGTH");
+  if (!length) return tl::unexpected(length.error());
+  if (const auto fits = within_space(*address, *length); !fits) return tl::unexpected(fits.error());
+  if (const auto there = memory_there(*address, *length); !there) return tl::unexpected(there.error());
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (const auto there = memory_there(*address, *length, identity->memory_modules); !there)
+    return tl::unexpected(there.error());
+  const auto bytes = unit->client().read_memory(*address, *length, progress_bar(session, "memory"));
+  if (!bytes) return tl::unexpected(bytes.error());
+  Json object{{"address", hex_address(*address)}, {"length", *length}, {"file", text_or_null(arguments.output)}};
+  if (!arguments.output.empty()) {
+    if (auto written = write_file(arguments.output, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+        !written)
+      return tl::unexpected(written.error());
+    return Outcome{fmt::format("{} bytes written to {}", bytes->size(), arguments.output), one_line(object), kDone};
+  }
+  object["bytes"] = plain_hex(*bytes);
+  return Outcome{arguments.hex ? plain_hex(*bytes) : listing(*address, *bytes), one_line(object), kDone};
+}
+
+// --- write
+struct WriteArguments {
+  std::string address;
+  std::vector<std::string> words;
+  std::string file;
+  bool yes = false;
+};
+
+Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments) {
+  if (arguments.words.empty() == arguments.file.empty())
+    return problem(ProblemKind::usage, "memory write: give either bytes or --file");
+  if (arguments.file.empty()) return hex_bytes(arguments.words);
+  const auto content = read_file(arguments.file);
+  if (!content) return tl::unexpected(content.error());
+  return std::vector<std::uint8_t>(content->begin(), content->end());
+}
+
+Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
+  const auto address = whole_number(arguments.address, "ADDRESS");
+  if (!address) return tl::unexpected(address.error());
+  const auto bytes = bytes_to_write(arguments);
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (const auto fits = within_space(*address, bytes->size()); !fits) return tl::unexpected(fits.error());
+  if (const auto there = memory_there(*address, bytes->size()); !there) return tl::unexpected(there.error());
+  if (const auto sure = confirmed(
+          arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
+      !sure)
+    return tl::unexpected(sure.error());
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto status = unit->client().status();
+  if (!status) return tl::unexpected(status.error());
+  const bool spoils_map = touches_active_map(*status, *address, bytes->size());
+  if (spoils_map) session.face.warn(kSpoilsMap);
+  if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(session, "memory")); !written)
+    return tl::unexpected(written.error());
+  return Outcome{
+      fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
+      one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}, {"in_active_map", spoils_map}}),
+      kDone};
+}
+
+// --- dump
+struct DumpArguments {
+  std::string output;
+  bool active = false;
+};
+
+Result<Outcome> dump_memory(Session& session, const DumpArguments& arguments) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto dump = take_dump(unit->client(), unit->name(), arguments.active ? DumpScope::active : DumpScope::all,
+                              progress_bar(session, "memory"));
+  if (!dump) return tl::unexpected(dump.error());
+  if (auto written = write_file(arguments.output, to_bytes(*dump)); !written) return tl::unexpected(written.error());
+  std::size_t bytes = 0;
+  Json regions = Json::array();
+  for (const DumpRegion& region : dump->regions) {
+    bytes += region.bytes.size();
+    regions.push_back(
+        {{"name", region.name}, {"address", hex_address(region.address)}, {"bytes", region.bytes.size()}});
+  }
+  return Outcome{fmt::format("{} bytes of unit {} written to {}; `ecs memory show {}` decodes it", bytes,
+                             dump->serial_number, arguments.output, arguments.output),
+                 one_line(Json{{"file", arguments.output}, {"bytes", bytes}, {"regions", regions}}), kDone};
+}
+
+// --- load
+struct LoadArguments {
+  std::string file;
+  bool yes = false;
+  bool other_machine = false;
+};
+
+/// The bytes of the dump's main image, if it is one that a unit may have.
+Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std::string& file) {
+  const DecodedMemory memory = decoded(dump);
+  const DecodedImage* image = memory.main_image();
+  if (image == nullptr) return problem_at(file, 0, 0, "it holds no active memory image; nothing was sent");
+  if (image->verdict.fault != ImageFault::none)
+    return problem_at(file, 0, 0,
+                      fmt::format("its memory image {}; nothing was sent", ecs::text_of(image->verdict.fault)));
+  const DumpRegion* region = region_at(dump, image->address);
+  return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
+}
+
+Result<Outcome> load(Session& session, const LoadArguments& arguments) {
+  const auto dump = read_dump(arguments.file);
+  if (!dump) return tl::unexpected(dump.error());
+  for (const std::string& damage : dump->damage) session.face.warn(damage);
+  const auto image = sound_image(*dump, arguments.file);
+  if (!image) return tl::unexpected(image.error());
+  if (const auto sure = confirmed(arguments.yes, "parameters and map of the unit are replaced by those of the dump");
+      !sure)
+    return tl::unexpected(sure.error());
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (!arguments.other_machine)
+    if (auto refused = refused_map(other_unit(dump->serial_number, *image, identity->serial_number), arguments.file))
+      return tl::unexpected(std::move(*refused));
+  const auto report = send_image(unit->client(), *image, progress_bar(session, "image"));
+  if (!report) return tl::unexpected(report.error());
+  return Outcome{fmt::format("parameters and map of {} sent and verified: {} bytes, commit {}", arguments.file,
+                             report->bytes, report->commit_sequence),
+                 one_line(Json{{"file", arguments.file},
+                               {"bytes", report->bytes},
+                               {"commit_sequence", report->commit_sequence},
+                               {"verified", true}}),
+                 kDone};
+}
+
+}  // namespace
+
+void add_memory_transfer(Menu& menu) {
+  const auto read = std::make_shared<ReadArguments>();
+  menu.verb("read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64")
+      .text("ADDRESS", read->address, "first address, decimal or 0x…", Need::required)
+      .text("LENGTH", read->length, "bytes, decimal or 0x…", Need::required)
+      .text("-o,--output", read->output, "file for the bytes as they are")
+      .flag("--hex", read->hex, "hexadecimal digits only")
+      .uses_link()
+      .runs([read](Session& session) { return read_bytes(session, *read); });
+  const auto write = std::make_shared<WriteArguments>();
+  menu.verb("write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes")
+      .text("ADDRESS", write->address, "first address, decimal or 0x…", Need::required)
+      .texts("BYTES", write->words, "hexadecimal digits, two a byte")
+      .text("--file", write->file, "write the bytes of this file")
+      .flag("--yes", write->yes, "overwrite")
+      .writes_to_unit()
+      .runs([write](Session& session) { return write_bytes(session, *write); });
+  const auto dump = std::make_shared<DumpArguments>();
+  menu.verb("dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump")
+      .text("-o,--output", dump->output, "file to write", Need::required)
+      .flag("--active", dump->active, "only the commit records and the active image")
+      .uses_link()
+      .runs([dump](Session& session) { return dump_memory(session, *dump); });
+  const auto loaded = std::make_shared<LoadArguments>();
+  menu.verb("load", "restore parameters and map of a dump into the unit (needs --yes)",
+            "ecs memory load unit.ecsdump --yes")
+      .text("FILE", loaded->file, "dump or memory image", Need::required)
+      .flag("--yes", loaded->yes, "replace what the unit holds")
+      .flag("--other-machine", loaded->other_machine, "load although dump or map name another unit")
+      .writes_to_unit()
+      .runs([loaded](Session& session) { return load(session, *loaded); });
+}
+
+}  // namespace ecs::app

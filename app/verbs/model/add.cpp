@@ -1,0 +1,140 @@
+// `ecs model add` and `ecs model undo`: one effect more or less, and how far the error falls.
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/model/menu.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+#include "model/diagnosis/ladder.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  ModelArguments common;
+  std::string effect;
+  std::string approach;
+  std::string sensor;
+  std::string sense;
+  std::string code;
+  std::string output;
+};
+
+Result<model::AddRequest> request_of(const Arguments& arguments) {
+  auto request = model::parse_add_request(arguments.effect);
+  if (!request) return request;
+  if (!arguments.approach.empty()) request->approach = model::approach_mode_named(arguments.approach);
+  if (!arguments.sensor.empty()) request->sensor = arguments.sensor;
+  if (!arguments.sense.empty()) request->sense = sense_named(arguments.sense);
+  if (arguments.code.empty()) return request;
+  request->code = component_of(arguments.code);
+  if (!request->code)
+    return problem(
+        ProblemKind::usage,
+        fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, got \"{}\"", arguments.code));
+  return request;
+}
+
+/// A measurement that does not say its axis or sense is made to with `laser import`: --sense means the effect's here.
+Problem with_way_out(Problem why) {
+  if (why.kind == ProblemKind::usage && !why.file.empty())
+    why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+  return why;
+}
+
+std::string text_of(const model::Added& added, const std::string& output) {
+  std::string text =
+      paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
+                            place_text(added.effect.effect), added.rms_before_um, added.rms_after_um, added.noise_um));
+  text += paragraph(parameters_text(added.effect.parameters), 2, 4);
+  text += "\n" + ladder_text(added.model.history);
+  return text + (output.empty() ? "nothing written: give -o MODEL to keep it\n"
+                                : fmt::format("model written to {}\n", output));
+}
+
+Json json_of_added(const model::Added& added, const std::string& output) {
+  Json effect = json_of(added.effect.effect);
+  effect["parameters"] = json_of(added.effect.parameters);
+  return {{"rms_before_um", number_or_null(added.rms_before_um)},
+          {"rms_after_um", number_or_null(added.rms_after_um)},
+          {"noise_um", number_or_null(added.noise_um)},
+          {"peak_um", number_or_null(added.step.peak_um)},
+          {"held_out_rms_um", number_or_null(added.step.held_out_rms_um)},
+          {"effect", std::move(effect)},
+          {"history", json_of(added.model.history)},
+          {"model", text_or_null(output)}};
+}
+
+Result<Outcome> add(Session& session, const Arguments& arguments) {
+  const auto request = request_of(arguments);
+  if (!request) return tl::unexpected(request.error());
+  const auto work = model_work(session, arguments.common);
+  if (!work) return tl::unexpected(with_way_out(work.error()));
+  const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
+  if (!added) return tl::unexpected(in_file(added.error(), arguments.common.model));
+  if (!arguments.output.empty())
+    if (const auto kept = keep_model(arguments.output, added->model, arguments.common.model); !kept)
+      return tl::unexpected(kept.error());
+  return Outcome{text_of(*added, arguments.output), one_line(json_of_added(*added, arguments.output)), kDone};
+}
+
+struct UndoArguments {
+  std::string model;
+  std::string machine;
+  std::string output;
+};
+
+/// A ladder that holds nothing but its beginning has nothing to take back.
+bool nothing_added(const model::Model& model) {
+  return std::all_of(model.history.begin(), model.history.end(),
+                     [](const model::LadderStep& step) { return step.effect.empty(); });
+}
+
+Result<Outcome> undo(const UndoArguments& arguments) {
+  const auto model = model::read_model(arguments.model);
+  if (!model) return tl::unexpected(model.error());
+  if (nothing_added(*model))
+    return tl::unexpected(
+        Problem{ProblemKind::refused, "nothing to undo: no effect was added to this model", arguments.model, 0, 0, {}});
+  const auto before = model::undo(*model);
+  if (!before) return tl::unexpected(before.error());
+  const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
+  if (const auto kept = keep_model(output, *before, arguments.model); !kept) return tl::unexpected(kept.error());
+  const std::string taken = model->history.back().effect;
+  return Outcome{fmt::format("taken back: {}\n\n{}model written to {}\n", taken, ladder_text(before->history), output),
+                 one_line(Json{{"undone", taken}, {"history", json_of(before->history)}, {"model", output}}), kDone};
+}
+
+}  // namespace
+
+void add_model_add(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("add", "an effect more, in the place that fits best; shows how far the error falls",
+                        "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml");
+  verb.text("MODEL", arguments->common.model, "model file (.toml)", Need::required)
+      .text("EFFECT", arguments->effect,
+            "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required)
+      .texts("--data", arguments->common.data, "measurement files to fit to", Need::required)
+      .text("-o,--output", arguments->output, "the model with the effect; may be MODEL itself")
+      .choice("--approach", arguments->approach, {"both", "forward", "reverse"}, "on which approach it acts")
+      .text("--sensor", arguments->sensor, "column of the sensor that it follows")
+      .choice("--sense", arguments->sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
+      .text("--code", arguments->code, "component of angular, squareness or map faults, such as ECX");
+  take_machine(verb, arguments->common.machine);
+  verb.runs([arguments](Session& session) { return add(session, *arguments); });
+}
+
+void add_model_undo(Menu& menu) {
+  const auto arguments = std::make_shared<UndoArguments>();
+  Verb verb = menu.verb("undo", "a model without the effect that was added last", "ecs model undo model.toml");
+  verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
+      .text("-o,--output", arguments->output, "the model to write; MODEL itself if not given");
+  take_machine(verb, arguments->machine);
+  verb.runs([arguments](Session&) { return undo(*arguments); });
+}
+
+}  // namespace ecs::app

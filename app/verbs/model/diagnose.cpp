@@ -1,0 +1,60 @@
+// `ecs model diagnose`: which effect is missing from a model, with the evidence.
+#include <memory>
+
+#include "app/plot/gnuplot.hpp"
+#include "app/verbs/model/menu.hpp"
+#include "base/interrupt.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/plots.hpp"
+#include "commissioning/models/work.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  ModelArguments common;
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.blanks);
+  bool plain = false;
+  std::string plot;
+};
+
+Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const Arguments& arguments) {
+  const auto figure = diagnosis_figure(work.model, work.data, diagnosis, arguments.plain);
+  if (!figure) return tl::unexpected(figure.error());
+  return write_plot(arguments.plot, *figure);
+}
+
+Result<Outcome> diagnose(Session& session, const Arguments& arguments) {
+  if (!arguments.plot.empty())
+    if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
+  const auto work = model_work(session, arguments.common);
+  if (!work) return tl::unexpected(work.error());
+  model::DiagnoseOptions options;
+  options.blanks = static_cast<std::size_t>(arguments.blanks);
+  options.plain = arguments.plain;
+  options.cancelled = &interrupted();
+  const auto diagnosis = model::diagnose(work->model, work->data, options);
+  if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
+  std::string text = diagnosis_text(*diagnosis);
+  if (!arguments.plot.empty()) {
+    if (const auto drawn = draw(*work, *diagnosis, arguments); !drawn) return tl::unexpected(drawn.error());
+    text += "\nplot written to " + arguments.plot + "\n";
+  }
+  return Outcome{text, one_line(json_of(*diagnosis)), kDone};
+}
+
+}  // namespace
+
+void add_model_diagnose(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("diagnose", "which effect is missing from a model, with proof, rivals and doubts",
+                        "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg");
+  take_model_and_data(verb, arguments->common);
+  verb.integer("--blanks", arguments->blanks, "simulated data sets of noise alone that a finding must beat", 50, 20'000)
+      .flag("--plain", arguments->plain, "ordinary least squares: no reading counts as an outlier")
+      .text("--plot", arguments->plot, "measured against model, and what is left, as .svg or .png");
+  verb.runs([arguments](Session& session) { return diagnose(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,44 @@
+// `ecs model history`: the ladder of effects added so far, as a table and as bars.
+#include <memory>
+
+#include "app/plot/gnuplot.hpp"
+#include "app/verbs/model/menu.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/plots.hpp"
+#include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::string model;
+  std::string machine;
+  std::string plot;
+};
+
+Result<Outcome> history(const Arguments& arguments) {
+  const auto model = model::read_model(arguments.model);
+  if (!model) return tl::unexpected(model.error());
+  std::string text = ladder_text(model->history);
+  if (!arguments.plot.empty()) {
+    if (const auto drawn = write_plot(arguments.plot, ladder_figure(model->history, "Error after every step")); !drawn)
+      return tl::unexpected(drawn.error());
+    text += "plot written to " + arguments.plot + "\n";
+  }
+  return Outcome{text, one_line(Json{{"model", arguments.model}, {"history", json_of(model->history)}}), kDone};
+}
+
+}  // namespace
+
+void add_model_history(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("history", "the ladder: how far the error fell with every effect",
+                        "ecs model history model.toml --plot ladder.svg");
+  verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
+      .text("--plot", arguments->plot, "bars falling towards the noise, as .svg or .png");
+  take_machine(verb, arguments->machine);
+  verb.runs([arguments](Session&) { return history(*arguments); });
+}
+
+}  // namespace ecs::app

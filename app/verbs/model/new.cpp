@@ -1,0 +1,37 @@
+// `ecs model new`: a model to begin with, of what every measured curve has.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/model/menu.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+
+namespace ecs::app {
+namespace {
+
+Result<Outcome> begin(Session& session, const ModelArguments& arguments) {
+  const auto work = begun_model(session, arguments);
+  if (!work) return tl::unexpected(work.error());
+  std::string text = fmt::format("begun in {}: offset, slope and backlash of what was measured\n", arguments.model);
+  Json effects = Json::array();
+  for (const model::EffectInstance& effect : work->model.effects) {
+    text += "  " + place_text(effect) + "\n";
+    effects.push_back(place_text(effect));
+  }
+  text += fmt::format("next: ecs model diagnose {} {}\n", arguments.model, work->data_name);
+  return Outcome{text, one_line(Json{{"model", arguments.model}, {"effects", std::move(effects)}}), kDone};
+}
+
+}  // namespace
+
+void add_model_new(Menu& menu) {
+  const auto arguments = std::make_shared<ModelArguments>();
+  Verb verb = menu.verb("new", "a model to begin with: offset, slope and backlash of what was measured",
+                        "ecs model new model.toml data.csv --machine machine.toml");
+  take_model_and_data(verb, *arguments);
+  verb.runs([arguments](Session& session) { return begin(session, *arguments); });
+}
+
+}  // namespace ecs::app

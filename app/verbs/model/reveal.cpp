@@ -1,0 +1,248 @@
+// `ecs model reveal`: opens what was hidden in a case and scores the diagnosis, of one case or a folder of them.
+#include "commissioning/models/reveal.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/verbs/model/menu.hpp"
+#include "base/file.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "commissioning/models/work.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  std::string folder;
+  std::string diagnosis;
+  std::string machine;
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.blanks);
+};
+
+struct Revealed {
+  std::string folder;
+  HiddenTruth truth;
+  FoundAnswer answer;
+  Score score;
+};
+
+std::string inside(const std::string& folder, const char* name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+bool is_case(const std::string& folder) {
+  std::error_code error;
+  return std::filesystem::exists(inside(folder, "truth.sealed"), error) ||
+         std::filesystem::exists(inside(folder, "truth.json"), error);
+}
+
+/// A case that cannot be diagnosed counts as wrong among others.
+Revealed failed(const std::string& folder, HiddenTruth truth, const Problem& why) {
+  return {folder, std::move(truth), {"", {}, {}, {}}, {false, to_text(why), {}, {}}};
+}
+
+/// The folders of cases in a folder, by name; the folder itself if it is one.
+std::vector<std::string> cases_in(const std::string& folder) {
+  if (is_case(folder)) return {folder};
+  std::vector<std::string> list;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (is_case(entry.path().string())) list.push_back(entry.path().string());
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+Result<FoundAnswer> answer_of(Session& session, const std::string& folder, const Arguments& arguments) {
+  if (!arguments.diagnosis.empty()) {
+    const auto text = read_file(arguments.diagnosis);
+    if (!text) return tl::unexpected(text.error());
+    return answer_in(*text, arguments.diagnosis);
+  }
+  ModelArguments inputs{inside(folder, "model.toml"), {inside(folder, "data.csv")}, arguments.machine, {}};
+  if (inputs.machine.empty()) inputs.machine = inside(folder, "machine.toml");
+  const auto work = model_work(session, inputs);
+  if (!work) return tl::unexpected(work.error());
+  model::DiagnoseOptions options;
+  options.blanks = static_cast<std::size_t>(arguments.blanks);
+  const auto diagnosis = model::diagnose(work->model, work->data, options);
+  if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), inputs.model));
+  return answer_in(one_line(json_of(*diagnosis)), folder);
+}
+
+Result<Revealed> revealed(Session& session, const std::string& folder, const Arguments& arguments, bool alone) {
+  auto truth = truth_of(folder);
+  if (!truth) return tl::unexpected(truth.error());
+  auto answer = answer_of(session, folder, arguments);
+  if (!answer && !alone) return failed(folder, std::move(*truth), answer.error());
+  if (!answer) return tl::unexpected(answer.error());
+  Score score = score_of(*truth, *answer);
+  return Revealed{folder, std::move(*truth), std::move(*answer), std::move(score)};
+}
+
+// --- one case
+
+std::string hidden_text(const HiddenTruth& truth) {
+  const std::string said = truth.text.empty() ? std::string(name_of(truth.kind)) : truth.text;
+  std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
+  for (const HiddenEffect& effect : truth.effects)
+    text += fmt::format("  {}: rms {:.3f} um, {:.1f} times the noise of {:.3f} um\n", effect.name, effect.rms_um,
+                        effect.snr, truth.noise_um);
+  if (!truth.group.empty())
+    text += paragraph(fmt::format("these data cannot tell apart: {}", fmt::join(truth.group, ", ")), 2, 4);
+  if (!truth.variables.empty())
+    text += paragraph(fmt::format("it depends on: {}", fmt::join(truth.variables, " or ")), 2, 4);
+  return text;
+}
+
+std::vector<std::string> found_names(const FoundAnswer& answer) {
+  std::vector<std::string> names;
+  for (const FoundEffect& one : answer.candidates) {
+    if (!one.named) continue;
+    std::string name = place_text(one.effect);
+    if (!one.group.empty()) name += fmt::format(" (or {})", fmt::join(one.group, ", "));
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+std::string found_text(const FoundAnswer& answer) {
+  const auto names = found_names(answer);
+  std::string text = "Found: " + answer.verdict;
+  if (!names.empty()) text += fmt::format(": {}", fmt::join(names, "; "));
+  if (answer.verdict == "unexplained_structure" && !answer.where.empty())
+    text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
+  return paragraph(text, 0, 2);
+}
+
+std::string parameters_table(const Score& score) {
+  if (score.parameters.empty()) return {};
+  std::string text =
+      fmt::format("\n{} {:>12} {:>12} {:>10} {:>8}\n", padded("parameter", 32), "hidden", "found", "sigma", "off by");
+  for (const ParameterScore& one : score.parameters)
+    text +=
+        fmt::format("{} {:>12} {:>12} {:>10} {:>8}\n", padded(fmt::format("{} {}", one.effect, one.name), 32),
+                    few_digits(one.hidden, 5), few_digits(one.found, 5), one.sigma ? few_digits(*one.sigma, 2) : "-",
+                    one.sigmas_off() ? fmt::format("{:+.1f} s", *one.sigmas_off()) : "-");
+  return text;
+}
+
+std::string text_of(const Revealed& r) {
+  std::string text = hidden_text(r.truth) + found_text(r.answer) + parameters_table(r.score) + "\n";
+  text += paragraph(fmt::format("{}: {}", r.score.right ? "RIGHT" : "WRONG", r.score.why), 0, 2);
+  if (r.score.rms_ratio)
+    text += fmt::format("rms after adding what is named: {:.3f} times that of the true model\n", *r.score.rms_ratio);
+  return text;
+}
+
+Json json_of_case(const Revealed& r) {
+  Json parameters = Json::array();
+  for (const ParameterScore& one : r.score.parameters)
+    parameters.push_back({{"effect", one.effect},
+                          {"name", one.name},
+                          {"truth", number_or_null(one.hidden)},
+                          {"found", number_or_null(one.found)},
+                          {"sigma", number_or_null(one.sigma)},
+                          {"sigmas_off", number_or_null(one.sigmas_off())}});
+  return {{"case", r.folder},
+          {"kind", name_of(r.truth.kind)},
+          {"right", r.score.right},
+          {"why", r.score.why},
+          {"truth", Json::parse(r.truth.json)},
+          {"found", found_names(r.answer)},
+          {"verdict", r.answer.verdict},
+          {"where", r.answer.where},
+          {"parameters", std::move(parameters)},
+          {"rms_after_um", number_or_null(r.answer.rms_after_um)},
+          {"true_model_rms_um", r.truth.true_model_rms_um > 0.0 ? Json(r.truth.true_model_rms_um) : Json(nullptr)},
+          {"rms_ratio", number_or_null(r.score.rms_ratio)}};
+}
+
+// --- a folder of cases
+
+struct Tally {
+  std::size_t right = 0;
+  std::size_t of = 0;
+};
+
+std::string line_of(const Revealed& r) {
+  return paragraph_after(fmt::format("{:<5} {:<14} {} ", r.score.right ? "right" : "WRONG", name_of(r.truth.kind),
+                                     padded(std::filesystem::path(r.folder).filename().string(), 8)),
+                         r.score.why);
+}
+
+Outcome summed_up(const std::vector<Revealed>& all) {
+  std::map<std::string, Tally, std::less<>> kinds;
+  Tally total;
+  Json cases = Json::array(), by_kind = Json::object();
+  std::string text;
+  for (const Revealed& one : all) {
+    for (Tally* tally : {&total, &kinds[std::string(name_of(one.truth.kind))]}) {
+      ++tally->of;
+      if (one.score.right) ++tally->right;
+    }
+    text += line_of(one);
+    cases.push_back(json_of_case(one));
+  }
+  text += "\n";
+  for (const auto& [kind, tally] : kinds) {
+    text += fmt::format("{:<16} {:>4} of {} right\n", kind, tally.right, tally.of);
+    by_kind[kind] = {{"right", tally.right}, {"of", tally.of}};
+  }
+  text += fmt::format("{:<16} {:>4} of {} right\n", "all", total.right, total.of);
+  const bool right = total.right == total.of;
+  return {text,
+          one_line(Json{{"right", right},
+                        {"right_cases", total.right},
+                        {"of", total.of},
+                        {"kinds", std::move(by_kind)},
+                        {"cases", std::move(cases)}}),
+          right ? kDone : kDoesNotHold};
+}
+
+Result<Outcome> reveal(Session& session, const Arguments& arguments) {
+  const auto folders = cases_in(arguments.folder);
+  if (folders.empty())
+    return tl::unexpected(
+        Problem{ProblemKind::bad_input,
+                "no hidden case: expected truth.sealed or truth.json in this folder or in its folders",
+                arguments.folder,
+                0,
+                0,
+                {}});
+  if (folders.size() > 1 && !arguments.diagnosis.empty())
+    return problem(ProblemKind::usage, "--diagnosis belongs to one case: name its folder");
+  std::vector<Revealed> all;
+  for (const std::string& folder : folders) {
+    session.face.progress("cases", static_cast<double>(all.size()) / static_cast<double>(folders.size()), 0.0);
+    auto one = revealed(session, folder, arguments, folders.size() == 1);
+    if (!one) return tl::unexpected(one.error());
+    all.push_back(std::move(*one));
+  }
+  session.face.end_progress();
+  if (all.size() > 1) return summed_up(all);
+  return Outcome{text_of(all.front()), one_line(json_of_case(all.front())),
+                 all.front().score.right ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_model_reveal(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("reveal", "what was hidden in a case, and whether the diagnosis found it",
+                        "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json");
+  verb.text("DIR", arguments->folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required)
+      .text("--diagnosis", arguments->diagnosis,
+            "saved JSON of `ecs model diagnose --json`; without it, one is made now")
+      .integer("--blanks", arguments->blanks, "as for `ecs model diagnose`", 50, 20'000)
+      .text("--machine", arguments->machine, "another machine than machine.toml of the case");
+  verb.runs([arguments](Session& session) { return reveal(session, *arguments); });
+}
+
+}  // namespace ecs::app

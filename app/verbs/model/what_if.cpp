@@ -1,0 +1,67 @@
+// `ecs model what-if`: the error that compensation would leave; measured again, predicted against achieved.
+#include "commissioning/models/what_if.hpp"
+
+#include <memory>
+
+#include "app/verbs/model/menu.hpp"
+#include "commissioning/models/json.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct Arguments {
+  ModelArguments common;
+  std::vector<std::string> after;
+};
+
+Json json_of_told(const WhatIfTold& told) {
+  Json effects = Json::array(), directions = Json::array();
+  for (const model::WhatIf::Share& share : told.what.shares)
+    effects.push_back({{"effect", share.effect},
+                       {"rms_um", number_or_null(share.rms_um)},
+                       {"carried", share.carried},
+                       {"how", share.how}});
+  for (const AfterDirection& one : told.directions)
+    directions.push_back({{"sense", name_of(one.sense)},
+                          {"axis", axis_json(one.axis)},
+                          {"approach", one.approach},
+                          {"rms_now_um", number_or_null(one.now_um)},
+                          {"rms_after_um", number_or_null(one.predicted_um)},
+                          {"achieved_rms_um", number_or_null(one.achieved_um)},
+                          {"readings", one.readings},
+                          {"readings_after", one.readings_after}});
+  Json object{{"rms_now_um", number_or_null(told.what.rms_now_um)},
+              {"rms_after_um", number_or_null(told.what.rms_after_um)},
+              {"peak_after_um", number_or_null(told.what.peak_after_um)},
+              {"effects", std::move(effects)},
+              {"directions", std::move(directions)},
+              {"achieved", nullptr},
+              {"notes", told.notes}};
+  if (told.achieved)
+    object["achieved"] = {{"rms_um", number_or_null(told.achieved->rms_um)},
+                          {"peak_um", number_or_null(told.achieved->peak_um)},
+                          {"readings", told.achieved->data.size()},
+                          {"of_predicted", number_or_null(told.achieved->rms_um / told.what.rms_after_um)}};
+  return object;
+}
+
+Result<Outcome> what_if(Session& session, const Arguments& arguments) {
+  const auto work = model_work(session, arguments.common);
+  if (!work) return tl::unexpected(work.error());
+  const auto told = what_if_told(session, *work, arguments.common.model, arguments.after, arguments.common.import);
+  if (!told) return tl::unexpected(told.error());
+  return Outcome{what_if_text(*told), one_line(json_of_told(*told)), kDone};
+}
+
+}  // namespace
+
+void add_model_what_if(Menu& menu) {
+  const auto arguments = std::make_shared<Arguments>();
+  Verb verb = menu.verb("what-if", "the error that compensation would leave; predicted against achieved",
+                        "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv");
+  take_model_and_data(verb, arguments->common);
+  verb.texts("--after", arguments->after, "the same measured again with the unit compensating");
+  verb.runs([arguments](Session& session) { return what_if(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,58 @@
+// `ecs params check`: everything that stands against a parameter file, at once.
+#include "params/check.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/params/menu.hpp"
+#include "base/json.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct CheckArguments {
+  std::string file;
+  std::string machine;
+};
+
+Json json_of(const std::vector<params::Finding>& findings) {
+  Json out = Json::array();
+  for (const params::Finding& finding : findings)
+    out.push_back(
+        {{"severity", params::name_of(finding.severity)}, {"keys", finding.keys}, {"message", finding.message}});
+  return out;
+}
+
+Result<Outcome> check_file(Session& session, const CheckArguments& arguments) {
+  const auto file = params::read_parameters(arguments.file);
+  if (!file) return tl::unexpected(file.error());
+  std::optional<params::Machine> machine;
+  if (!arguments.machine.empty()) {
+    auto read = params::read_machine(arguments.machine);
+    if (!read) return tl::unexpected(read.error());
+    for (const Problem& warning : read->warnings) session.face.warn(to_text(warning));
+    machine = read->machine;
+  }
+  const auto findings = params::check(file->parameters, machine ? &*machine : nullptr);
+  const bool sound = !params::has_errors(findings);
+  Json object{
+      {"file", arguments.file}, {"sound", sound}, {"findings", json_of(findings)}, {"defaulted", file->defaulted}};
+  std::string text = params::to_text(findings);
+  if (text.empty()) text = fmt::format("{}: sound", arguments.file);
+  return Outcome{text, one_line(object), findings.empty() ? kDone : kDoesNotHold};
+}
+
+}  // namespace
+
+void add_params_check(Menu& menu) {
+  const auto arguments = std::make_shared<CheckArguments>();
+  menu.verb("check", "every finding against a parameter file, with what to do",
+            "ecs params check mill.toml --machine machine.toml")
+      .text("FILE", arguments->file, "parameter file", Need::required)
+      .text("--machine", arguments->machine, "machine file to compare with")
+      .runs([arguments](Session& session) { return check_file(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,202 @@
+// `ecs params show, set, diff, new`: what works on parameter files; show and diff also look into a unit.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/params/menu.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/parameters_view.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "params/check.hpp"
+#include "params/diff.hpp"
+#include "params/fields.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::string_view kUnitWord = "unit";
+
+Result<UnitParameters> parameters_in_unit(Session& session) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  return receive_parameters(unit->client());
+}
+
+Result<UnitParameters> parameters_from(Session& session, const std::string& file_or_unit) {
+  if (file_or_unit == kUnitWord) return parameters_in_unit(session);
+  auto file = params::read_parameters(file_or_unit);
+  if (!file) return tl::unexpected(file.error());
+  return file->parameters;
+}
+
+// --- show
+struct ShowArguments {
+  std::string file;
+  bool unit = false;
+};
+
+Result<Outcome> show_unit(Session& session) {
+  const auto parameters = parameters_in_unit(session);
+  if (!parameters) return tl::unexpected(parameters.error());
+  return Outcome{table_of(*parameters), one_line(Json{{"parameters", json_of(*parameters)}}), kDone};
+}
+
+Result<Outcome> show(Session& session, const ShowArguments& arguments) {
+  if (arguments.unit == !arguments.file.empty())
+    return problem(ProblemKind::usage, "params show: give either a FILE or --unit");
+  if (arguments.unit) return show_unit(session);
+  const auto file = params::read_parameters(arguments.file);
+  if (!file) return tl::unexpected(file.error());
+  std::string text = table_of(file->parameters);
+  if (!file->identity.machine.empty() || !file->identity.serial_number.empty())
+    text = fmt::format("machine {}, serial number {}\n\n", file->identity.machine, file->identity.serial_number) + text;
+  const Json identity{{"machine", text_or_null(file->identity.machine)},
+                      {"serial_number", text_or_null(file->identity.serial_number)}};
+  return Outcome{text,
+                 one_line(Json{{"file", arguments.file},
+                               {"identity", identity},
+                               {"parameters", json_of(file->parameters)},
+                               {"defaulted", file->defaulted}}),
+                 kDone};
+}
+
+// --- set
+struct SetArguments {
+  std::string file;
+  std::vector<std::string> words;
+  std::string output;
+};
+
+struct Assignment {
+  std::string key;
+  std::string value;
+};
+
+/// KEY=VALUE words and KEY VALUE pairs, mixed.
+Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& words) {
+  std::vector<Assignment> all;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::size_t equals = words[i].find('=');
+    if (equals != std::string::npos) {
+      all.push_back({words[i].substr(0, equals), words[i].substr(equals + 1)});
+    } else if (i + 1 < words.size()) {
+      all.push_back({words[i], words[i + 1]});
+      ++i;
+    } else {
+      return problem(ProblemKind::usage, fmt::format("params set: expected a value after \"{}\"", words[i]));
+    }
+  }
+  return all;
+}
+
+Result<Outcome> set_values(Session& session, const SetArguments& arguments) {
+  auto file = params::read_parameters(arguments.file);
+  if (!file) return tl::unexpected(file.error());
+  const auto assignments = assignments_of(arguments.words);
+  if (!assignments) return tl::unexpected(assignments.error());
+  const UnitParameters before = file->parameters;
+  std::vector<Problem> problems;
+  for (const Assignment& assignment : *assignments)
+    if (auto set = params::set(file->parameters, assignment.key, assignment.value); !set)
+      problems.push_back(set.error());
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  for (const params::Finding& finding : params::check(file->parameters))
+    session.face.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
+  const std::string output = arguments.output.empty() ? arguments.file : arguments.output;
+  if (auto written = params::write_parameters(output, file->parameters, file->identity); !written)
+    return tl::unexpected(written.error());
+  Json changed = Json::array();
+  std::string text;
+  for (const params::Difference& difference : params::diff(before, file->parameters)) {
+    changed.push_back({{"key", difference.key}, {"from", difference.a}, {"to", difference.b}});
+    text += fmt::format("{}: {} -> {}{}{}\n", difference.key, difference.a, difference.b,
+                        difference.unit.empty() ? "" : " ", difference.unit);
+  }
+  if (changed.empty()) text = "unchanged: these values stood there already\n";
+  text += fmt::format("written to {}", output);
+  return Outcome{text, one_line(Json{{"file", output}, {"changed", changed}}), kDone};
+}
+
+// --- diff
+struct DiffArguments {
+  std::string a;
+  std::string b;
+};
+
+Result<Outcome> diff_two(Session& session, const DiffArguments& arguments) {
+  const auto a = parameters_from(session, arguments.a);
+  if (!a) return tl::unexpected(a.error());
+  const auto b = parameters_from(session, arguments.b);
+  if (!b) return tl::unexpected(b.error());
+  const auto differences = params::diff(*a, *b);
+  Json list = Json::array();
+  for (const params::Difference& difference : differences)
+    list.push_back(
+        {{"key", difference.key}, {"unit", text_or_null(difference.unit)}, {"a", difference.a}, {"b", difference.b}});
+  std::string text = params::to_text(differences, arguments.a, arguments.b);
+  if (text.empty()) text = "no difference";
+  const Json object{{"a", arguments.a}, {"b", arguments.b}, {"same", differences.empty()}, {"differences", list}};
+  return Outcome{text, one_line(object), differences.empty() ? kDone : kDoesNotHold};
+}
+
+// --- new
+struct NewArguments {
+  std::string machine;
+  std::string output;
+};
+
+Result<Outcome> new_file(Session& session, const NewArguments& arguments) {
+  const auto machine = params::read_machine(arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  for (const Problem& warning : machine->warnings) session.face.warn(to_text(warning));
+  const UnitParameters parameters = params::default_parameters_for(machine->machine);
+  if (auto written = params::write_parameters(arguments.output, parameters, {machine->machine.name, {}}); !written)
+    return tl::unexpected(written.error());
+  return Outcome{fmt::format("{}: parameters to start from; set the datum type, output scaling and polarity of the "
+                             "control, then `ecs params check {}`",
+                             arguments.output, arguments.output),
+                 one_line(Json{{"file", arguments.output}, {"parameters", json_of(parameters)}}), kDone};
+}
+
+}  // namespace
+
+void add_params_show(Menu& menu) {
+  const auto arguments = std::make_shared<ShowArguments>();
+  menu.verb("show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml")
+      .text("FILE", arguments->file, "parameter file")
+      .flag("--unit", arguments->unit, "those in the unit")
+      .uses_link()
+      .runs([arguments](Session& session) { return show(session, *arguments); });
+}
+
+void add_params_set(Menu& menu) {
+  const auto arguments = std::make_shared<SetArguments>();
+  menu.verb("set", "change values in a parameter file",
+            "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml")
+      .text("FILE", arguments->file, "parameter file", Need::required)
+      .texts("KEY=VALUE", arguments->words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
+      .text("-o,--output", arguments->output, "write here in place of FILE")
+      .runs([arguments](Session& session) { return set_values(session, *arguments); });
+}
+
+void add_params_diff(Menu& menu) {
+  const auto arguments = std::make_shared<DiffArguments>();
+  menu.verb("diff", "what differs between two parameter sets; `unit` stands for the unit",
+            "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200")
+      .text("A", arguments->a, "parameter file, or `unit`", Need::required)
+      .text("B", arguments->b, "parameter file, or `unit`", Need::required)
+      .uses_link()
+      .runs([arguments](Session& session) { return diff_two(session, *arguments); });
+}
+
+void add_params_new(Menu& menu) {
+  const auto arguments = std::make_shared<NewArguments>();
+  menu.verb("new", "parameters to start from, for a machine file",
+            "ecs params new --machine machine.toml -o mill-parameters.toml")
+      .text("--machine", arguments->machine, "machine file", Need::required)
+      .text("-o,--output", arguments->output, "parameter file to write", Need::required)
+      .runs([arguments](Session& session) { return new_file(session, *arguments); });
+}
+
+}  // namespace ecs::app

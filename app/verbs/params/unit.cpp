@@ -1,0 +1,102 @@
+// `ecs params send, receive`: the parameters between file and unit.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/params/menu.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "commissioning/unit/parameters_view.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct SendArguments {
+  std::string file;
+  bool force = false;
+  bool other_machine = false;
+};
+
+Outcome sent(const SendArguments& arguments, const SendReport& report) {
+  std::string text = fmt::format("parameters of {} sent and verified: {} bytes, commit {}", arguments.file,
+                                 report.bytes, report.commit_sequence);
+  if (report.map_kept) text += "\nthe map in the unit fits and stays";
+  if (report.map_dropped) text += "\nthe unit has no map now: send one with `ecs map send`";
+  return {text,
+          one_line(Json{{"file", arguments.file},
+                        {"bytes", report.bytes},
+                        {"commit_sequence", report.commit_sequence},
+                        {"verified", true},
+                        {"map_kept", report.map_kept},
+                        {"map_dropped", report.map_dropped},
+                        {"map_objections", report.map_objections}}),
+          kDone};
+}
+
+Result<Outcome> send(Session& session, const SendArguments& arguments) {
+  const auto file = params::read_parameters(arguments.file);
+  if (!file) return tl::unexpected(file.error());
+  if (auto objections = objections_to(file->parameters, arguments.file)) return tl::unexpected(std::move(*objections));
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const params::Identity owner = arguments.other_machine ? params::Identity() : file->identity;
+  if (auto refused = refused_map(other_unit(owner, identity->serial_number), arguments.file))
+    return tl::unexpected(std::move(*refused));
+  const auto report =
+      send_parameters(unit->client(), file->parameters, owner, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
+                      progress_bar(session, "parameters"));
+  if (!report) return tl::unexpected(report.error());
+  for (const std::string& objection : report->map_objections)
+    session.face.warn("the map in the unit is dropped: " + objection);
+  return sent(arguments, *report);
+}
+
+struct ReceiveArguments {
+  std::string output;
+};
+
+Result<Outcome> receive(Session& session, const ReceiveArguments& arguments) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto identity = unit->client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const auto parameters = receive_parameters(unit->client());
+  if (!parameters) return tl::unexpected(parameters.error());
+  const params::Identity owner{{}, identity->serial_number};
+  const Json object{{"file", text_or_null(arguments.output)},
+                    {"serial_number", text_or_null(identity->serial_number)},
+                    {"parameters", json_of(*parameters)}};
+  if (arguments.output.empty()) return Outcome{params::parameters_toml(*parameters, owner), one_line(object), kDone};
+  if (auto written = params::write_parameters(arguments.output, *parameters, owner); !written)
+    return tl::unexpected(written.error());
+  return Outcome{fmt::format("parameters of unit {} written to {}", identity->serial_number, arguments.output),
+                 one_line(object), kDone};
+}
+
+}  // namespace
+
+void add_params_send(Menu& menu) {
+  const auto arguments = std::make_shared<SendArguments>();
+  menu.verb("send", "check a parameter file and send it to the unit; its map stays",
+            "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200")
+      .text("FILE", arguments->file, "parameter file", Need::required)
+      .flag("--force", arguments->force, "drop a map in the unit that does not fit, in place of refusing")
+      .flag("--other-machine", arguments->other_machine, "send although [identity] names another machine")
+      .writes_to_unit()
+      .runs([arguments](Session& session) { return send(session, *arguments); });
+}
+
+void add_params_receive(Menu& menu) {
+  const auto arguments = std::make_shared<ReceiveArguments>();
+  menu.verb("receive", "the unit's parameters as a file",
+            "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200")
+      .text("-o,--output", arguments->output, "file to write; without it the text goes to stdout")
+      .uses_link()
+      .runs([arguments](Session& session) { return receive(session, *arguments); });
+}
+
+}  // namespace ecs::app

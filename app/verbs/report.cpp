@@ -1,0 +1,181 @@
+// `ecs report`: one self-contained HTML page of a commissioning.
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/menus.hpp"
+#include "app/report/page.hpp"
+#include "app/report/sections.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "commissioning/measurements/files.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr int kUnfitFile = 3;
+
+Json band_of(const std::optional<MeasuredPhase>& phase) {
+  return phase ? number_or_null(phase->readings.band) : Json(nullptr);
+}
+
+Json json_of(const ReportContent& content, std::size_t i) {
+  const TableRow& row = content.rows[i];
+  Json problems = Json::array();
+  for (const Problem& one : row.problems) problems.push_back(app::json_of(one));
+  return {{"name", row.planned.name},
+          {"title", row.planned.title},
+          {"unit", laser::unit_of(row.planned.sense)},
+          {"before", band_of(row.before)},
+          {"after", band_of(row.after)},
+          {"predicted", content.predicted.empty() ? Json(nullptr) : number_or_null(content.predicted[i].band)},
+          {"ratio", number_or_null(row.ratio())},
+          {"limit", number_or_null(row.planned.published_after)},
+          {"verdict", word_for(verdict_of(row))},
+          {"problems", std::move(problems)}};
+}
+
+/// What a report may hold and this one was not given.
+Json absent_from(const ReportContent& content) {
+  Json absent = Json::array();
+  for (const auto& [there, what] : {std::pair{content.planned, "plan"},
+                                    {content.has_before, "before"},
+                                    {content.has_after, "after"},
+                                    {content.machine.has_value(), "machine"},
+                                    {content.map.has_value(), "map"},
+                                    {content.parameters.has_value(), "parameters"},
+                                    {content.model.has_value(), "model"},
+                                    {content.diagnosis.has_value(), "diagnosis"},
+                                    {content.status.has_value(), "status"}})
+    if (!there) absent.push_back(what);
+  return absent;
+}
+
+std::optional<Problem> unfit_files(const ReportContent& content) {
+  std::vector<Problem> all = content.problems;
+  for (const TableRow& row : content.rows) all.insert(all.end(), row.problems.begin(), row.problems.end());
+  if (all.empty()) return std::nullopt;
+  return folded(std::move(all));
+}
+
+/// By direction and for the vector; null: not predicted.
+Json json_of(const std::optional<PredictedVolume>& volume) {
+  if (!volume) return nullptr;
+  Json before = Json::object(), after = Json::object();
+  const auto add = [&](const std::string& name, std::size_t d) {
+    for (auto& [size, into] :
+         {std::pair<const laser::ResidualSize&, Json&>{volume->before, before}, {volume->after, after}})
+      into[name] = {{"largest_um", number_or_null(size.largest_um[d])}, {"rms_um", number_or_null(size.rms_um[d])}};
+  };
+  for (const Axis axis : kAllAxes)
+    if (volume->present[index_of(axis)]) add(std::string(1, letter_of(axis)), index_of(axis));
+  add("length", kAxes);
+  return {{"from", volume->from},
+          {"places", volume->places},
+          {"predicted_before", std::move(before)},
+          {"predicted_after", std::move(after)}};
+}
+
+struct Page {
+  std::string html;
+  bool replaced = false;  ///< another file of that name was there
+};
+
+Json answer_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(json_of(content, i));
+  Json object{{"report", output},
+              {"bytes", page.html.size()},
+              {"sha256", sha256_hex(page.html)},
+              {"replaced", page.replaced},
+              {"machine", text_or_null(header_value(content, "machine"))},
+              {"serial_number", text_or_null(header_value(content, "serial_number"))},
+              {"date", text_or_null(content.date)},
+              {"map_sha256", content.map ? Json(content.map->sha256) : Json(nullptr)},
+              {"block_check",
+               content.map && content.map->check ? Json(fmt::format("{:08X}", *content.map->check)) : Json(nullptr)},
+              {"verdict", j.sentence},
+              {"measured_after", j.after},
+              {"judged", j.judged},
+              {"within", j.within},
+              {"missing", j.missing},
+              {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
+              {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
+              {"volume", json_of(content.volume)},
+              {"next", j.next},
+              {"absent", absent_from(content)},
+              {"rows", std::move(rows)}};
+  if (const auto unfit = unfit_files(content)) object["error"] = app::json_of(*unfit);
+  return object;
+}
+
+std::string text_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+  std::string text = fmt::format("{}\n", j.sentence);
+  if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
+  if (content.volume) text += volume_sentence(*content.volume) + "\n";
+  for (const std::string& open : j.next) text += fmt::format("- {}\n", open);
+  return text + fmt::format("report written to {} ({} kB{})\n", output, (page.html.size() + 500) / 1000,
+                            page.replaced ? ", replaced" : "");
+}
+
+Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles& files, const ReportContent& content) {
+  std::vector<std::string> inputs = arguments.data;
+  for (const auto* path :
+       {&files.plan, &files.machine, &files.map, &files.params, &files.model, &files.diagnosis, &files.status})
+    if (!path->empty()) inputs.push_back(path->string());
+  for (const TableRow& row : content.rows)
+    for (const auto* phase : {&row.before, &row.after})
+      if (*phase) inputs.push_back((*phase)->file.string());
+  return spares_inputs(arguments.output, inputs);
+}
+
+Result<Outcome> report(Session& session, const ReportArguments& arguments) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(arguments.output, ignored))
+    return problem(ProblemKind::usage,
+                   fmt::format("-o {} is a folder: name the page in it, as in {}", arguments.output,
+                               (std::filesystem::path(arguments.output) / "report.html").lexically_normal().string()));
+  const auto files = report_files(arguments);
+  if (!files) return tl::unexpected(files.error());
+  if (!arguments.data.empty() && files->model.empty())
+    return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
+  const auto content = report_content(session, arguments);
+  if (!content) return tl::unexpected(content.error());
+  if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
+  const Judgement judgement = judgement_of(*content);
+  const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
+  if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());
+  return Outcome{text_of(*content, judgement, arguments.output, page),
+                 one_line(answer_of(*content, judgement, arguments.output, page)),
+                 unfit_files(*content) ? kUnfitFile : kDone};
+}
+
+}  // namespace
+
+void add_report_verb(Menu& root) {
+  const auto arguments = std::make_shared<ReportArguments>();
+  Verb verb = root.verb("report", "one self-contained HTML page of a commissioning, to read, print and keep",
+                        "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
+                        "-o report.html\n  ecs report commissioning/ -o report.html");
+  verb.texts("PLACE", arguments->places,
+             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+             "model.toml, diagnosis.json, status.json")
+      .text("-o,--output", arguments->output, "the page", Need::required)
+      .text("--before", arguments->before, "folder of NAME.csv, measured without compensation")
+      .text("--after", arguments->after, "folder of NAME.csv, measured with compensation")
+      .text("--machine", arguments->machine, "the machine (.toml)")
+      .text("--map", arguments->map, "the error map (.csv)")
+      .text("--params", arguments->params, "the unit's parameters (.toml)")
+      .text("--model", arguments->model, "error model (.toml): fitted, diagnosed, predicted against achieved")
+      .texts("--data", arguments->data, "readings for the model; without: those of its senses in --before")
+      .text("--diagnosis", arguments->diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here")
+      .text("--status", arguments->status, "state of the unit, as `ecs utility status --save` keeps it")
+      .texts("--header", arguments->header, "key=value of the head of the page, such as customer=…; wins over files")
+      .text("--date", arguments->date, "of the report; without: the last date in the files")
+      .integer("--blanks", arguments->blanks, "simulated data sets of noise alone for the diagnosis", 50, 20'000)
+      .runs([arguments](Session& session) { return report(session, *arguments); });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,175 @@
+// `ecs utility position, output, run, ramtest, reset, clear`: single commands to the unit.
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/utility/menu.hpp"
+#include "base/json.hpp"
+#include "base/numbers.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/utility_work.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// Opens the unit and gives one command whose success needs no more than these words.
+Result<Outcome> simple(Session& session, const std::function<Result<void>(protocol::UnitClient&)>& command,
+                       const std::string& text, const Json& object) {
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  if (const auto done = command(unit->client()); !done) return tl::unexpected(done.error());
+  return Outcome{text, one_line(object), kDone};
+}
+
+struct PositionArguments {
+  std::string axis;
+  double position_mm = 0.0;
+};
+
+Result<Outcome> set_position(Session& session, const PositionArguments& arguments) {
+  const auto axis = axis_named(arguments.axis);
+  if (!axis) return tl::unexpected(axis.error());
+  return simple(
+      session, [&](protocol::UnitClient& client) { return client.set_axis_position(*axis, arguments.position_mm); },
+      fmt::format("axis {} now shows {} mm", arguments.axis, arguments.position_mm),
+      Json{{"axis", arguments.axis}, {"position_mm", arguments.position_mm}});
+}
+
+struct OutputArguments {
+  std::string axis;
+  std::optional<double> output_um;
+  bool relay = false;
+  bool off = false;
+  bool yes = false;
+};
+
+Result<Outcome> output_value(Session& session, const OutputArguments& arguments) {
+  const bool given = !arguments.axis.empty() && arguments.output_um.has_value();
+  if (arguments.off == given) return problem(ProblemKind::usage, "utility output: give either AXIS UM or --off");
+  if (arguments.off)
+    return simple(
+        session, [](protocol::UnitClient& client) { return client.output_off(); }, "every output 0, every relay open",
+        Json{{"off", true}});
+  const auto axis = axis_named(arguments.axis);
+  if (!axis) return tl::unexpected(axis.error());
+  if (arguments.relay)
+    if (const auto sure = confirmed(arguments.yes, fmt::format("with the relay closed, axis {} moves by {} um",
+                                                               arguments.axis, *arguments.output_um));
+        !sure)
+      return tl::unexpected(sure.error());
+  return simple(
+      session,
+      [&](protocol::UnitClient& client) {
+        return client.output_compensation(*axis, *arguments.output_um, arguments.relay);
+      },
+      fmt::format("axis {}: {} um at the D/A converter, relay {}; `ecs utility output --off` ends it", arguments.axis,
+                  *arguments.output_um, arguments.relay ? "closed" : "open"),
+      Json{{"axis", arguments.axis}, {"output_um", *arguments.output_um}, {"relay_closed", arguments.relay}});
+}
+
+struct RunArguments {
+  std::string address;
+  std::string argument = "0";
+  double wait_s = 60.0;
+  bool yes = false;
+};
+
+Result<Outcome> run_program_in_unit(Session& session, const RunArguments& arguments) {
+  const auto address = whole_number(arguments.address, "ADDRESS");
+  if (!address) return tl::unexpected(address.error());
+  const auto argument = whole_number(arguments.argument, "--argument");
+  if (!argument) return tl::unexpected(argument.error());
+  if (const auto sure =
+          confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(*address)));
+      !sure)
+    return tl::unexpected(sure.error());
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
+  const auto value = unit->client().run_user_software(*address, *argument, limit);
+  if (!value) return tl::unexpected(value.error());
+  const auto registers = kept_registers(unit->client());
+  if (!registers) return tl::unexpected(registers.error());
+  Json values;
+  for (const KeptRegister& one : *registers) values[one.name] = one.value;
+  return Outcome{
+      fmt::format("the program at {} returned {} (0x{:08X})\n{}", hex_address(*address), *value, *value,
+                  text_of(*registers)),
+      one_line(Json{
+          {"address", hex_address(*address)}, {"argument", *argument}, {"returned", *value}, {"registers", values}}),
+      kDone};
+}
+
+Result<Outcome> ram_test(Session& session) {
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  const auto result = unit->client().run_ram_test([&session](const protocol::CommandResult& busy) {
+    session.face.progress("RAM test", busy.per_mille / 1000.0, 0.0);
+  });
+  if (!result) return tl::unexpected(result.error());
+  const bool passed = result->value == protocol::kUnused;
+  return Outcome{
+      passed ? std::string("RAM test passed")
+             : fmt::format("RAM test failed at {}: replace that axis memory module", hex_address(result->value)),
+      one_line(Json{{"passed", passed}, {"address", passed ? Json(nullptr) : Json(hex_address(result->value))}}),
+      passed ? kDone : kDoesNotHold};
+}
+
+void add_position(Menu& menu) {
+  const auto arguments = std::make_shared<PositionArguments>();
+  menu.verb("position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5")
+      .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis", Need::required)
+      .number("MM", arguments->position_mm, "position, mm", Need::required)
+      .writes_to_unit()
+      .runs([arguments](Session& session) { return set_position(session, *arguments); });
+}
+
+void add_output(Menu& menu) {
+  const auto arguments = std::make_shared<OutputArguments>();
+  menu.verb("output", "put a compensation value on the D/A converter of one axis",
+            "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off")
+      .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis")
+      .number("UM", arguments->output_um, "compensation, um")
+      .flag("--relay", arguments->relay, "close the relay: the machine axis moves (needs --yes)")
+      .flag("--off", arguments->off, "every output 0, every relay open")
+      .flag("--yes", arguments->yes, "the axis may move")
+      .writes_to_unit()
+      .runs([arguments](Session& session) { return output_value(session, *arguments); });
+}
+
+void add_run(Menu& menu) {
+  const auto arguments = std::make_shared<RunArguments>();
+  menu.verb("run", "run machine code that lies in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes")
+      .text("ADDRESS", arguments->address, "start address, decimal or 0x…", Need::required)
+      .text("--argument", arguments->argument, "a number that the program is given")
+      .number("--wait", arguments->wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
+      .flag("--yes", arguments->yes, "run it")
+      .writes_to_unit()
+      .runs([arguments](Session& session) { return run_program_in_unit(session, *arguments); });
+}
+
+}  // namespace
+
+void add_utility_commands(Menu& menu) {
+  add_position(menu);
+  add_output(menu);
+  add_run(menu);
+  menu.verb("ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest")
+      .writes_to_unit()
+      .runs(ram_test);
+  menu.verb("reset", "restart the unit", "ecs utility reset").writes_to_unit().runs([](Session& session) {
+    return simple(
+        session, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
+        Json{{"reset", true}});
+  });
+  menu.verb("clear", "clear the fault that the unit keeps", "ecs utility clear")
+      .writes_to_unit()
+      .runs([](Session& session) {
+        return simple(
+            session, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
+            Json{{"cleared", true}});
+      });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,101 @@
+// `ecs utility mode`: integration or compensation, and how far datuming is.
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/utility/menu.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/utility_work.hpp"
+
+namespace ecs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kPoll{250};
+
+struct ModeArguments {
+  std::string mode;
+  double wait_s = 60.0;
+};
+
+std::string stages_of(const StatusSnapshot& snapshot) {
+  std::string text;
+  for (const Axis axis : kAllAxes)
+    if (snapshot.identity.axis_present[index_of(axis)])
+      text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", letter_of(axis),
+                          ecs::name_of(snapshot.status.axes[index_of(axis)].datum_stage));
+  return text;
+}
+
+Outcome outcome_of(const StatusSnapshot& snapshot, std::string text, int exit_code) {
+  const Json full = json_of(snapshot);
+  Json object{{"mode", full["mode"]}, {"fault", full["fault"]}, {"axes", full["axes"]}};
+  return {std::move(text), one_line(object), exit_code};
+}
+
+Result<Outcome> integrate(UnitLink& unit) {
+  if (const auto entered = unit.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+  const auto snapshot = take_snapshot(unit.client(), unit.name());
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  return outcome_of(*snapshot, "integration mode: relays open", kDone);
+}
+
+/// Follows the unit until it compensates, gives up or the time is over.
+Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
+  const auto end = Clock::now() + std::chrono::duration<double>(wait_s);
+  for (std::string told;;) {
+    const auto snapshot = take_snapshot(unit.client(), unit.name());
+    if (!snapshot) return tl::unexpected(snapshot.error());
+    const UnitMode mode = snapshot->status.mode;
+    if (mode == UnitMode::compensating) return outcome_of(*snapshot, "the unit compensates", kDone);
+    if (snapshot->status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
+      return problem(ProblemKind::link, snapshot->status.fault == Fault::none
+                                            ? std::string("the unit went back to integration mode")
+                                            : fault_sentence(snapshot->status));
+    const std::string stages = stages_of(*snapshot);
+    if (stages != told) session.face.note(fmt::format("datuming: {}", stages));
+    told = stages;
+    if (Clock::now() >= end)
+      return outcome_of(
+          *snapshot,
+          fmt::format("not yet compensating after {} s ({}); the unit goes on waiting until every axis has "
+                      "been referenced; `ecs utility status` shows how far it is",
+                      wait_s, stages),
+          wait_s > 0.0 ? kDoesNotHold : kDone);
+    if (!unit.client().link().pause(kPoll)) return problem(ProblemKind::link, "stopped while datuming");
+  }
+}
+
+Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
+  const auto now = unit.client().status();
+  if (!now) return tl::unexpected(now.error());
+  const bool under_way = now->mode == UnitMode::datuming || now->mode == UnitMode::compensating;
+  if (!under_way)
+    if (const auto entered = begin_compensation(unit.client()); !entered) return tl::unexpected(entered.error());
+  if (now->mode != UnitMode::compensating) ask_to_reference(session, unit, "every axis");
+  return follow(session, unit, wait_s);
+}
+
+Result<Outcome> change_mode(Session& session, const ModeArguments& arguments) {
+  auto unit = open_unit(session, Access::writes);
+  if (!unit) return tl::unexpected(unit.error());
+  return arguments.mode == "integrate" ? integrate(*unit) : compensate(session, *unit, arguments.wait_s);
+}
+
+}  // namespace
+
+void add_utility_mode(Menu& menu) {
+  const auto arguments = std::make_shared<ModeArguments>();
+  menu.verb("mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
+            "ecs utility mode compensate --wait 120\n  ecs utility mode integrate")
+      .choice("MODE", arguments->mode, {"compensate", "integrate"}, "mode", Need::required)
+      .number("--wait", arguments->wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
+              86400.0)
+      .writes_to_unit()
+      .runs([arguments](Session& session) { return change_mode(session, *arguments); });
+}
+
+}  // namespace ecs::app

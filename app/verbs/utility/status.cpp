@@ -1,0 +1,47 @@
+// `ecs utility status`: the unit's state and faults, live or from a file.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/verbs/utility/menu.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct StatusArguments {
+  std::string save;
+  std::string from;
+};
+
+Result<StatusSnapshot> snapshot_of_unit(Session& session) {
+  auto unit = open_unit(session, Access::reads);
+  if (!unit) return tl::unexpected(unit.error());
+  return take_snapshot(unit->client(), unit->name());
+}
+
+Result<Outcome> show_status(Session& session, const StatusArguments& arguments) {
+  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(session) : read_snapshot(arguments.from);
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  if (!arguments.save.empty()) {
+    if (auto written = write_snapshot(arguments.save, *snapshot); !written) return tl::unexpected(written.error());
+    session.face.note(fmt::format("status written to {}", arguments.save));
+  }
+  return Outcome{text_of(*snapshot), one_line(json_of(*snapshot)), kDone};
+}
+
+}  // namespace
+
+void add_utility_status(Menu& menu) {
+  const auto arguments = std::make_shared<StatusArguments>();
+  menu.verb("status", "mode, fault and what to do, memory tests, address pointers, relays",
+            "ecs utility status --save status.json\n  ecs utility status --from status.json")
+      .text("--save", arguments->save, "write decoded values and raw registers to this file")
+      .text("--from", arguments->from, "decode such a file; no unit is asked")
+      .uses_link()
+      .runs([arguments](Session& session) { return show_status(session, *arguments); });
+}
+
+}  // namespace ecs::app

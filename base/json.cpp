@@ -1,0 +1,27 @@
+#include "base/json.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number_or_null(const std::optional<double>& value) { return value ? number_or_null(*value) : Json(nullptr); }
+Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) : Json(std::string(text)); }
+
+std::string one_line(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json json_of(const Problem& problem) {
+  Json out;
+  out["message"] = problem.message;
+  out["file"] = text_or_null(problem.file);
+  out["line"] = problem.line > 0 ? Json(problem.line) : Json(nullptr);
+  out["column"] = problem.column > 0 ? Json(problem.column) : Json(nullptr);
+  for (const Problem& other : problem.also) out["also"].push_back(json_of(other));
+  return out;
+}
+
+std::string hex_address(std::uint32_t address) { return fmt::format("0x{:06X}", address); }
+
+}  // namespace ecs::app

@@ -1,0 +1,28 @@
+#include "base/numbers.hpp"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ecs::app {
+
+Result<std::uint32_t> whole_number(std::string_view text, std::string_view what) {
+  std::string_view digits = trimmed(text);
+  const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+  if (hexadecimal) digits.remove_prefix(2);
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, hexadecimal ? 16 : 10);
+  if (error == std::errc{} && end == digits.data() + digits.size() && !digits.empty()) return value;
+  return problem(ProblemKind::usage,
+                 fmt::format("{}: expected a whole number such as 4096 or 0x1000, got \"{}\"", what, text));
+}
+
+Result<Axis> axis_named(std::string_view text) {
+  for (const Axis axis : kAllAxes)
+    if (lower(text) == lower(std::string(1, letter_of(axis)))) return axis;
+  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", text));
+}
+
+}  // namespace ecs::app

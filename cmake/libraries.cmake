@@ -1,0 +1,45 @@
+# How a folder becomes a library, a program or a test.
+
+add_library(ecs_flags INTERFACE)
+target_compile_options(ecs_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
+                       -Wnon-virtual-dtor -Wold-style-cast -Werror)
+# GCC 12 warns of overlaps in std::string's own operator+ at -O3 where there are none (its bug 105651).
+target_compile_options(ecs_flags INTERFACE
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
+target_include_directories(ecs_flags INTERFACE ${CMAKE_SOURCE_DIR})
+
+# The library of a folder is named after its path: model/fit is model_fit.
+function(ecs_folder_name result)
+  file(RELATIVE_PATH path ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "_" name ${path})
+  set(${result} ${name} PARENT_SCOPE)
+endfunction()
+
+# ecs_library(LINKS targets...): every .cpp of this folder but main.cpp, as the library of that name. LINKS is what the
+# folder may include; scripts/check_includes holds it to that.
+function(ecs_library)
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  ecs_folder_name(name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  set_property(GLOBAL APPEND PROPERTY ecs_libraries ${name})
+  if(sources)
+    add_library(${name} STATIC ${sources})
+    target_link_libraries(${name} PUBLIC ecs_flags ${ARG_LINKS})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE ecs_flags ${ARG_LINKS})
+  endif()
+endfunction()
+
+# ecs_tests(folder LINKS targets...): tests/<folder>/*.cpp as one program `<folder>_tests`, registered with CTest.
+function(ecs_tests folder)
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${folder}_tests ${sources})
+  target_link_libraries(${folder}_tests PRIVATE ecs_test_main ${ARG_LINKS})
+  add_test(NAME ${folder} COMMAND ${folder}_tests WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+endfunction()

@@ -1,0 +1,78 @@
+#include "commissioning/batch/plan.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/toml_reader.hpp"
+
+namespace ecs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string from_folder(const fs::path& folder, const std::string& path) {
+  return path.empty() ? path : (folder / path).lexically_normal().string();
+}
+
+std::string link_from_folder(const fs::path& folder, const std::string& link) {
+  constexpr std::string_view kEmulator = "emulator:";
+  if (!link.starts_with(kEmulator) || link.size() == kEmulator.size()) return link;
+  return std::string(kEmulator) + from_folder(folder, link.substr(kEmulator.size()));
+}
+
+void take_unit(TomlReader& reader, const toml::table& table, const fs::path& folder, std::vector<PlannedUnit>& units) {
+  reader.only(table, {"name", "link", "serial_number", "params", "map"}, "unit");
+  const auto link = reader.word(table, "link");
+  const auto params = reader.word(table, "params");
+  if (!table.contains("link")) reader.complain(table, "unit: expected `link`: a batch has no default link");
+  if (!table.contains("params")) reader.complain(table, "unit: expected `params`, the parameter file");
+  PlannedUnit unit{reader.word(table, "name").value_or(fmt::format("unit {}", units.size() + 1)),
+                   {},
+                   reader.word(table, "serial_number").value_or(""),
+                   from_folder(folder, params.value_or("")),
+                   from_folder(folder, reader.word(table, "map").value_or(""))};
+  if (link) {
+    auto parsed = parsed_link(link_from_folder(folder, *link), "plan");
+    if (parsed)
+      unit.link = std::move(*parsed);
+    else
+      reader.complain(*table.get("link"), parsed.error().message);
+  }
+  units.push_back(std::move(unit));
+}
+
+Problem in_line_order(Problem all) {
+  std::vector<Problem> problems = std::move(all.also);
+  all.also.clear();
+  problems.insert(problems.begin(), std::move(all));
+  std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
+    return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+  });
+  return folded(std::move(problems));
+}
+
+}  // namespace
+
+Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const std::string& name,
+                                                  const fs::path& folder) {
+  TomlReader reader(name);
+  const auto table = reader.parsed(text);
+  if (!table) return tl::unexpected(table.error());
+  reader.only(*table, {"unit"}, "plan");
+  std::vector<PlannedUnit> units;
+  for (const toml::table* unit : reader.children(*table, "unit")) take_unit(reader, *unit, folder, units);
+  if (units.empty() && reader.clean()) reader.complain(1, "expected at least one [[unit]]");
+  if (!reader.clean()) return tl::unexpected(in_line_order(reader.all()));
+  return units;
+}
+
+Result<std::vector<PlannedUnit>> read_batch_plan(const fs::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_batch_plan(*text, path.string(), path.parent_path());
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,156 @@
+#include "commissioning/laser_session/choices.hpp"
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "laser/map/recipe.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// Where each text answer stands.
+struct TextAnswer {
+  const char* name;
+  std::string ImportArguments::*value;
+};
+constexpr TextAnswer kTexts[] = {{"axis", &ImportArguments::axis},
+                                 {"sense", &ImportArguments::sense},
+                                 {"parked", &ImportArguments::parked},
+                                 {"encoding", &ImportArguments::encoding},
+                                 {"target-unit", &ImportArguments::target_unit},
+                                 {"reading-unit", &ImportArguments::reading_unit},
+                                 {"channel", &ImportArguments::channel},
+                                 {"columns", &ImportArguments::columns},
+                                 {"delimiter", &ImportArguments::delimiter},
+                                 {"decimal", &ImportArguments::decimal},
+                                 {"values", &ImportArguments::values},
+                                 {"profile", &ImportArguments::profile}};
+
+Json json_of(const LaserLineChoice& line) {
+  Json runs = Json::array(), readings = Json::array();
+  for (const auto& [run, reason] : line.runs) runs.push_back({run, reason});
+  for (const auto& [place, reason] : line.readings) readings.push_back({place, reason});
+  return {{"runs", runs}, {"readings", readings}};
+}
+
+Json json_of(const LaserComponentChoice& component) {
+  Json object{{"smoothing_mm", component.smoothing_mm}, {"zero_reason", component.zero_reason}};
+  if (component.slope) object["slope"] = laser::name_of(*component.slope);
+  if (component.increment_mm) object["increment_mm"] = *component.increment_mm;
+  return object;
+}
+
+Json json_of(const LaserHeaderChoice& h) {
+  return {{"customer", h.customer}, {"machine", h.machine}, {"serial_number", h.serial_number},
+          {"engineer", h.engineer}, {"date", h.date},       {"remarks", h.remarks}};
+}
+
+LaserLineChoice line_in(const Json& object) {
+  LaserLineChoice line;
+  for (const Json& one : object.at("runs")) line.runs.emplace(one.at(0).get<int>(), one.at(1).get<std::string>());
+  for (const Json& one : object.at("readings"))
+    line.readings.emplace(one.at(0).get<std::size_t>(), one.at(1).get<std::string>());
+  return line;
+}
+
+LaserComponentChoice component_in(const Json& object) {
+  LaserComponentChoice component;
+  component.smoothing_mm = object.at("smoothing_mm").get<double>();
+  component.zero_reason = object.at("zero_reason").get<std::string>();
+  if (object.contains("slope")) component.slope = laser::slope_method_named(object["slope"].get<std::string>());
+  if (object.contains("increment_mm")) component.increment_mm = object["increment_mm"].get<double>();
+  return component;
+}
+
+LaserHeaderChoice header_in(const Json& h) {
+  return {h.at("customer").get<std::string>(),      h.at("machine").get<std::string>(),
+          h.at("serial_number").get<std::string>(), h.at("engineer").get<std::string>(),
+          h.at("date").get<std::string>(),          h.at("remarks").get<std::string>()};
+}
+
+LaserChoices choices_of(const Json& object) {
+  LaserChoices choices;
+  for (const Json& one : object.at("files")) {
+    LaserFileChoice file{one.at("path").get<std::string>(), {}};
+    for (const auto& [name, value] : one.at("answers").items()) set_answer(file.answers, name, value);
+    choices.files.push_back(std::move(file));
+  }
+  for (const auto& [key, line] : object.at("lines").items()) choices.lines[key] = line_in(line);
+  for (const auto& [code, component] : object.at("components").items())
+    choices.components[code] = component_in(component);
+  choices.params_file = object.at("params").get<std::string>();
+  choices.scope = object.at("scope").get<std::string>();
+  choices.header = header_in(object.at("header"));
+  choices.map_file = object.at("map").get<std::string>();
+  return choices;
+}
+
+}  // namespace
+
+std::string choices_text(const LaserChoices& choices) {
+  Json object{{"files", Json::array()},        {"lines", Json::object()}, {"components", Json::object()},
+              {"params", choices.params_file}, {"scope", choices.scope},  {"header", json_of(choices.header)},
+              {"map", choices.map_file}};
+  for (const LaserFileChoice& file : choices.files)
+    object["files"].push_back({{"path", file.path}, {"answers", given_answers(file.answers)}});
+  for (const auto& [key, line] : choices.lines)
+    if (!(line == LaserLineChoice{})) object["lines"][key] = json_of(line);
+  for (const auto& [code, component] : choices.components)
+    if (!(component == LaserComponentChoice{})) object["components"][code] = json_of(component);
+  return one_line(object);
+}
+
+std::optional<LaserChoices> choices_in(const std::string& text) {
+  try {
+    return choices_of(Json::parse(text));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::map<std::string, std::string> given_answers(const ImportArguments& answers) {
+  std::map<std::string, std::string> given;
+  for (const TextAnswer& answer : kTexts)
+    if (!(answers.*answer.value).empty()) given[answer.name] = answers.*answer.value;
+  if (answers.accept_truncated) given["accept-truncated"] = "yes";
+  if (answers.table_holds_errors) given["table-holds-errors"] = "yes";
+  if (answers.skip > 0) given["skip"] = std::to_string(answers.skip);
+  if (answers.rows > 0) given["rows"] = std::to_string(answers.rows);
+  return given;
+}
+
+void set_answer(ImportArguments& answers, const std::string& name, const std::string& value) {
+  for (const TextAnswer& answer : kTexts)
+    if (name == answer.name) answers.*answer.value = value;
+  const auto number = static_cast<int>(integer_in(value).value_or(0));
+  if (name == "accept-truncated") answers.accept_truncated = value == "yes";
+  if (name == "table-holds-errors") answers.table_holds_errors = value == "yes";
+  if (name == "skip") answers.skip = number;
+  if (name == "rows") answers.rows = number;
+}
+
+const std::vector<AnswerField>& answer_fields() {
+  static const std::vector<AnswerField> fields{
+      {"axis", "the axis that was moved, where the file does not say", {"", "X", "Y", "Z"}},
+      {"sense",
+       "what was measured: EX EY EZ um along, EA EB EC um/m about an axis",
+       {"", "EX", "EY", "EZ", "EA", "EB", "EC"}},
+      {"parked", "where the other axes stood [mm], as in y=-1400,z=0", {}},
+      {"columns", "a table: which column is what, as in x_mm=1,reading=3*0.001,run=2,approach=4", {}},
+      {"skip", "lines before the table", {}},
+      {"rows", "rows of the table to take; empty: all", {}},
+      {"delimiter", "between the columns: one character, or blank, tab, comma, semicolon", {}},
+      {"decimal", "decimal sign of the table", {"", "point", "comma"}},
+      {"values", "what the readings of the table are", {"", "error", "actual", "compensation"}},
+      {"target-unit", "unit of the targets where it is not the usual one: mm, in", {}},
+      {"reading-unit", "unit of the readings where it is not the usual one: um, mil, arcsec", {}},
+      {"channel", "of a log that holds several channels", {}},
+      {"encoding",
+       "code page of the texts; by itself if empty",
+       {"", "UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
+      {"accept-truncated", "take what is left of a file that ends too early", {"", "yes"}},
+      {"table-holds-errors", "a .REN table holds errors, not compensation", {"", "yes"}},
+      {"profile", "import answers saved under this name, or a path", {}}};
+  return fields;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,287 @@
+#include "commissioning/laser_session/lines.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+
+#include "base/text.hpp"
+#include "commissioning/measurements/import_profile.hpp"
+#include "laser/import/import.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// The squareness that an indicator of `sense` shows on a square while `axis` moves.
+std::optional<Component> squareness_shown(Axis axis, Sense sense) {
+  if (is_rotation(sense) || direction_of(sense) == axis) return std::nullopt;
+  const std::size_t normal = 3 - index_of(axis) - index_of(direction_of(sense));
+  return normal == 0 ? Component::A0Z : (normal == 1 ? Component::B0Z : Component::C0Y);
+}
+
+bool is_square(const laser::MeasurementSet& set) {
+  return laser::metadata_value(set, "instrument").value_or("").find("square") != std::string::npos;
+}
+
+std::string key_of(const laser::Group& group, bool square) {
+  std::string key = fmt::format("{} along {} at {}", name_of(group.sense), letter_of(group.axis), parked_text(group));
+  if (square) key += ", square";
+  if (group.compensated.value_or(false)) key += ", compensated";
+  return key;
+}
+
+/// Axes whose place the columns of a table say.
+void take_columns(PerAxis<bool>& told, const std::vector<std::string>& columns) {
+  for (const Axis a : kAllAxes)
+    if (std::find(columns.begin(), columns.end(), lower(std::string(1, letter_of(a))) + "_mm") != columns.end())
+      told[index_of(a)] = true;
+}
+
+/// Which axes' places the file itself says; where it does not, a reader takes 0.
+PerAxis<bool> places_in(const laser::Imported& imported, const ImportArguments& answers) {
+  if (imported.format == laser::FileFormat::height_map) return {true, true, true};
+  if (imported.format == laser::FileFormat::plate) return {true, true, false};
+  PerAxis<bool> told{};
+  if (imported.format == laser::FileFormat::measurement_csv) take_columns(told, imported.set.columns);
+  const auto options = import_options(answers);
+  if (!options || !options->mapping) return told;
+  std::vector<std::string> fields;
+  for (const laser::ColumnRule& rule : options->mapping->rules) fields.push_back(rule.field);
+  take_columns(told, fields);
+  return told;
+}
+
+/// The axes that "y=-1400,z=0" names.
+PerAxis<bool> places_named(const std::string& parked) {
+  PerAxis<bool> named{};
+  for (const std::string_view part : split(parked, ',')) {
+    const std::string_view name = trimmed(part);
+    const auto axis = name.empty() ? std::nullopt
+                                   : axis_of(static_cast<char>(std::toupper(static_cast<unsigned char>(name.front()))));
+    if (axis) named[index_of(*axis)] = true;
+  }
+  return named;
+}
+
+/// Which places file or answers say. A measurement CSV takes from the answers what it has no column for.
+PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& given) {
+  const auto answers = with_profile(given);
+  if (!answers) return {};
+  const PerAxis<bool> in_file = places_in(imported, *answers), named = places_named(answers->parked);
+  PerAxis<bool> told{};
+  for (std::size_t k = 0; k < told.size(); ++k) told[k] = in_file[k] || named[k];
+  const auto options = import_options(*answers);
+  if (!options || imported.format != laser::FileFormat::measurement_csv) return told;
+  for (laser::Reading& reading : imported.set.readings)
+    for (const Axis a : kAllAxes)
+      if (const std::size_t k = index_of(a); named[k] && !in_file[k] && a != reading.axis)
+        reading.position_mm[k] = options->parked_mm[k];
+  return told;
+}
+
+/// Where the axes stand that do not move, a ? for what nothing says.
+void take_place(LaserLine& line, const PerAxis<bool>& told) {
+  line.place.clear();
+  line.place_unknown.clear();
+  for (const Axis a : kAllAxes) {
+    if (a == line.group.axis) continue;
+    line.place += line.place.empty() ? "" : ", ";
+    if (told[index_of(a)]) {
+      line.place += fmt::format("{} {:.6g}", letter_of(a), line.group.parked_mm[index_of(a)]);
+    } else {
+      line.place += fmt::format("{} ?", letter_of(a));
+      line.place_unknown.push_back(a);
+    }
+  }
+}
+
+/// The readings of one line in one file.
+struct Part {
+  laser::MeasurementSet set;
+  std::string file;
+  bool whole_file = false;
+  bool square = false;
+  PerAxis<bool> place_told{};
+};
+
+LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first) {
+  LaserLine line;
+  line.key = std::move(key);
+  line.square = first.square;
+  line.set = std::make_shared<const laser::MeasurementSet>(std::move(set));
+  line.summary = lines_in(*line.set).front();
+  line.group = line.summary.group;
+  line.component = curve_of(line.group.sense, line.group.axis);
+  take_place(line, first.place_told);
+  if (line.square) line.component = squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
+  line.suspects = suspects_of(*line.set, line.group);
+  return line;
+}
+
+std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>& parts) {
+  std::vector<LaserLine> lines;
+  std::vector<laser::MeasurementSet> sets;
+  for (const Part& part : parts) sets.push_back(part.set);
+  auto all = joined(sets);
+  if (all) {
+    lines.push_back(line_of(key, std::move(*all), parts.front()));
+    PerAxis<bool> told = parts.front().place_told;
+    for (const Part& part : parts) {
+      lines.back().files.push_back(part.file);
+      for (std::size_t k = 0; k < told.size(); ++k) told[k] = told[k] && part.place_told[k];
+    }
+    take_place(lines.back(), told);
+    lines.back().whole_file = parts.size() == 1 && parts.front().whole_file;
+    if (parts.size() > 1) lines.back().notes.push_back(fmt::format("{} files are one line here", parts.size()));
+    return lines;
+  }
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    lines.push_back(line_of(k == 0 ? key : fmt::format("{}, file {}", key, k + 1), parts[k].set, parts[k]));
+    lines.back().files = {parts[k].file};
+    lines.back().whole_file = parts[k].whole_file;
+    lines.back().notes.push_back("not joined: " + to_text(all.error()));
+  }
+  return lines;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Readings of one target and approach.
+using Cell = std::vector<std::size_t>;
+
+std::vector<Cell> cells_of(const laser::MeasurementSet& set, const laser::Group& group) {
+  std::vector<std::size_t> order = group.readings;
+  const auto at = [&](std::size_t i) { return laser::target_mm(set.readings[i]); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
+  const double tolerance_mm = laser::target_tolerance_mm(set, group);
+  std::vector<Cell> cells;
+  std::map<Approach, Cell> here;
+  double first_mm = 0.0;
+  const auto close = [&] {
+    for (auto& [approach, cell] : here) cells.push_back(std::move(cell));
+    here.clear();
+  };
+  for (const std::size_t i : order) {
+    if (here.empty() || at(i) - first_mm > tolerance_mm) {
+      close();
+      first_mm = at(i);
+    }
+    here[set.readings[i].approach].push_back(i);
+  }
+  close();
+  return cells;
+}
+
+/// From the mean of the other readings of the cell.
+double distance_in(const laser::MeasurementSet& set, const Cell& cell, std::size_t reading) {
+  double sum = 0.0;
+  for (const std::size_t other : cell)
+    if (other != reading) sum += set.readings[other].error;
+  return set.readings[reading].error - sum / static_cast<double>(cell.size() - 1);
+}
+
+}  // namespace
+
+std::string stamp_of(const std::string& path) {
+  struct stat facts {};
+  if (::stat(path.c_str(), &facts) != 0) return {};
+  return fmt::format("{} {}.{:09}", facts.st_size, facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec);
+}
+
+LaserFile read_laser_file(const LaserFileChoice& choice) {
+  LaserFile file;
+  file.choice = choice;
+  file.stamp = stamp_of(choice.path);
+  auto imported = read_measurements(choice.path, choice.answers);
+  if (!imported) {
+    file.problem = to_text(imported.error());
+    const bool explained = file.problem.find("--") != std::string::npos;
+    file.wants_answers = imported.error().kind == ProblemKind::usage || explained;
+    return file;
+  }
+  file.format = laser::name_of(imported->format);
+  file.format = file.format.substr(0, file.format.find(" ("));
+  if (imported->set.readings.empty()) {
+    file.problem = "it holds no readings";
+    return file;
+  }
+  file.place_told = take_places(*imported, choice.answers);
+  std::vector<std::string> names;
+  for (const laser::Group& group : laser::groups_of(imported->set)) {
+    const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;
+    names.emplace_back(name_of(square.value_or(curve_of(group.sense, group.axis))));
+  }
+  const std::set<std::string> different(names.begin(), names.end());
+  file.summary =
+      names.size() > 4 ? fmt::format("{} lines", names.size()) : fmt::format("{}", fmt::join(different, " "));
+  file.summary += fmt::format(", {} readings", imported->set.readings.size());
+  file.set = std::make_shared<const laser::MeasurementSet>(std::move(imported->set));
+  return file;
+}
+
+std::string missing_place_of(const LaserLine& line) {
+  if (line.place_unknown.empty()) return {};
+  std::string axes;
+  for (const Axis a : line.place_unknown) axes += fmt::format("{}{}", axes.empty() ? "" : " and ", letter_of(a));
+  return fmt::format("parked place of {} not in the file: taken as 0 until Enter tells it", axes);
+}
+
+std::string name_of_line(const LaserLine& line) {
+  return fmt::format("{}{}", name_of(line.component), line.square ? " (square)" : "");
+}
+
+std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<Part>> parts;
+  for (const LaserFile& file : files) {
+    if (!file.set) continue;
+    const auto groups = laser::groups_of(*file.set);
+    const bool square = is_square(*file.set);
+    for (const laser::Group& group : groups) {
+      const std::string key = key_of(group, square);
+      if (!parts.contains(key)) order.push_back(key);
+      const bool whole = groups.size() == 1 && given_answers(file.choice.answers).empty();
+      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square, file.place_told});
+    }
+  }
+  std::vector<LaserLine> lines;
+  for (const std::string& key : order)
+    for (LaserLine& line : lines_of_parts(key, parts[key])) lines.push_back(std::move(line));
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const LaserLine& a, const LaserLine& b) { return a.component < b.component; });
+  return lines;
+}
+
+std::vector<std::size_t> suspects_of(const laser::MeasurementSet& set, const laser::Group& group) {
+  constexpr double kUsual = 1.4826;  // standard deviation over median distance of a normal distribution
+  constexpr double kFar = 5.0;
+  const auto cells = cells_of(set, group);
+  std::vector<double> distances;
+  for (const Cell& cell : cells)
+    if (cell.size() >= 3)
+      for (const std::size_t i : cell) distances.push_back(std::abs(distance_in(set, cell, i)));
+  const double far = kFar * kUsual * median_of(distances);
+  std::vector<std::size_t> suspects;
+  if (far <= 0.0) return suspects;
+  for (const Cell& cell : cells) {
+    if (cell.size() < 3) continue;
+    const auto farthest = *std::max_element(cell.begin(), cell.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(distance_in(set, cell, a)) < std::abs(distance_in(set, cell, b));
+    });
+    if (std::abs(distance_in(set, cell, farthest)) > far) suspects.push_back(farthest);
+  }
+  std::sort(suspects.begin(), suspects.end());
+  return suspects;
+}
+
+}  // namespace ecs::app

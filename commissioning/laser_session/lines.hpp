@@ -1,0 +1,60 @@
+// Files of an instrument as measured lines: one axis, one sense, one place, the readings of all files that hold them.
+// Does not live here: what is left out and what is computed (work.hpp), single formats (laser/import/import.hpp).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commissioning/laser_session/choices.hpp"
+#include "commissioning/measurements/summary.hpp"
+#include "core/component.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::app {
+
+/// A file, read or not.
+struct LaserFile {
+  LaserFileChoice choice;
+  std::string stamp;                                 ///< size and time of writing when it was read
+  std::string format;                                ///< "measurement CSV"
+  std::string summary;                               ///< "EXX, 498 readings"
+  std::shared_ptr<const laser::MeasurementSet> set;  ///< null: not read
+  std::string problem;                               ///< why not
+  bool wants_answers = false;                        ///< it would be read with answers
+  PerAxis<bool> place_told{};                        ///< file or answers say where this axis stood
+};
+[[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);
+/// Size and time of writing; empty: there is no such file.
+[[nodiscard]] std::string stamp_of(const std::string& path);
+
+struct LaserLine {
+  std::string key;                       ///< the same as long as the line is the same: "EX along X at Y -1400, Z 0"
+  Component component = Component::EXX;  ///< the curve, or the squareness that an indicator on a square shows
+  bool square = false;                   ///< read on a square
+  std::string place;                     ///< "Y -1400, Z 0"; "Y ?, Z 0" where nothing says it: taken as 0
+  std::vector<Axis> place_unknown;       ///< the axes whose place nothing says
+  std::shared_ptr<const laser::MeasurementSet> set;  ///< its readings and no others
+  laser::Group group;                                ///< all of them
+  LineSummary summary;
+  std::vector<std::string> files;
+  std::vector<std::string> notes;
+  bool whole_file = false;  ///< the one file holds this line alone and says all of it: a map can name it as it is
+  std::vector<std::size_t> suspects;  ///< readings far from their repeats; nothing is done to them
+};
+
+/// What is missing of the place and what tells it, in words; empty: nothing is.
+[[nodiscard]] std::string missing_place_of(const LaserLine& line);
+
+/// "EXX", "C0Y (square)"
+[[nodiscard]] std::string name_of_line(const LaserLine& line);
+
+/// In the order of the components. Files that measured the same line are joined, their runs numbered on; what cannot be
+/// joined stands apart, with a note.
+[[nodiscard]] std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files);
+
+/// Readings that stand out from the others of their target and approach by more than five times what is usual on the
+/// line (median of the distances, so that outliers do not hide themselves); needs three readings there.
+[[nodiscard]] std::vector<std::size_t> suspects_of(const laser::MeasurementSet& set, const laser::Group& group);
+
+}  // namespace ecs::app

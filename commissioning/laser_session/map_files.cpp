@@ -1,0 +1,91 @@
+// The files of a map: the map itself, its parameters, the recipe, what had to be prepared for it.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/laser_session/map_work.hpp"
+#include "laser/map/recipe.hpp"
+
+namespace ecs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A TOML string.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20) out += c;
+  }
+  return out + "\"";
+}
+
+std::string recipe_text(const laser::MapRecipe& recipe) {
+  std::string text = "# How this map was made; `ecs map build` makes it again from the same files.\n";
+  const auto word = [&](const char* key, const std::string& value) {
+    if (!value.empty()) text += fmt::format("{} = {}\n", key, quoted(value));
+  };
+  word("customer", recipe.customer);
+  word("engineer", recipe.engineer);
+  word("date", recipe.date);
+  word("machine", recipe.machine);
+  word("serial_number", recipe.serial_number);
+  for (const laser::ComponentRecipe& one : recipe.components) {
+    text += fmt::format("\n[[component]]\ncode = \"{}\"\nfiles = [", name_of(one.component));
+    for (std::size_t k = 0; k < one.files.size(); ++k) text += (k == 0 ? "" : ", ") + quoted(one.files[k].string());
+    text += "]\n";
+    if (one.slope) text += fmt::format("slope = \"{}\"\n", laser::name_of(*one.slope));
+    if (one.smoothing_mm > 0.0) text += fmt::format("smoothing_mm = {}\n", shortest(one.smoothing_mm));
+    if (one.increment_mm) text += fmt::format("increment_mm = {}\n", shortest(*one.increment_mm));
+    for (std::size_t k = 0; k < one.exclude_runs.size(); ++k)
+      text += fmt::format("{}{}", k == 0 ? "exclude_runs = [" : ", ", one.exclude_runs[k]);
+    if (!one.exclude_runs.empty()) text += "]\n";
+  }
+  for (const laser::DeclaredZero& zero : recipe.declared_zero)
+    text +=
+        fmt::format("\n[[declared_zero]]\ncode = \"{}\"\nreason = {}\n", name_of(zero.component), quoted(zero.reason));
+  return text;
+}
+
+/// The recipe with its files where they stay: prepared ones beside the map, the others by their whole path.
+Result<laser::MapRecipe> recipe_to_keep(laser::MapRecipe recipe, const fs::path& prepared, const fs::path& keep_in) {
+  for (laser::ComponentRecipe& one : recipe.components)
+    for (fs::path& file : one.files) {
+      std::error_code error;
+      if (file.parent_path() != prepared) {
+        file = fs::absolute(file, error);
+        continue;
+      }
+      const auto content = read_file(file);
+      if (!content) return tl::unexpected(content.error());
+      fs::create_directories(keep_in, error);
+      if (const auto kept = write_file(keep_in / file.filename(), *content); !kept) return tl::unexpected(kept.error());
+      file = fs::absolute(keep_in / file.filename(), error);
+    }
+  return recipe;
+}
+
+}  // namespace
+
+MapFiles files_of_map(const std::string& map_file) {
+  const std::string stem = map_file.ends_with(".csv") ? map_file.substr(0, map_file.size() - 4) : map_file;
+  return {map_file, stem + "-parameters.toml", stem + "-recipe.toml", stem + "-files"};
+}
+
+Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& choices, const fs::path& prepared) {
+  const MapFiles files = files_of_map(choices.map_file);
+  std::error_code error;
+  if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
+  const auto recipe = recipe_to_keep(work.recipe, prepared, files.folder);
+  if (!recipe) return tl::unexpected(recipe.error());
+  for (const auto& [name, text] : {std::pair{files.map, work.csv}, {files.recipe, recipe_text(*recipe)}})
+    if (const auto written = write_file(name, text); !written) return tl::unexpected(written.error());
+  const auto written = params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
+  if (!written) return tl::unexpected(written.error());
+  return files;
+}
+
+}  // namespace ecs::app

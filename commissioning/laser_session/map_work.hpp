@@ -1,0 +1,81 @@
+// The map that the chosen files, parameters and components give, what is missing for it, and its files on disc.
+// Does not live here: building a map (laser/map/build.hpp), sending it (unit_work.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/laser_session/choices.hpp"
+#include "commissioning/laser_session/curves.hpp"
+#include "commissioning/laser_session/lines.hpp"
+#include "laser/map/build.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+
+enum class ComponentState {
+  present,        ///< from a measured file
+  in_parameters,  ///< a squareness that the parameters hold already
+  zero,           ///< declared zero, with a reason
+  refused,        ///< its file cannot serve
+  missing,
+};
+
+/// One component that the chosen scope needs.
+struct LaserComponent {
+  Component component = Component::EXX;
+  ComponentState state = ComponentState::missing;
+  std::string detail;  ///< files, reason, or why not
+};
+
+/// Which lines make which component; kept as long as lines and parameters stay the same.
+struct LaserAssignment {
+  std::string made_from;    ///< what it depends on, as text
+  laser::MapRecipe recipe;  ///< components and their files alone
+  std::vector<std::string> unused;
+  std::string problem;
+};
+
+struct LaserMapWork {
+  std::optional<params::ParametersFile> parameters;  ///< scope as chosen
+  std::string parameters_problem;
+  LaserAssignment assignment;
+  laser::MapRecipe recipe;               ///< everything: what `ecs map build` would be given
+  std::optional<laser::BuiltMap> built;  ///< absent: refused, or nothing to build
+  std::vector<std::string> refusals;
+  std::vector<laser::MapFinding> findings;
+  std::vector<LaserComponent> components;
+  std::string csv;  ///< of the built map
+  [[nodiscard]] bool complete() const;
+  [[nodiscard]] std::size_t missing() const;
+};
+
+/// Who, when, which machine: as chosen, else what the files say.
+[[nodiscard]] LaserHeaderChoice header_with_files(const LaserHeaderChoice& chosen, const std::vector<LaserLine>& lines);
+
+/// The parameters with the scope chosen. Reads the file.
+void take_parameters(LaserMapWork& work, const LaserChoices& choices);
+/// Which line serves which component. A line that a map cannot name as it is goes into a file of `folder` first.
+void assign_lines(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
+                  const LaserAssignment& before, const std::filesystem::path& folder);
+/// Places of the lines that a component is made from.
+[[nodiscard]] std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component,
+                                                    const std::vector<LaserLine>& lines,
+                                                    const std::filesystem::path& folder);
+/// Builds the map and judges it.
+void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
+                     const std::filesystem::path& folder);
+
+/// The files that belong to a map: "out/map.csv" → "out/map-parameters.toml", "out/map-recipe.toml", "out/map-files".
+struct MapFiles {
+  std::string map, parameters, recipe, folder;
+};
+[[nodiscard]] MapFiles files_of_map(const std::string& map_file);
+/// Writes map, parameters with the squareness measured, the recipe that makes the same map with `ecs map build`, and
+/// the files that had to be prepared for it. @pre work.built
+[[nodiscard]] Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
+                                              const std::filesystem::path& prepared_folder);
+
+}  // namespace ecs::app

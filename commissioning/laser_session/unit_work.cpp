@@ -1,0 +1,148 @@
+#include "commissioning/laser_session/unit_work.hpp"
+
+#include <fmt/format.h>
+
+#include "commissioning/unit/map_checks.hpp"
+#include "core/memory_image.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+protocol::ProgressCallback told_to(JobSigns& signs, SendSigns& seen) {
+  return [&signs, &seen](const protocol::Progress& progress) {
+    if (progress.bytes_total > 0)
+      signs.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+    seen.seconds_left = progress.seconds_left;
+  };
+}
+
+std::string check_text(const std::optional<std::uint32_t>& check) {
+  return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
+}
+
+/// Who answers is known already: the desk asked before it gave the line. The status is asked once, not also by
+/// active_check(): on a slow line it is what takes the time.
+Result<UnitHolding> holding_over(UnitDesk& unit, UnitLink& line) {
+  const auto status = line.client().status();
+  if (!status) return tl::unexpected(status.error());
+  const WatchedUnit standing = unit.standing();
+  UnitHolding holding{standing.identity ? standing.identity->serial_number : "", std::nullopt, status->commit_sequence,
+                      status->uptime_s, standing.opened_at};
+  if (status->active_bank == protocol::Bank::none) return holding;
+  const auto check =
+      line.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
+  if (!check) return tl::unexpected(check.error());
+  holding.check = load_big<std::uint32_t>(*check, 0);
+  return holding;
+}
+
+/// Why the unit may not compensate with what it holds; empty: it is what is expected.
+std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
+  const auto other_unit = [&](const std::string& serial, const char* what) {
+    return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number, what, serial);
+  };
+  const auto other_map = [&](const char* what, const std::optional<std::uint32_t>& check) {
+    return fmt::format("the unit holds {}, but {} was {}: another host has changed it", check_text(now.check), what,
+                       check_text(check));
+  };
+  if (expected.sent && expected.sent->identity.serial_number != now.serial_number)
+    return other_unit(expected.sent->identity.serial_number, "sent to");
+  if (expected.verified && expected.verified->serial_number != now.serial_number)
+    return other_unit(expected.verified->serial_number, "compared in");
+  if (expected.verified && expected.verified->check != now.check)
+    return other_map("what was compared", expected.verified->check);
+  if (expected.sent && now.check != expected.sent->check) return other_map("what was sent", expected.sent->check);
+  return {};
+}
+
+}  // namespace
+
+std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
+  if (now.serial_number != then.serial_number)
+    return fmt::format("unit {} answers in place of {}", now.serial_number, then.serial_number);
+  if (now.check != then.check)
+    return fmt::format("another host changed it: it holds {} in place of {}", check_text(now.check),
+                       check_text(then.check));
+  if (now.activations != then.activations) return "a map or parameters were made active in it by another host";
+  if (now.uptime_s < then.uptime_s) return "it was restarted";
+  if (now.opened_at != then.opened_at) return "the line to it was opened again";
+  return {};
+}
+
+Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files) {
+  auto prepared = prepared_map(files.map, files.parameters);
+  if (!prepared) return tl::unexpected(prepared.error());
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<ReadyMap> {
+    const auto identity = line.client().identity();
+    if (!identity) return tl::unexpected(identity.error());
+    std::vector<std::string> objections = other_unit(*prepared, identity->serial_number);
+    for (std::string& why : no_room_for(prepared->image.bytes, *identity)) objections.push_back(std::move(why));
+    if (auto refused = refused_map(objections, files.map)) return tl::unexpected(std::move(*refused));
+    const auto active = active_check(line.client());
+    if (!active) return tl::unexpected(active.error());
+    const std::uint32_t check = ImageView(prepared->image.bytes).check();
+    return ReadyMap{std::make_shared<const PreparedMap>(std::move(*prepared)), files, *identity, *active, check};
+  });
+}
+
+Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready, SendSigns& seen) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<SentMap> {
+    const auto active = active_check(line.client());
+    if (!active) return tl::unexpected(active.error());
+    if (*active != ready.active)
+      return problem(ProblemKind::refused,
+                     "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
+                     "was sent; Enter asks again");
+    const auto before = [&seen](std::optional<std::uint32_t> check) {
+      seen.had_map = check.has_value();
+      seen.check_before = check.value_or(0);
+      seen.begun = true;
+    };
+    return send_map(line.client(), *ready.map, ready.files.map, false, before, told_to(signs, seen));
+  });
+}
+
+Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<VerifiedMap> {
+    const auto before = holding_over(unit, line);
+    if (!before) return tl::unexpected(before.error());
+    const auto found = map_in(line.client(), told_to(signs, seen));
+    if (!found) return tl::unexpected(found.error());
+    auto verdict = verdict_on(*found, files.map, files.parameters);
+    if (!verdict) return tl::unexpected(verdict.error());
+    const auto after = holding_over(unit, line);
+    if (!after) return tl::unexpected(after.error());
+    if (const std::string why = changed_since(*before, *after); !why.empty())
+      return problem(ProblemKind::refused, "the unit changed while it was read (" + why + "): Enter compares again");
+    return VerifiedMap{std::move(*verdict), *after};
+  });
+}
+
+Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs) {
+  return unit.on_line(signs, [&](UnitLink& line) { return holding_over(unit, line); });
+}
+
+Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
+    const auto identity = line.client().identity();
+    if (!identity) return tl::unexpected(identity.error());
+    const auto parameters = receive_parameters(line.client());
+    if (!parameters) return tl::unexpected(parameters.error());
+    return params::write_parameters(file, *parameters, {"", identity->serial_number});
+  });
+}
+
+Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected) {
+  return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
+    const auto now = holding_over(unit, line);
+    if (!now) return tl::unexpected(now.error());
+    if (const std::string why = other_than(expected, *now); !why.empty())
+      return problem(ProblemKind::refused, why +
+                                               ". It stays out of compensation; Enter compares again, step 8 sends "
+                                               "again");
+    return line.client().enter_compensation();
+  });
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,77 @@
+// What the laser screen does on the line to the unit, and on disc before it: each piece runs in the thread of a job.
+// Does not live here: what is asked before (app/screens/laser/send_page.cpp), the transfer itself
+// (commissioning/maps/sent.hpp).
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/laser_session/work.hpp"
+#include "commissioning/link/job.hpp"
+#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/maps/sent.hpp"
+
+namespace ecs::app {
+
+/// Seen while a map is on its way.
+struct SendSigns {
+  std::atomic<double> seconds_left{-1.0};  ///< below 0: not known yet
+  std::atomic<bool> begun{false};          ///< bytes leave for the unit
+  std::atomic<bool> had_map{false};        ///< `check_before` holds
+  std::atomic<std::uint32_t> check_before{0};
+};
+
+/// A map that passed every check here and at the unit, which has not got it yet.
+struct ReadyMap {
+  std::shared_ptr<const PreparedMap> map;
+  MapFiles files;
+  protocol::Identity unit;
+  std::optional<std::uint32_t> active;  ///< block check of what the unit holds now
+  std::uint32_t check = 0;              ///< of this map
+};
+
+/// Which unit, and which map is active in it: what a comparison holds for.
+struct UnitHolding {
+  std::string serial_number;
+  std::optional<std::uint32_t> check;                 ///< block check of the active map; nothing: it holds none
+  std::uint32_t activations = 0;                      ///< counts the maps made active in the unit
+  std::uint32_t uptime_s = 0;                         ///< since power-up
+  std::chrono::steady_clock::time_point opened_at{};  ///< the line over which it was asked
+};
+/// Why what was found in `then` cannot be said of the unit any more; empty: it still holds.
+[[nodiscard]] std::string changed_since(const UnitHolding& then, const UnitHolding& now);
+
+struct VerifiedMap {
+  MapVerdict verdict;
+  UnitHolding holding;
+};
+
+/// What the unit must still hold before it may compensate: what was found the same last, or, if nothing was compared
+/// since, what was sent.
+struct ExpectedMap {
+  std::optional<SentMap> sent;
+  std::optional<UnitHolding> verified;
+};
+
+/// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.
+[[nodiscard]] Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files);
+/// Whole or not at all; the old map stays active until the new one is whole and read back.
+[[nodiscard]] Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready, SendSigns& seen);
+/// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
+/// map while it was read.
+[[nodiscard]] Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen);
+/// Who the unit is and what is active in it: a few short transfers.
+[[nodiscard]] Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs);
+/// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
+[[nodiscard]] Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file);
+/// Compensation mode: the unit tests its memory, then waits for the axes to be referenced. Refused, saying why, unless
+/// the unit is the one, and holds the very map, that is expected.
+[[nodiscard]] Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected);
+
+}  // namespace ecs::app

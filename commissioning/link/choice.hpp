@@ -1,0 +1,48 @@
+// Which link a verb uses: --link, else the stored one, else the bundled emulator; where the pieces of the emulator lie.
+// Does not live here: opening it (unit_link.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "base/result.hpp"
+#include "protocol/line/serial_line.hpp"
+
+namespace ecs::app {
+
+/// The bundled emulator with this machine; the program starts and stops it.
+struct EmulatorLink {
+  std::filesystem::path machine;
+};
+
+struct LinkChoice {
+  std::variant<protocol::LinkAddress, EmulatorLink> link;
+  std::string origin;  ///< "--link", "configuration", "default"
+  [[nodiscard]] bool is_emulator() const { return std::holds_alternative<EmulatorLink>(link); }
+};
+
+/// `rtu:…`, `tcp:…`, `emulator` (sample machine) or `emulator:machine.toml`; a usage problem for anything else.
+[[nodiscard]] Result<LinkChoice> parsed_link(std::string_view text, std::string origin);
+
+/// The link of --link, else of the configuration file, else the emulator with the sample machine.
+/// @param option  --link as given; empty: not given
+[[nodiscard]] Result<LinkChoice> chosen_link(const std::string& option);
+
+/// As --link takes it.
+[[nodiscard]] std::string to_text(const LinkChoice& choice);
+
+/// $XDG_CONFIG_HOME/ecs/config.toml, else $HOME/.config/ecs/config.toml; its key `link` is the stored link.
+[[nodiscard]] std::filesystem::path configuration_file();
+[[nodiscard]] Result<std::optional<std::string>> stored_link();
+/// Replaces the key `link` and keeps the file's other keys.
+[[nodiscard]] Result<void> store_link(const std::string& link);
+
+/// samples/mill/machine.toml: $ECS_SAMPLES, the share folder beside the installed program, the source tree.
+[[nodiscard]] std::optional<std::filesystem::path> sample_machine();
+/// `ecs-emulator`: $ECS_EMULATOR, beside this program, in the build tree, on PATH.
+[[nodiscard]] std::optional<std::filesystem::path> emulator_program();
+
+}  // namespace ecs::app

@@ -1,0 +1,204 @@
+#include "commissioning/link/doctor.hpp"
+
+#include <array>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "base/interrupt.hpp"
+#include "commissioning/link/port_survey.hpp"
+#include "commissioning/link/unit_link.hpp"
+
+namespace ecs::app {
+namespace {
+
+using protocol::Link;
+using protocol::LinkAddress;
+using protocol::LinkFailure;
+using protocol::SerialLine;
+using protocol::UnitClient;
+
+constexpr int kQualityReads = 20;
+constexpr std::array<int, 5> kBauds{115'200, 38'400, 19'200, 9'600, 57'600};
+constexpr std::array<char, 3> kParities{'N', 'E', 'O'};
+constexpr int kMostUnit = 10;
+
+/// One examination under way.
+struct Examination {
+  const DoctorNote& note;
+  const DoctorTold& told;
+  const std::atomic<bool>& cancelled;
+  Diagnosis diagnosis;
+};
+
+void add(Examination& work, std::string check, FindingState state, std::string message, std::string action = {}) {
+  work.diagnosis.findings.push_back({std::move(check), state, std::move(message), std::move(action)});
+  if (work.told) work.told(work.diagnosis.findings.back());
+}
+
+/// Reads again and again, and says how good the line is.
+void judge_quality(UnitClient& client, Examination& work) {
+  int answered = 0;
+  for (int i = 0; i < kQualityReads && !work.cancelled; ++i) answered += client.identity().has_value() ? 1 : 0;
+  const auto& s = work.diagnosis.statistics = client.link().statistics();
+  add(work, "line", FindingState::ok,
+      fmt::format("{} of {} reads answered, {:.1f} ms a read, slowest {:.1f} ms", answered, kQualityReads,
+                  s.mean_round_trip_ms(), s.worst_round_trip_ms));
+  if (s.stale_replies > 0)
+    add(work, "late answers", FindingState::problem,
+        fmt::format("{} answers came after the request had been given up", s.stale_replies),
+        "look for a slow converter or network between here and the unit; lower the latency timer of a USB adapter");
+  if (s.crc_errors > 0)
+    add(work, "disturbed", FindingState::problem, fmt::format("{} answers were garbled", s.crc_errors),
+        "check shield, ground and length of the cable, and the parity");
+  if (s.timeouts > 0)
+    add(work, "lost answers", FindingState::problem, fmt::format("{} requests had no answer", s.timeouts),
+        "check plugs and cable");
+}
+
+bool greet(Result<UnitClient>& client, Examination& work) {
+  const auto identity = client->identity();
+  if (!identity) {
+    add(work, "link", FindingState::problem, identity.error().message, "try again");
+    return false;
+  }
+  work.diagnosis.identity = *identity;
+  work.diagnosis.works = true;
+  add(work, "link", FindingState::ok,
+      fmt::format("unit {} ({}) answers, firmware {}.{}", identity->serial_number, identity->unit_name,
+                  identity->firmware_major, identity->firmware_minor));
+  judge_quality(*client, work);
+  return true;
+}
+
+/// One quick question at another setting.
+bool answers(const LinkAddress& address, const std::atomic<bool>& cancelled) {
+  if (cancelled) return false;
+  protocol::LinkTiming timing = protocol::timing_of(address);
+  timing.tries = 1;
+  return UnitClient::connect(address, {&cancelled, timing}).has_value();
+}
+
+bool found_elsewhere(const LinkAddress& address, const char* check, const std::string& what, Examination& work) {
+  if (!answers(address, work.cancelled)) return false;
+  work.diagnosis.working_link = to_text(address);
+  add(work, check, FindingState::problem, what, fmt::format("use --link {}", work.diagnosis.working_link));
+  return true;
+}
+
+bool other_unit_number(LinkAddress address, Examination& work) {
+  work.note(fmt::format("trying unit numbers 1 to {}", kMostUnit));
+  const int given = address.unit;
+  for (address.unit = 1; address.unit <= kMostUnit; ++address.unit)
+    if (address.unit != given &&
+        found_elsewhere(address, "unit number", fmt::format("unit {} answers, unit {} does not", address.unit, given),
+                        work))
+      return true;
+  return false;
+}
+
+bool other_speed(LinkAddress address, Examination& work) {
+  const SerialLine given = std::get<SerialLine>(address.line);
+  for (const char parity : kParities) {
+    work.note(fmt::format("trying {} to {} baud with parity {}", 9'600, 115'200, parity));
+    for (const int baud : kBauds) {
+      SerialLine line = given;
+      line.baud = baud;
+      line.parity = parity;
+      if (line == given) continue;
+      address.line = line;
+      if (found_elsewhere(address, "speed",
+                          fmt::format("the unit answers at {} baud, parity {}, not at {} baud, parity {}", baud, parity,
+                                      given.baud, given.parity),
+                          work))
+        return true;
+    }
+  }
+  return false;
+}
+
+bool echoes(const LinkAddress& address, Examination& work) {
+  const auto raw = raw_answer(std::get<SerialLine>(address.line), address.unit);
+  if (!raw) return false;
+  if (raw->is_echo()) {
+    add(work, "echo", FindingState::problem, "the line gives back what is sent",
+        "switch the local echo of the RS-485 converter off; with RS-232, check that pins 2 and 3 are not bridged");
+    return true;
+  }
+  if (raw->received.empty())
+    add(work, "silence", FindingState::note, "not one byte came back",
+        "is the unit on, is the cable crossed (null modem), is it the right port?");
+  else
+    add(work, "noise", FindingState::note, fmt::format("{} bytes came back that are no answer", raw->received.size()),
+        "speed or parity are wrong, or another device is on this line");
+  return false;
+}
+
+void examine_serial(const LinkAddress& address, Examination& work) {
+  const SerialLine& line = std::get<SerialLine>(address.line);
+  if (const auto trouble = trouble_with(line.device)) {
+    add(work, "port", FindingState::problem, trouble->message, trouble->action);
+    return;
+  }
+  add(work, "port", FindingState::ok, fmt::format("{} can be opened", line.device));
+  auto client = UnitClient::connect(address, {&work.cancelled, std::nullopt});
+  if (client && greet(client, work)) return;
+  if (!client) add(work, "link", FindingState::problem, client.error().message);
+  if (work.cancelled || echoes(address, work)) return;
+  if (other_unit_number(address, work) || other_speed(address, work) || work.cancelled) return;
+  add(work, "unit", FindingState::problem, "no unit answers at any of the usual speeds, parities and unit numbers",
+      "check power and cable; see that no other program on the far end uses the line");
+}
+
+void examine_tcp(const LinkAddress& address, Examination& work) {
+  auto client = UnitClient::connect(address, {&work.cancelled, std::nullopt});
+  if (client) {
+    static_cast<void>(greet(client, work));
+    return;
+  }
+  add(work, "link", FindingState::problem, client.error().message,
+      "check host and port; `ping` the host; a firewall may be in between");
+  const auto link = Link::open(address, {&work.cancelled, std::nullopt});
+  if (!link) return;
+  add(work, "connection", FindingState::ok, "the connection is accepted, only the unit does not answer");
+  static_cast<void>(other_unit_number(address, work));
+}
+
+void examine_emulator(const LinkChoice& choice, Examination& work) {
+  auto link = open_link(choice, work.cancelled);
+  if (!link) {
+    add(work, "link", FindingState::problem, link.error().message,
+        "install `ecs-emulator` beside `ecs`, or give another --link");
+    return;
+  }
+  const auto identity = link->client().identity();
+  if (!identity) return add(work, "link", FindingState::problem, identity.error().message);
+  work.diagnosis.works = true;
+  work.diagnosis.identity = *identity;
+  add(work, "link", FindingState::ok, fmt::format("the bundled emulator answers as unit {}", identity->serial_number));
+  judge_quality(link->client(), work);
+}
+
+}  // namespace
+
+std::string_view name_of(FindingState state) {
+  if (state == FindingState::ok) return "ok";
+  return state == FindingState::note ? "note" : "problem";
+}
+
+Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const DoctorTold& told,
+                       const std::atomic<bool>& cancelled) {
+  Examination work{note, told, cancelled, {}};
+  if (choice.is_emulator()) {
+    examine_emulator(choice, work);
+    return std::move(work.diagnosis);
+  }
+  const auto& address = std::get<LinkAddress>(choice.link);
+  if (address.is_serial())
+    examine_serial(address, work);
+  else
+    examine_tcp(address, work);
+  return std::move(work.diagnosis);
+}
+
+}  // namespace ecs::app

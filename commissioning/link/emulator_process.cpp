@@ -1,0 +1,168 @@
+#include "commissioning/link/emulator_process.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/file.hpp"
+#include "base/interrupt.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kLongestSocketName = 100;  // sockaddr_un holds 107 characters
+constexpr auto kStartLimit = 15s;
+constexpr auto kStopLimit = 2s;
+constexpr auto kLockLimit = 5s;
+
+auto failed(const std::string& what) {
+  return problem(ProblemKind::link, fmt::format("the bundled emulator: {}", what));
+}
+
+/// An open file without a name, for what the child says on stderr.
+int nameless_file() {
+  char name[] = "/tmp/ecs-emulator-XXXXXX";
+  const int file = ::mkostemp(name, O_CLOEXEC);
+  if (file >= 0) ::unlink(name);
+  return file;
+}
+
+std::string content_of(int file) {
+  std::string text(2000, '\0');
+  const ssize_t length = ::pread(file, text.data(), text.size(), 0);
+  text.resize(length > 0 ? static_cast<std::size_t>(length) : 0);
+  return std::string(trimmed(text));
+}
+
+/// A second `ecs` must not use the same memory file at the same time.
+Result<int> locked(const std::filesystem::path& memory) {
+  const std::string path = memory.string() + ".lock";
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) return problem(ProblemKind::output, fmt::format("{}: {}", path, std::strerror(errno)));
+  for (const auto end = Clock::now() + kLockLimit; ::flock(file, LOCK_EX | LOCK_NB) != 0;) {
+    if (Clock::now() > end || interrupted()) {
+      ::close(file);
+      return failed("another `ecs` is using it with this machine; wait for it, or stop it");
+    }
+    std::this_thread::sleep_for(50ms);
+  }
+  return file;
+}
+
+/// In the child, between fork and exec: only async-signal-safe calls.
+[[noreturn]] void become(const std::vector<char*>& words, int output, int errors) {
+  ::setpgid(0, 0);  // Ctrl-C is for `ecs`, which stops the child in its own time
+  ::dup2(output, STDOUT_FILENO);
+  ::dup2(errors, STDERR_FILENO);
+  const int nothing = ::open("/dev/null", O_RDONLY);
+  if (nothing >= 0) ::dup2(nothing, STDIN_FILENO);
+  ::execv(words.front(), words.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<EmulatorProcess>> EmulatorProcess::start(const EmulatorOptions& options) {
+  std::unique_ptr<EmulatorProcess> process(new EmulatorProcess());
+  const auto lock = locked(options.memory);
+  if (!lock) return tl::unexpected(lock.error());
+  process->lock_ = *lock;
+  if (const auto launched = process->launch(options); !launched) return tl::unexpected(launched.error());
+  if (const auto greeted = process->read_greeting(); !greeted) return tl::unexpected(greeted.error());
+  return process;
+}
+
+Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {
+  int ends[2];
+  errors_ = nameless_file();
+  if (errors_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
+    return problem(ProblemKind::output, fmt::format("cannot start a program: {}", std::strerror(errno)));
+  output_ = ends[0];
+  std::vector<std::string> words{options.program.string(), "serve",  "--machine", options.machine.string(), "--memory",
+                                 options.memory.string(),  "--mode", "integrate", "--with-parent"};
+  const std::string socket = options.memory.string() + ".workshop";
+  if (socket.size() <= kLongestSocketName) words.insert(words.end(), {"--workshop", socket});
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  child_ = ::fork();
+  if (child_ == 0) become(pointers, ends[1], errors_);
+  ::close(ends[1]);
+  if (child_ < 0) return problem(ProblemKind::output, fmt::format("cannot start a program: {}", std::strerror(errno)));
+  return {};
+}
+
+Result<void> EmulatorProcess::read_greeting() {
+  std::string line;
+  for (const auto end = Clock::now() + kStartLimit; line.find('\n') == std::string::npos;) {
+    if (interrupted()) return failed("stopped while it started");
+    if (Clock::now() > end) return failed("it did not name its line within 15 s");
+    pollfd readable{output_, POLLIN, 0};
+    if (::poll(&readable, 1, 100) <= 0) continue;
+    char piece[512];
+    const ssize_t length = ::read(output_, piece, sizeof piece);
+    if (length <= 0) {
+      const std::string said = content_of(errors_);
+      return failed(said.empty() ? "it ended at once and said nothing" : said);
+    }
+    line.append(piece, static_cast<std::size_t>(length));
+  }
+  const Json greeting = Json::parse(line.substr(0, line.find('\n')), nullptr, false);
+  if (!greeting.is_object() || !greeting.contains("pty") || !greeting["pty"].is_string())
+    return failed(fmt::format("expected one JSON object with \"pty\", got {}", trimmed(line)));
+  pty_ = greeting["pty"].get<std::string>();
+  if (greeting.contains("workshop") && greeting["workshop"].is_string()) workshop_ = greeting["workshop"];
+  return {};
+}
+
+bool EmulatorProcess::running() {
+  if (child_ > 0 && ::waitpid(child_, nullptr, WNOHANG) != 0) {
+    child_ = -1;
+    if (lock_ >= 0) ::close(lock_);
+    lock_ = -1;
+  }
+  return child_ > 0;
+}
+
+EmulatorProcess::~EmulatorProcess() {
+  if (child_ > 0) {
+    ::kill(child_, SIGTERM);
+    const auto end = Clock::now() + kStopLimit;
+    while (::waitpid(child_, nullptr, WNOHANG) == 0) {
+      if (Clock::now() > end) {
+        ::kill(child_, SIGKILL);
+        ::waitpid(child_, nullptr, 0);
+        break;
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  for (const int file : {output_, errors_, lock_})
+    if (file >= 0) ::close(file);
+}
+
+Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine) {
+  const auto folder = state_folder();
+  if (!folder) return tl::unexpected(folder.error());
+  std::error_code error;
+  std::filesystem::path real = std::filesystem::canonical(machine, error);
+  if (error) real = machine;
+  return *folder / fmt::format("emulator-{}.memory", sha256_hex(real.string()).substr(0, 16));
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,256 @@
+#include "commissioning/link/unit_connection.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "commissioning/link/event_log.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kBetweenFastLooks = 25ms;  ///< forty a second where the line is fast enough
+constexpr auto kBetweenSlowLooks = 1s;
+constexpr auto kBeforeNextTry = 1s;
+constexpr auto kGlance = 5ms;  ///< how soon a cancel and a wish for the line are seen
+constexpr int kFailuresToLose = 3;
+
+std::string where_of(const protocol::UnitClient& client) {
+  const auto& line = client.link().address().line;
+  if (const auto* serial = std::get_if<protocol::SerialLine>(&line)) return serial->device;
+  return "";
+}
+
+}  // namespace
+
+UnitDesk::UnitDesk(std::string link) : link_(std::move(link)) {
+  guard_ = std::jthread([this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      {
+        const std::lock_guard lock(signs_mutex_);
+        cancelled_ = leaving_ || (signs_ != nullptr && signs_->cancelled);
+      }
+      std::this_thread::sleep_for(kGlance);
+    }
+    cancelled_ = true;
+  });
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+UnitDesk::~UnitDesk() {
+  leaving_ = true;
+  thread_.request_stop();
+  thread_.join();
+  guard_.request_stop();
+  guard_.join();
+}
+
+WatchedUnit UnitDesk::now() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+WatchedUnit UnitDesk::standing() const {
+  const std::lock_guard lock(mutex_);
+  WatchedUnit standing;
+  standing.link = state_.link;
+  standing.where = state_.where;
+  standing.open = state_.open;
+  standing.emulator = state_.emulator;
+  standing.lent = state_.lent;
+  standing.identity = state_.identity;
+  standing.newest_at = state_.newest_at;
+  standing.opened_at = state_.opened_at;
+  standing.received = state_.received;
+  standing.failed = state_.failed;
+  standing.times_lost = state_.times_lost;
+  standing.per_second = state_.per_second;
+  standing.statistics = state_.statistics;
+  standing.problem = state_.problem;
+  return standing;
+}
+
+std::optional<protocol::MonitorSample> UnitDesk::newest() const {
+  const std::lock_guard lock(mutex_);
+  if (!state_.open || state_.samples.empty() || state_.newest_at < state_.opened_at) return std::nullopt;
+  return state_.samples.back();
+}
+
+std::string UnitDesk::link() const {
+  const std::lock_guard lock(mutex_);
+  return link_;
+}
+
+void UnitDesk::choose(const std::string& link) {
+  JobSigns signs;
+  const Turn turn(*this, signs);
+  close();
+  emulator_.reset();
+  next_try_ = {};
+  const std::lock_guard lock(mutex_);
+  link_ = link;
+  state_ = {};
+  arrivals_.clear();
+  ++changes_;
+}
+
+UnitDesk::Turn::Turn(UnitDesk& desk, JobSigns& signs) : desk_(&desk) {
+  ++desk.waiting_;
+  line_lock_ = std::unique_lock(desk.line_mutex_);
+  --desk.waiting_;
+  const std::lock_guard lock(desk.signs_mutex_);
+  desk.signs_ = &signs;
+  desk.cancelled_ = desk.leaving_ || signs.cancelled;
+}
+
+UnitDesk::Turn::~Turn() {
+  const std::lock_guard lock(desk_->signs_mutex_);
+  desk_->signs_ = nullptr;
+  desk_->cancelled_ = desk_->leaving_.load();
+}
+
+UnitDesk::Lent::Lent(UnitDesk& desk) : desk_(&desk) {
+  ++desk.waiting_;
+  line_lock_ = std::unique_lock(desk.line_mutex_);
+  --desk.waiting_;
+  desk.close();
+  const std::lock_guard lock(desk.mutex_);
+  desk.state_.lent = true;
+  ++desk.changes_;
+}
+
+UnitDesk::Lent::~Lent() {
+  desk_->next_try_ = {};
+  const std::lock_guard lock(desk_->mutex_);
+  desk_->state_.lent = false;
+  ++desk_->changes_;
+}
+
+void UnitDesk::run(const std::stop_token& stop) {
+  auto next = Clock::now();
+  while (!stop.stop_requested()) {
+    const bool fast = watchers_ > 0;
+    if (waiting_ == 0 && (Clock::now() >= next || (fast && next - Clock::now() > kBetweenFastLooks))) {
+      look();
+      next = Clock::now() + (watchers_ > 0 ? Clock::duration(kBetweenFastLooks) : Clock::duration(kBetweenSlowLooks));
+    }
+    std::this_thread::sleep_for(kGlance);
+  }
+  const std::lock_guard lock(line_mutex_);
+  close();
+}
+
+void UnitDesk::look() {
+  const std::lock_guard line_lock(line_mutex_);
+  if (!line_ && Clock::now() < next_try_) return;
+  if (const auto line = opened(); !line) return;
+  if (const auto sample = line_->client().monitor()) {
+    failures_ = 0;
+    take(*sample);
+  } else {
+    ++failures_;
+    lost(sample.error());
+  }
+  settle();
+}
+
+/// Opens the line if there is none. @pre the line is ours
+Result<void> UnitDesk::opened() {
+  if (line_) return {};
+  const auto choice = chosen_link(link());
+  auto line = choice ? open_link(*choice, cancelled_) : tl::unexpected(choice.error());
+  auto identity = line ? line->client().identity() : tl::unexpected(line.error());
+  next_try_ = Clock::now() + kBeforeNextTry;
+  if (!identity) {
+    if (!cancelled_) lost(identity.error());
+    return tl::unexpected(identity.error());
+  }
+  emulator_ = line->emulator();
+  line_ = std::move(*line);
+  failures_ = 0;
+  const std::lock_guard lock(mutex_);
+  state_.link = line_->name();
+  state_.where = where_of(line_->client());
+  state_.open = true;
+  state_.emulator = line_->is_emulator();
+  state_.identity = *identity;
+  state_.opened_at = Clock::now();
+  if (!state_.problem.empty()) log_event(Tone::plain, fmt::format("{} answers again", state_.link));
+  state_.problem.clear();
+  ++changes_;
+  return {};
+}
+
+/// A gateway, or a cable put elsewhere, may lead to another unit than the one that the screens speak of.
+Result<void> UnitDesk::same_unit(const std::optional<protocol::Identity>& shown) {
+  const auto now = line_->client().identity();
+  if (!now) {
+    ++failures_;
+    if (!cancelled_) lost(now.error());
+    settle();
+    return tl::unexpected(now.error());
+  }
+  if (!shown || now->serial_number == shown->serial_number) return {};
+  const auto other = problem(ProblemKind::refused,
+                             fmt::format("another unit answers on this line: {} in place of {}; nothing was done. Look "
+                                         "what it is and holds, then ask again",
+                                         now->serial_number, shown->serial_number));
+  log_event(Tone::bad, other.value().message);
+  close();  // whoever shows the unit takes it for a new line, and reads everything anew
+  next_try_ = {};
+  const std::lock_guard lock(mutex_);
+  state_.identity = *now;
+  ++state_.times_lost;
+  ++changes_;
+  return other;
+}
+
+void UnitDesk::close() {
+  line_.reset();
+  const std::lock_guard lock(mutex_);
+  state_.open = false;
+}
+
+/// After a look or a piece of work: what the line counted, and whether it is to be given up.
+void UnitDesk::settle() {
+  if (!line_) return;
+  const bool gone = !line_->client().link().connected() || (line_->emulator() && !line_->emulator()->running());
+  {
+    const std::lock_guard lock(mutex_);
+    state_.statistics = line_->client().link().statistics();
+    if (gone || failures_ >= kFailuresToLose) {
+      ++state_.times_lost;
+      ++changes_;
+    }
+  }
+  if (!gone && failures_ < kFailuresToLose) return;
+  close();
+  next_try_ = Clock::now() + kBeforeNextTry;
+}
+
+void UnitDesk::take(const protocol::MonitorSample& sample) {
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  arrivals_.push_back(now);
+  while (now - arrivals_.front() > 2s) arrivals_.pop_front();
+  state_.per_second = static_cast<double>(arrivals_.size()) / 2.0;
+  state_.samples.push_back(sample);
+  if (state_.samples.size() > kKept) state_.samples.pop_front();
+  state_.newest_at = now;
+  state_.problem.clear();
+  ++state_.received;
+  ++changes_;
+}
+
+void UnitDesk::lost(const Problem& why) {
+  const std::lock_guard lock(mutex_);
+  if (state_.problem.empty() && !leaving_) log_event(Tone::bad, to_text(why));  // once, not at every look
+  state_.problem = to_text(why);
+  ++state_.failed;
+  ++changes_;
+}
+
+}  // namespace ecs::app

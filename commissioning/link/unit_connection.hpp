@@ -1,0 +1,159 @@
+// The one line to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
+// the screens; work on it is done one piece after the other. A bundled emulator runs as long as the desk.
+// Does not live here: what is said over the line (protocol/client/client.hpp), drawing.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "base/result.hpp"
+#include "commissioning/link/job.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "protocol/registers/unit_data.hpp"
+
+namespace ecs::app {
+
+/// What is known at one moment.
+struct WatchedUnit {
+  std::string link;   ///< as --link takes it; empty: none was opened yet
+  std::string where;  ///< port or host that the line uses; empty: none
+  bool open = false;
+  bool emulator = false;
+  bool lent = false;                                  ///< a verb has the line
+  std::optional<protocol::Identity> identity;         ///< of the unit that answered last
+  std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
+  std::chrono::steady_clock::time_point newest_at{};  ///< when the newest sample came
+  std::chrono::steady_clock::time_point opened_at{};  ///< when the line was opened
+  std::uint64_t received = 0;                         ///< samples
+  std::uint64_t failed = 0;                           ///< looks that brought none
+  std::uint64_t times_lost = 0;                       ///< lines that had to be opened again
+  double per_second = 0.0;                            ///< samples, over the last two seconds
+  protocol::LinkStatistics statistics;                ///< of the open line
+  std::string problem;                                ///< why there is no line now; empty: there is one
+};
+
+class UnitDesk {
+ public:
+  static constexpr std::size_t kKept = 1200;
+  /// @param link  --link as given; empty: the stored one, else the emulator
+  explicit UnitDesk(std::string link);
+  ~UnitDesk();
+  UnitDesk(const UnitDesk&) = delete;
+  UnitDesk& operator=(const UnitDesk&) = delete;
+
+  [[nodiscard]] WatchedUnit now() const;
+  /// Without the samples: cheap, for every picture.
+  [[nodiscard]] WatchedUnit standing() const;
+  /// The newest sample, if one came from the line that is open.
+  [[nodiscard]] std::optional<protocol::MonitorSample> newest() const;
+  /// Counts up with every change: a screen draws only then.
+  [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
+
+  /// As --link takes it; empty: the stored one, else the emulator.
+  [[nodiscard]] std::string link() const;
+  /// From now on another link; the line that is open is closed.
+  void choose(const std::string& link);
+
+  /// Does `work(UnitLink&)`, which returns a Result, with the line to itself; for the thread of a Job, whose cancel
+  /// ends what is under way. Opens the line first where there is none. Refused if another unit answers than the one
+  /// that is shown: it is shown from then on.
+  template <class Work>
+  [[nodiscard]] auto on_line(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+    const Turn turn(*this, signs);
+    const auto shown = standing().identity;
+    if (auto line = opened(); !line) return tl::unexpected(line.error());
+    if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
+    auto result = work(*line_);
+    settle();
+    return result;
+  }
+  /// The same, whichever unit answers: to switch everything off.
+  template <class Work>
+  [[nodiscard]] auto on_line_of_any_unit(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+    const Turn turn(*this, signs);
+    if (auto line = opened(); !line) return tl::unexpected(line.error());
+    auto result = work(*line_);
+    settle();
+    return result;
+  }
+
+  /// Closes the line and keeps hands off it as long as the token lives, so that a verb can open it by itself.
+  class Lent {
+   public:
+    explicit Lent(UnitDesk& desk);
+    ~Lent();
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+
+   private:
+    UnitDesk* desk_;
+    std::unique_lock<std::mutex> line_lock_;
+  };
+  [[nodiscard]] Lent lend() { return Lent(*this); }
+
+  /// While a token lives, samples come as fast as the line carries them (at most forty a second), else one a second.
+  class Watching {
+   public:
+    explicit Watching(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) { ++desk_->watchers_; }
+    ~Watching() { --desk_->watchers_; }
+    Watching(const Watching&) = delete;
+    Watching& operator=(const Watching&) = delete;
+
+   private:
+    std::shared_ptr<UnitDesk> desk_;
+  };
+
+ private:
+  /// The line to oneself, before the next look at the unit; `signs` can cancel.
+  class Turn {
+   public:
+    Turn(UnitDesk& desk, JobSigns& signs);
+    ~Turn();
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    UnitDesk* desk_;
+    std::unique_lock<std::mutex> line_lock_;
+  };
+
+  void run(const std::stop_token& stop);
+  void look();
+  [[nodiscard]] Result<void> opened();
+  [[nodiscard]] Result<void> same_unit(const std::optional<protocol::Identity>& shown);
+  void close();
+  void settle();
+  void take(const protocol::MonitorSample& sample);
+  void lost(const Problem& why);
+
+  mutable std::mutex mutex_;  ///< of what is known
+  WatchedUnit state_;
+  std::string link_;
+  std::deque<std::chrono::steady_clock::time_point> arrivals_;
+  std::atomic<std::uint64_t> changes_{0};
+
+  std::mutex line_mutex_;  ///< of the line; taken before mutex_
+  std::optional<UnitLink> line_;
+  std::shared_ptr<EmulatorProcess> emulator_;  ///< kept while the line is closed
+  int failures_ = 0;                           ///< looks in a row that brought nothing
+  std::chrono::steady_clock::time_point next_try_{};
+
+  std::atomic<int> waiting_{0};  ///< pieces of work that want the line
+  std::atomic<int> watchers_{0};
+  std::mutex signs_mutex_;
+  JobSigns* signs_ = nullptr;  ///< of the work on the line
+  std::atomic<bool> cancelled_{false};
+  std::atomic<bool> leaving_{false};
+  std::jthread guard_;  ///< carries a cancel over to the line
+  std::jthread thread_;
+};
+
+}  // namespace ecs::app

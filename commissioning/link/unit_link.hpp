@@ -1,0 +1,63 @@
+// A verb's way to its unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
+// Does not live here: which link (choice.hpp), what is said over it (protocol/client/client.hpp).
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "app/cli/verb_context.hpp"
+#include "base/interrupt.hpp"
+#include "commissioning/link/choice.hpp"
+#include "commissioning/link/emulator_process.hpp"
+#include "protocol/client/client.hpp"
+
+namespace ecs::app {
+
+enum class Access {
+  reads,
+  writes,  ///< or moves, or runs: messages say EMULATOR where that is the unit
+};
+
+/// An open link. Destroying it closes the port and stops the emulator it started.
+class UnitLink {
+ public:
+  [[nodiscard]] protocol::UnitClient& client() { return client_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
+  /// The emulator behind the line, to keep it running when the line is closed; null: a real unit.
+  [[nodiscard]] std::shared_ptr<EmulatorProcess> emulator() const { return emulator_; }
+  /// Socket of the workshop around a bundled emulator; empty: none.
+  [[nodiscard]] std::string workshop() const { return emulator_ ? emulator_->workshop() : std::string(); }
+  [[nodiscard]] bool is_emulator() const { return emulator_ != nullptr; }
+
+ private:
+  friend Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled);
+  UnitLink(std::shared_ptr<EmulatorProcess> emulator, protocol::UnitClient client, std::string name)
+      : emulator_(std::move(emulator)), client_(std::move(client)), name_(std::move(name)) {}
+
+  std::shared_ptr<EmulatorProcess> emulator_;  // before the client: it must outlive the open port
+  protocol::UnitClient client_;
+  std::string name_;
+};
+
+/// Opens a link; the flag cancels what is under way on it. An emulator that this program runs already with the same
+/// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
+[[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
+
+/// Sets the session's message prefix if the link that it names, or the default, is an emulator.
+void announce_writing(Session& session);
+
+/// Opens the link that the session names, tells the session its name and sets its message prefix.
+[[nodiscard]] Result<UnitLink> open_unit(Session& session, Access access);
+
+/// Says that the machine must be referenced now; with a bundled emulator, how.
+void ask_to_reference(Session& session, const UnitLink& unit, std::string_view axes);
+
+/// Feeds the progress bar.
+[[nodiscard]] protocol::ProgressCallback progress_bar(Session& session, std::string label);
+
+/// A usage problem unless `yes`: what moves, runs or overwrites needs --yes.
+[[nodiscard]] Result<void> confirmed(bool yes, std::string_view what_happens);
+
+}  // namespace ecs::app

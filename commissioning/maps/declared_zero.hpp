@@ -1,0 +1,15 @@
+// `--zero EBY="reason"`: a component declared zero on somebody's word.
+// Does not live here: what becomes of it (laser/map/error_map.hpp).
+#pragma once
+
+#include <string>
+
+#include "base/result.hpp"
+#include "laser/map/error_map.hpp"
+
+namespace ecs::app {
+
+/// A `usage` problem for anything but CODE=reason.
+[[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);
+
+}  // namespace ecs::app

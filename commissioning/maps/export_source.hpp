@@ -1,0 +1,60 @@
+// What every export begins with: a map, the parameters it goes with, the travels, and where the error is known from.
+// Does not live here: the tables (laser/controller_*.hpp), how they are shown (export_view.hpp).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_context.hpp"
+#include "controllers/residual.hpp"
+#include "controllers/tables.hpp"
+#include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct ExportArguments {
+  std::string map;
+  bool unit = false;
+  std::string params;
+  std::string machine;
+  std::string model;
+  std::string output;
+  bool other_machine = false;  ///< although map and parameters name different machines
+};
+
+/// Adds FILE, --unit, --params, --machine, --model, --other-machine and -o.
+void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
+
+struct ExportWork {
+  laser::ExportSource source;
+  std::string map_name;             ///< the file, or "the unit"
+  std::string errors_from;          ///< "the map", or the model file
+  std::vector<std::string> notes;   ///< what was not given, and what that means
+  std::vector<std::string> inputs;  ///< files that must not be written over
+};
+
+/// Reads everything. Refused: a map whose header names another configuration than the parameters, or (unless
+/// `other_machine`) another machine or serial number. Without --params those of the unit, else of --machine, else what
+/// the header of the map says.
+[[nodiscard]] Result<ExportWork> export_work(Session& session, const ExportArguments& arguments);
+
+/// The travels of the axes that the parameters name: those of the machine, else as far as the map reaches.
+[[nodiscard]] PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map,
+                                                                        const UnitParameters& parameters,
+                                                                        const std::optional<params::Machine>& machine);
+
+/// The error that a model predicts at places, each direction as its own axis arrived there.
+/// @param file  as problems name it
+[[nodiscard]] laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file);
+
+/// The error of the machine at places: from the model if one is given, else from the map.
+/// @param work  must outlive what is returned
+[[nodiscard]] Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments,
+                                                 const ExportWork& work);
+
+}  // namespace ecs::app

@@ -1,0 +1,144 @@
+#include "commissioning/maps/export_view.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/paragraph.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "length"};
+
+std::string tables_text(const ToldExport& told) {
+  std::string text = fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
+                                 "off unit", "unit");
+  for (const laser::ExportedTable& table : told.made.tables) {
+    text += fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8.2f} {:>8.2f}  {}\n", table.component, table.what, table.points,
+                        table.map_points == 0 ? std::string("-") : std::to_string(table.map_points), table.largest,
+                        table.deviation, table.unit);
+    if (std::abs(table.shift) >= 0.005)
+      text += fmt::format("     shifted by {:.2f} {} to be zero at the reference position\n", table.shift, table.unit);
+  }
+  return text + "of: points in the map; off unit: largest difference from what our unit does\n";
+}
+
+std::string cell(const laser::ResidualSize& size, std::size_t direction) {
+  return fmt::format("{:>7.1f} /{:>7.1f}", size.largest_um[direction], size.rms_um[direction]);
+}
+
+std::string residual_text(const ToldExport& told) {
+  std::string text = fmt::format("what is left, predicted from {}: largest / rms, um\n", told.work.errors_from);
+  text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "whole map, unit",
+                      "this export");
+  for (const laser::ResidualRow& row : told.residuals) {
+    std::string where = row.where;
+    for (std::size_t d = 0; d <= kAxes; ++d) {
+      if (d < kAxes && !told.work.source.parameters.axis_present[d]) continue;
+      text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", where, kDirections[d], cell(row.before, d),
+                          cell(row.unit, d), cell(row.control, d));
+      where.clear();
+    }
+  }
+  text += "both approaches; counted from the reference point, as a work offset is\n";
+  if (told.work.errors_from == "the map")
+    text += paragraph(
+        "From the map itself: what the map does not hold counts as zero, and what repeats badly is not in "
+        "it. --model predicts from an error model.");
+  return text;
+}
+
+std::string list_text(std::string_view heading, const std::vector<std::string>& lines) {
+  if (lines.empty()) return {};
+  std::string text = fmt::format("{}\n", heading);
+  for (const std::string& line : lines) text += paragraph(line, 2, 4);
+  return text;
+}
+
+/// A paragraph for each reason, in the order in which the reasons come up.
+std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
+  std::vector<std::pair<std::string, std::string>> reasons;
+  for (const laser::LeftBehind& one : all) {
+    auto at = std::find_if(reasons.begin(), reasons.end(), [&](const auto& r) { return r.first == one.why; });
+    if (at == reasons.end()) at = reasons.insert(reasons.end(), {one.why, ""});
+    at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
+  }
+  if (reasons.empty()) return "no component of the map is left out\n";
+  std::string text = "NOT CARRIED (largest values)\n";
+  for (const auto& [why, what] : reasons) text += paragraph(fmt::format("{}: {}", why, what), 2, 4);
+  return text;
+}
+
+Json json_of(const laser::LeftBehind& one) {
+  return {{"what", one.what}, {"largest", number_or_null(one.largest)}, {"unit", one.unit}, {"why", one.why}};
+}
+
+Json json_of(const laser::ResidualSize& size, const PerAxis<bool>& present) {
+  Json object = Json::object();
+  for (std::size_t d = 0; d <= kAxes; ++d) {
+    if (d < kAxes && !present[d]) continue;
+    object[std::string(kDirections[d])] = {{"largest_um", number_or_null(size.largest_um[d])},
+                                           {"rms_um", number_or_null(size.rms_um[d])}};
+  }
+  return object;
+}
+
+}  // namespace
+
+std::string export_text(const ToldExport& told) {
+  std::string text = fmt::format("{} from {}\n\n", told.control, told.work.map_name) + tables_text(told) + "\n";
+  text += left_behind_text(told.made.not_carried);
+  text += "\n" + residual_text(told) + "\n";
+  text += list_text("to set in the control:", told.made.settings);
+  for (const auto* notes : {&told.made.notes, &told.work.notes})
+    for (const std::string& note : *notes) text += paragraph("note: " + note, 0, 6);
+  text += to_text(told.written);
+  if (told.written.empty()) text += fmt::format("nothing written: give {} to keep it\n", told.output_hint);
+  return text;
+}
+
+Json json_of(const ToldExport& told) {
+  Json tables = Json::array(), rows = Json::array(), files = Json::array(), left = Json::array();
+  Json written = Json::array(), replaced = Json::array();
+  for (const WrittenFile& file : told.written) {
+    written.push_back(file.path);
+    if (file.replaced) replaced.push_back(file.path);
+  }
+  for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(json_of(one));
+  const PerAxis<bool>& present = told.work.source.parameters.axis_present;
+  for (const laser::ExportedTable& table : told.made.tables)
+    tables.push_back({{"component", table.component},
+                      {"table", table.what},
+                      {"points", table.points},
+                      {"map_points", table.map_points},
+                      {"largest", number_or_null(table.largest)},
+                      {"deviation_from_unit", number_or_null(table.deviation)},
+                      {"shift", number_or_null(table.shift)},
+                      {"unit", table.unit}});
+  for (const laser::ResidualRow& row : told.residuals)
+    rows.push_back({{"where", row.where},
+                    {"places", row.places},
+                    {"not_compensated", json_of(row.before, present)},
+                    {"whole_map", json_of(row.unit, present)},
+                    {"this_export", json_of(row.control, present)}});
+  for (const laser::ExportFile& file : told.made.files)
+    files.push_back({{"name", file.name}, {"bytes", file.content.size()}});
+  std::vector<std::string> notes = told.made.notes;
+  notes.insert(notes.end(), told.work.notes.begin(), told.work.notes.end());
+  return {{"control", told.control},
+          {"map", told.work.map_name},
+          {"files", std::move(files)},
+          {"written", std::move(written)},
+          {"replaced", std::move(replaced)},
+          {"tables", std::move(tables)},
+          {"not_carried", std::move(left)},
+          {"settings", told.made.settings},
+          {"residual", {{"from", told.work.errors_from}, {"rows", std::move(rows)}}},
+          {"notes", std::move(notes)}};
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,27 @@
+// An export as text and JSON: tables, what to set, what stays behind, what is left over.
+// Only for .cpp files (heavy header).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/json.hpp"
+#include "commissioning/maps/export_files.hpp"
+#include "commissioning/maps/export_source.hpp"
+
+namespace ecs::app {
+
+/// One export as it is told.
+struct ToldExport {
+  std::string control;  ///< "LinuxCNC"
+  const ExportWork& work;
+  const laser::ControllerExport& made;
+  const std::vector<laser::ResidualRow>& residuals;
+  std::vector<WrittenFile> written;  ///< empty: nothing was written
+  std::string output_hint;           ///< how to have it written
+};
+
+[[nodiscard]] std::string export_text(const ToldExport& told);
+[[nodiscard]] Json json_of(const ToldExport& told);
+
+}  // namespace ecs::app

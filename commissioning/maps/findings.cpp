@@ -1,0 +1,61 @@
+#include "commissioning/maps/findings.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+
+laser::Travels travels_of(const params::Machine& machine) {
+  laser::Travels travels{};
+  for (const Axis axis : kAllAxes)
+    if (const auto& known = machine.axes[index_of(axis)]) travels[index_of(axis)] = known->travel_mm;
+  return travels;
+}
+
+laser::Travels travels_beside(const std::string& params_file, const params::ParametersFile& parameters) {
+  const auto file = std::filesystem::path(params_file).parent_path() / "machine.toml";
+  std::error_code error;
+  if (params_file.empty() || !std::filesystem::exists(file, error)) return {};
+  const auto read = params::read_machine(file);
+  if (!read) return {};
+  const params::Machine& machine = read->machine;
+  const std::string& owner = parameters.identity.machine;
+  const bool same =
+      machine.configuration == configuration_of(parameters.parameters) && (owner.empty() || owner == machine.name);
+  return same ? travels_of(machine) : laser::Travels{};
+}
+
+std::vector<laser::MapFinding> findings_with_travels(const laser::ErrorMap& map,
+                                                     const params::ParametersFile& parameters,
+                                                     const std::string& params_file) {
+  return laser::findings_for(map, parameters.parameters, travels_beside(params_file, parameters));
+}
+
+std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings) {
+  std::vector<std::string> remarks;
+  for (const laser::MapFinding& finding : findings)
+    if (!finding.objection) remarks.push_back(finding.message);
+  return remarks;
+}
+
+std::string remarks_counted(std::size_t remarks) {
+  return fmt::format("{} remark{}", remarks, remarks == 1 ? "" : "s");
+}
+
+std::string completeness(const std::vector<laser::MapFinding>& findings) {
+  if (std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; })) return "not complete";
+  return findings.empty() ? "complete" : "complete, " + remarks_counted(findings.size());
+}
+
+std::string verdict_text(const std::vector<laser::MapFinding>& findings) {
+  if (findings.empty()) return "nothing is missing: the map can be sent\n";
+  if (remarks_in(findings).size() < findings.size())
+    return "the map is not complete: `ecs map send` will refuse it until this is mended\n";
+  return fmt::format("the map is {}: it can be sent, but read {} first\n", completeness(findings),
+                     findings.size() == 1 ? "it" : "them");
+}
+
+}  // namespace ecs::app

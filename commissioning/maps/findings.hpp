@@ -1,0 +1,38 @@
+// What the verbs, the screens and the report know of a map beside its tables: the travels that it should cover, and how
+// its findings are summed up in a word. Does not live here: the findings (laser/map/coverage.hpp), their text
+// (view.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "laser/map/coverage.hpp"
+#include "params/machine.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+
+[[nodiscard]] laser::Travels travels_of(const params::Machine& machine);
+
+/// The travels that the file `machine.toml` in the folder of a parameter file gives, if it describes the machine of
+/// those parameters: the same chain and, where [identity] states one, the same name. Nothing known otherwise.
+[[nodiscard]] laser::Travels travels_beside(const std::string& params_file, const params::ParametersFile& parameters);
+
+/// Findings of a map and the parameters read from `params_file`, with the travels of travels_beside().
+[[nodiscard]] std::vector<laser::MapFinding> findings_with_travels(const laser::ErrorMap& map,
+                                                                   const params::ParametersFile& parameters,
+                                                                   const std::string& params_file);
+
+/// Messages of the findings that are no objections.
+[[nodiscard]] std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings);
+
+/// "1 remark", "2 remarks".
+[[nodiscard]] std::string remarks_counted(std::size_t remarks);
+
+/// "complete", "complete, 2 remarks", "not complete".
+[[nodiscard]] std::string completeness(const std::vector<laser::MapFinding>& findings);
+
+/// What a verb says below the findings of a map that it built.
+[[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings);
+
+}  // namespace ecs::app

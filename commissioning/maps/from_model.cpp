@@ -1,0 +1,328 @@
+#include "commissioning/maps/from_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/file.hpp"
+#include "base/paragraph.hpp"
+#include "base/text.hpp"
+#include "commissioning/maps/declared_zero.hpp"
+#include "commissioning/maps/findings.hpp"
+#include "commissioning/maps/view.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "commissioning/models/work.hpp"
+#include "commissioning/unit/map_checks.hpp"
+#include "laser/map/csv.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "model/diagnosis/map_own_levers.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+using model::EffectInstance;
+using model::Model;
+
+/// Everything the answer tells.
+struct Built {
+  model::CompiledModel compiled;
+  std::map<Component, std::vector<std::string>> effects;  ///< of each table and squareness
+  UnitParameters parameters;                              ///< with the model's squareness
+  params::Identity identity;
+  double increment_mm = 0.0;
+  std::vector<std::string> notes;
+  std::vector<laser::MapFinding> findings;
+  [[nodiscard]] bool complete() const {
+    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
+  }
+};
+
+/// 1, 2 or 5 times a power of ten, at most `value`.
+double round_down(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {5.0, 2.0})
+    if (step * decade <= value * (1.0 + 1e-9)) return step * decade;
+  return decade;
+}
+
+constexpr double kMostPoints = 5000.0;    ///< of a table that nobody asked to be finer
+constexpr double kPointsPerPeriod = 4.0;  ///< fewer cannot follow a period
+
+std::optional<double> period_of(const EffectInstance& effect) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
+      return period->second;
+  return std::nullopt;
+}
+
+/// A hundredth of the shortest travel, and an eighth of the shortest period, as far as tables stay of sensible length.
+double fine_enough(const Model& model, const params::Machine& machine) {
+  double increment = 1e9, longest = 0.0;
+  for (const auto& axis : machine.axes) {
+    if (!axis) continue;
+    increment = std::min(increment, (axis->travel_mm[1] - axis->travel_mm[0]) / 100.0);
+    longest = std::max(longest, axis->travel_mm[1] - axis->travel_mm[0]);
+  }
+  for (const EffectInstance& effect : model.effects)
+    if (const auto period = period_of(effect)) increment = std::min(increment, *period / 8.0);
+  return std::max(round_down(increment), round_down(2.0 * longest / kMostPoints));
+}
+
+void note_short_periods(Built& built, const Model& model) {
+  for (const EffectInstance& effect : model.effects)
+    if (const auto period = period_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
+      built.notes.push_back(
+          fmt::format("{}: a table with a value every {} mm cannot follow its period of {:.4g} mm; give "
+                      "a smaller --increment, if the unit has room for it",
+                      to_text(effect), shortest(built.increment_mm), *period));
+}
+
+/// Where an effect lands in the map or among the parameters; nothing for one that stays out.
+std::optional<Component> component_for(const EffectInstance& effect) {
+  if (effect.id == model::EffectId::angular || effect.id == model::EffectId::squareness) return effect.code;
+  if (!effect.axis || !effect.sense || model::info_of(effect.id).carrier != model::Carrier::error_map)
+    return std::nullopt;
+  return curve_of(*effect.sense, *effect.axis);
+}
+
+/// The step of the ladder at which an effect was fitted: its own, else the beginning.
+const model::LadderStep* step_of(const Model& model, const std::string& effect) {
+  const model::LadderStep* start = nullptr;
+  for (const model::LadderStep& step : model.history) {
+    if (step.effect == effect) return &step;
+    if (step.effect.empty()) start = &step;
+  }
+  return start;
+}
+
+/// One file, or several with blanks between.
+std::vector<std::string> files_of(const model::LadderStep& step) {
+  std::error_code error;
+  if (std::filesystem::exists(step.data, error)) return {step.data};
+  std::vector<std::string> files;
+  for (const std::string_view word : split(step.data, ' '))
+    if (!word.empty()) files.emplace_back(word);
+  return files;
+}
+
+void add_source(Built& built, Component component, const std::string& file) {
+  const auto bytes = read_file(file);
+  const std::string name = std::filesystem::path(file).filename().string();
+  if (!bytes) {
+    const std::string note = fmt::format("{} is not there any more: the header names it without its checksum", file);
+    if (std::find(built.notes.begin(), built.notes.end(), note) == built.notes.end()) built.notes.push_back(note);
+    return;
+  }
+  const laser::SourceFile source{std::string(name_of(component)), name, sha256_hex(*bytes)};
+  auto& sources = built.compiled.map.header.sources;
+  if (std::find(sources.begin(), sources.end(), source) == sources.end()) sources.push_back(source);
+}
+
+/// Tables and squareness values that an effect has part in.
+std::vector<Component> places_of(const EffectInstance& effect, const std::vector<OwnLever>& levers) {
+  std::vector<Component> places;
+  if (const auto component = component_for(effect)) places.push_back(*component);
+  for (const OwnLever& lever : levers)
+    if (lever.effect == to_text(effect)) places.push_back(lever.table);
+  return places;
+}
+
+/// Which model and which measurements every table and squareness comes from.
+void trace(Built& built, const Model& model, const std::vector<OwnLever>& levers, const std::string& model_file) {
+  for (const EffectInstance& effect : model.effects) {
+    const std::vector<Component> places = places_of(effect, levers);
+    if (places.empty()) continue;
+    const std::string name = to_text(effect);
+    const model::LadderStep* step = step_of(model, name);
+    for (const Component place : places) {
+      built.effects[place].push_back(name);
+      add_source(built, place, model_file);
+      if (step == nullptr) continue;
+      for (const std::string& file : files_of(*step)) add_source(built, place, file);
+    }
+    if (step == nullptr)
+      built.notes.push_back(
+          fmt::format("{}: the model does not say which data it was fitted to; `ecs model fit -o` and "
+                      "`ecs model add` keep that",
+                      name));
+    else if (step->effect.empty())
+      built.compiled.map.header.processing.push_back(fmt::format("{} fitted to {}", name, step->data));
+  }
+}
+
+Result<void> complete_header(Built& built, const FromModelArguments& arguments) {
+  laser::MapHeader& header = built.compiled.map.header;
+  header.customer = arguments.customer;
+  header.engineer = arguments.engineer;
+  header.date = arguments.date;
+  if (header.machine.empty()) header.machine = built.identity.machine;
+  header.serial_number = built.identity.serial_number;
+  for (const std::string& word : arguments.zero) {
+    const auto zero = declared_zero_in(word);
+    if (!zero) return tl::unexpected(zero.error());
+    if (built.effects.contains(zero->component))
+      return problem(ProblemKind::usage,
+                     fmt::format("--zero {}: the model has a value for it: keep one", name_of(zero->component)));
+    header.declared_zero.push_back(*zero);
+  }
+  return {};
+}
+
+void take_squareness(UnitParameters& parameters, const model::CompiledModel& compiled) {
+  parameters.C0Y_um_per_m += compiled.squareness[index_of(Component::C0Y)];
+  parameters.B0Z_um_per_m += compiled.squareness[index_of(Component::B0Z)];
+  parameters.A0Z_um_per_m += compiled.squareness[index_of(Component::A0Z)];
+}
+
+Result<Built> built_from(Session& session, const FromModelArguments& arguments) {
+  const auto model = model::read_model(arguments.model);
+  if (!model) return tl::unexpected(model.error());
+  const auto machine = machine_in(session, arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  Built built;
+  built.parameters = params::default_parameters_for(**machine);
+  built.identity.machine = (*machine)->name;
+  if (!arguments.params.empty()) {
+    const auto given = params::read_parameters(arguments.params);
+    if (!given) return tl::unexpected(given.error());
+    built.parameters = given->parameters;
+    built.identity = given->identity;
+  }
+  built.increment_mm = arguments.increment_mm.value_or(fine_enough(*model, **machine));
+  auto compiled = model::compiled(*model, **machine, built.increment_mm);
+  if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
+  built.compiled = std::move(*compiled);
+  const auto levers = add_own_levers(built.compiled, *model, **machine, built.increment_mm);
+  note_short_periods(built, *model);
+  trace(built, *model, levers, arguments.model);
+  if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
+  take_squareness(built.parameters, built.compiled);
+  built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(**machine));
+  return built;
+}
+
+// --- as text
+
+double largest_in(const std::vector<laser::MapTable>& tables, Component component) {
+  double largest = 0.0;
+  for (const laser::MapTable& table : tables)
+    if (table.component == component)
+      for (const double value : table.compensation) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+std::size_t points_in(const std::vector<laser::MapTable>& tables, Component component) {
+  for (const laser::MapTable& table : tables)
+    if (table.component == component) return table.position_mm.size();
+  return 0;
+}
+
+std::string components_text(const Built& b) {
+  std::string text = fmt::format("{:<4} {:<38} {:<4} {:>8} {:>6}\n", "", "component", "unit", "most", "n");
+  for (const auto& [component, effects] : b.effects) {
+    if (is_squareness(component)) continue;
+    text += fmt::format("{:<4} {:<38} {:<4} {:>8.2f} {:>6}\n", name_of(component), laser::description_of(component),
+                        unit_of(component), largest_in(b.compiled.map.tables, component),
+                        points_in(b.compiled.map.tables, component));
+    text += paragraph(fmt::format("from {}", fmt::join(effects, " + ")), 5, 10);
+  }
+  return text + fmt::format("most: largest compensation; n: points per table, every {} mm\n", shortest(b.increment_mm));
+}
+
+std::string squareness_text(const Built& b, const FromModelArguments& arguments) {
+  std::string text;
+  for (const auto& each : b.effects)
+    if (is_squareness(each.first))
+      text += fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(each.first),
+                          b.compiled.squareness[index_of(each.first)]);
+  if (text.empty()) return text;
+  if (!arguments.params_out.empty())
+    return fmt::format("squareness of the model, in {}:\n{}", arguments.params_out, text);
+  return "squareness of the model; without --params-out add these to the parameters by hand:\n" + text;
+}
+
+std::string text_of(const Built& b, const FromModelArguments& arguments) {
+  std::string text = components_text(b) + squareness_text(b, arguments);
+  for (const std::string& one : b.compiled.not_carried) text += paragraph("NOT CARRIED: " + one, 0, 13);
+  for (const laser::DeclaredZero& zero : b.compiled.map.header.declared_zero)
+    text += paragraph(fmt::format("{} declared zero: {}", name_of(zero.component), zero.reason), 0, 5);
+  for (const std::string& note : b.notes) text += paragraph("note: " + note, 0, 6);
+  text += findings_text(b.findings) + verdict_text(b.findings);
+  text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
+                                   : fmt::format("map written to {}\n", arguments.output);
+  if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
+  return text;
+}
+
+// --- as JSON
+
+Json json_of_built(const Built& b, const FromModelArguments& arguments) {
+  Json components = Json::array(), squareness = Json::object(), missing = Json::array();
+  for (const auto& [component, effects] : b.effects) {
+    if (is_squareness(component)) {
+      squareness[fmt::format("{}_um_per_m", name_of(component))] =
+          number_or_null(b.compiled.squareness[index_of(component)]);
+      continue;
+    }
+    components.push_back({{"component", name_of(component)},
+                          {"description", laser::description_of(component)},
+                          {"unit", unit_of(component)},
+                          {"effects", effects},
+                          {"largest", number_or_null(largest_in(b.compiled.map.tables, component))},
+                          {"points", points_in(b.compiled.map.tables, component)}});
+  }
+  for (const laser::MapFinding& finding : b.findings)
+    if (finding.objection) missing.push_back(finding.message);
+  return {{"map", text_or_null(arguments.output)},
+          {"params_out", text_or_null(arguments.params_out)},
+          {"model", arguments.model},
+          {"increment_mm", number_or_null(b.increment_mm)},
+          {"complete", b.complete()},
+          {"carried", b.compiled.carried},
+          {"not_carried", b.compiled.not_carried},
+          {"components", std::move(components)},
+          {"squareness", std::move(squareness)},
+          {"missing", std::move(missing)},
+          {"findings", json_of(b.findings)},
+          {"notes", b.notes},
+          {"header", json_of(b.compiled.map.header)}};
+}
+
+Result<void> write(const Built& b, const FromModelArguments& arguments) {
+  if (!arguments.output.empty())
+    if (const auto done = write_file(arguments.output, laser::to_map_csv(b.compiled.map)); !done) return done;
+  if (!arguments.params_out.empty()) return params::write_parameters(arguments.params_out, b.parameters, b.identity);
+  return {};
+}
+
+Problem nothing_carried(const Built& b, const std::string& model) {
+  std::vector<Problem> problems{
+      {ProblemKind::refused, "no effect of this model can be carried by a map; nothing was written", model, 0, 0, {}}};
+  for (const std::string& one : b.compiled.not_carried)
+    problems.push_back({ProblemKind::refused, one, model, 0, 0, {}});
+  return folded(std::move(problems));
+}
+
+}  // namespace
+
+Result<Outcome> map_from_model(Session& session, const FromModelArguments& arguments) {
+  if (arguments.machine.empty())
+    return problem(ProblemKind::usage, "--from-model needs --machine: the travels of the axes stand in its file");
+  for (const std::string& output : {arguments.output, arguments.params_out})
+    if (const auto spared = spares_inputs(output, {arguments.model, arguments.machine}); !spared)
+      return tl::unexpected(spared.error());
+  const auto built = built_from(session, arguments);
+  if (!built) return tl::unexpected(built.error());
+  if (built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
+  if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
+  for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
+    session.face.warn(objection);
+  return Outcome{text_of(*built, arguments), one_line(json_of_built(*built, arguments)), kDone};
+}
+
+}  // namespace ecs::app

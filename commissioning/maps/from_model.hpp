@@ -1,0 +1,30 @@
+// `ecs map build --from-model`: the error map that a fitted model compiles to.
+// Does not live here: the arithmetic (model/diagnosis/ladder.hpp), maps from measured files (app/verbs/map/build.cpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/cli/verb_context.hpp"
+#include "base/outcome.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct FromModelArguments {
+  std::string model;
+  std::string machine;
+  std::optional<double> increment_mm;  ///< absent: fine enough for the model
+  std::string params;                  ///< empty: those that fit the machine
+  std::string output;
+  std::string params_out;
+  std::vector<std::string> zero;
+  std::string customer;
+  std::string engineer;
+  std::string date;
+};
+
+[[nodiscard]] Result<Outcome> map_from_model(Session& session, const FromModelArguments& arguments);
+
+}  // namespace ecs::app

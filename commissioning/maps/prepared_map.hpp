@@ -1,0 +1,31 @@
+// A map with the parameters it goes with, judged and turned into the bytes for the unit, without a unit.
+// Does not live here: sending it (commissioning/unit/transfer.hpp), single objections
+// (commissioning/unit/map_checks.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "laser/map/error_map.hpp"
+#include "laser/map/image.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+
+struct PreparedMap {
+  laser::MapHeader header;
+  params::Identity identity;  ///< of the parameters
+  laser::MapImage image;
+  std::vector<std::string> remarks;  ///< findings worth knowing that are no objections
+};
+
+/// Reads both files; refuses, with every reason, parameters that must not meet a machine, a map that is incomplete for
+/// them or (unless `other_machine`) one whose header names another machine.
+[[nodiscard]] Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file,
+                                               bool other_machine = false);
+
+/// Why the unit with this serial number is not the one of the map, or not the one of its parameters.
+[[nodiscard]] std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number);
+
+}  // namespace ecs::app

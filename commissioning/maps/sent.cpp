@@ -1,0 +1,66 @@
+#include "commissioning/maps/sent.hpp"
+
+#include <chrono>
+
+#include "commissioning/unit/map_checks.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/map/image.hpp"
+#include "params/parameters_toml.hpp"
+
+namespace ecs::app {
+namespace {
+
+/// Map and parameters of the file as a unit would hold them: rounded and resampled as the image does it.
+Result<laser::ImageContent> expected_content(const std::string& map_file, const std::string& params_file,
+                                             const UnitParameters& of_unit) {
+  const auto map = laser::read_map_csv(map_file);
+  if (!map) return tl::unexpected(map.error());
+  UnitParameters parameters = of_unit;
+  if (!params_file.empty()) {
+    const auto file = params::read_parameters(params_file);
+    if (!file) return tl::unexpected(file.error());
+    parameters = file->parameters;
+  }
+  const auto image = laser::image_of(*map, parameters);
+  if (!image) return tl::unexpected(image.error());
+  return laser::content_of(image->bytes);
+}
+
+}  // namespace
+
+Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client) {
+  const auto status = client.status();
+  if (!status) return tl::unexpected(status.error());
+  if (status->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
+  return client.read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t))
+      .map([](const std::vector<std::uint8_t>& bytes) { return std::optional(load_big<std::uint32_t>(bytes, 0)); });
+}
+
+Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, const std::string& file,
+                         bool other_machine, const BeforeSending& before, const protocol::ProgressCallback& progress) {
+  const auto identity = client.identity();
+  if (!identity) return tl::unexpected(identity.error());
+  if (!other_machine)
+    if (auto refused = refused_map(other_unit(map, identity->serial_number), file))
+      return tl::unexpected(std::move(*refused));
+  const auto check_before = active_check(client);
+  if (!check_before) return tl::unexpected(check_before.error());
+  if (before) before(*check_before);
+  const auto start = std::chrono::steady_clock::now();
+  const auto report = send_image(client, map.image.bytes, progress);
+  if (!report) return tl::unexpected(report.error());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return SentMap{*report, *identity, ImageView(map.image.bytes).check(), *check_before, seconds};
+}
+
+Result<MapVerdict> verdict_on(const FoundMap& found, const std::string& map_file, const std::string& params_file) {
+  const auto expected = expected_content(map_file, params_file, found.parameters.value_or(UnitParameters{}));
+  if (!expected) return tl::unexpected(expected.error());
+  MapVerdict verdict;
+  verdict.differences = differences_between(expected->map, found.map);
+  if (found.parameters) verdict.parameters = params::diff(expected->parameters, *found.parameters);
+  return verdict;
+}
+
+}  // namespace ecs::app

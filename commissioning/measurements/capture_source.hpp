@@ -1,0 +1,54 @@
+// Where the readings of a capture come from when a trigger says that one is due: typed, an indicator gauge, a file,
+// what a command says. Does not live here: when (capture_run.hpp).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "devices/sensor.hpp"
+
+namespace ecs::app {
+
+/// What a display showed when it was asked.
+struct Shown {
+  enum class Kind {
+    value,
+    not_yet,  ///< ask again in a moment
+    late,     ///< it did not come in time; `why`
+    none,     ///< there is nothing to be had; `why`
+    ended,    ///< and there never will be; `why`
+  };
+  Kind kind = Kind::not_yet;
+  double value = 0.0;
+  std::string why;
+};
+
+class ReadingSource {
+ public:
+  virtual ~ReadingSource() = default;
+  /// A trigger came: the next answers belong to it.
+  virtual void ask(double now_s) = 0;
+  [[nodiscard]] virtual Shown shown(double now_s) = 0;
+  /// Keeps up with what comes by itself; returns at once.
+  virtual void attend(double) {}
+  [[nodiscard]] virtual laser::PortChange look(double) { return laser::PortChange::none; }
+  /// Why a lost device cannot be had back yet; empty: it is simply not there.
+  [[nodiscard]] virtual std::string hindrance() const { return {}; }
+  /// For the metadata: "indicator gauge (…)".
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+
+/// An indicator gauge: the value that it shows when it is asked; um.
+[[nodiscard]] std::unique_ptr<ReadingSource> gauge_source(laser::DevicePort port);
+/// Numbers of a file or FIFO, one a line ('#' begins a comment): each trigger takes the next.
+[[nodiscard]] Result<std::unique_ptr<ReadingSource>> file_source(const std::string& path);
+/// The same, but the last line that is there counts: a display that writes all the while.
+[[nodiscard]] Result<std::unique_ptr<ReadingSource>> following_source(const std::string& path);
+/// The last number that a shell command prints; it is run at each trigger.
+[[nodiscard]] std::unique_ptr<ReadingSource> command_source(std::string command);
+
+/// The last number in a line: "X -50.0012 mm" is -50.0012.
+[[nodiscard]] std::optional<double> last_number_in(std::string_view line);
+
+}  // namespace ecs::app

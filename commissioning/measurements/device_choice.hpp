@@ -1,0 +1,21 @@
+// A device as a command line names it: a description's file, or one that comes with the program, and which of several
+// alike. Does not live here: descriptions (devices/description.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "devices/port.hpp"
+
+namespace ecs::app {
+
+/// "foot_switch.toml", "foot_switch.toml@SERIAL", "temper@/dev/hidraw3". Several: the name stands for a family.
+[[nodiscard]] Result<std::vector<laser::DeviceDescription>> described(const std::string& text);
+
+/// Opens the device that `text` names. `usage` where it is of another kind.
+[[nodiscard]] Result<laser::DevicePort> opened_device(const std::string& text, laser::DeviceKind kind);
+
+/// "foot switch (16c0:27db Maker Pedal, serial 7)"
+[[nodiscard]] std::string name_of(const laser::DevicePort& port);
+
+}  // namespace ecs::app

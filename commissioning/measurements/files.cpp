@@ -1,0 +1,268 @@
+#include "commissioning/measurements/files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "commissioning/measurements/import_profile.hpp"
+
+namespace ecs::app {
+namespace {
+
+using laser::MeasurementSet;
+
+/// "y=-1400,z=0" into the entries it names.
+Result<Vector3> parked_in(std::string_view text) {
+  Vector3 parked{};
+  for (const std::string_view part : split(text, ',')) {
+    const auto sides = split(part, '=');
+    const std::string name = lower(trimmed(sides.front()));
+    const auto axis = name.size() == 1 ? axis_of(static_cast<char>(name[0] - 'a' + 'A')) : std::nullopt;
+    const auto value = sides.size() == 2 ? number_in(sides[1]) : std::nullopt;
+    if (!axis || !value)
+      return problem(ProblemKind::usage,
+                     fmt::format("--parked: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"", trimmed(part)));
+    parked[index_of(*axis)] = *value;
+  }
+  return parked;
+}
+
+laser::Encoding encoding_named(const std::string& name) {
+  for (const auto encoding : {laser::Encoding::utf8, laser::Encoding::windows_1252, laser::Encoding::gbk,
+                              laser::Encoding::latin1, laser::Encoding::shift_jis, laser::Encoding::utf16})
+    if (name == laser::name_of(encoding)) return encoding;
+  return laser::Encoding::automatic;
+}
+
+Result<std::optional<laser::Unit>> unit_given(const std::string& name, const char* option) {
+  if (name.empty()) return std::optional<laser::Unit>();
+  if (const auto unit = laser::unit_named(name)) return std::optional(*unit);
+  return problem(ProblemKind::usage,
+                 fmt::format("{}: expected a unit ({}), got \"{}\"", option, laser::unit_names(), name));
+}
+
+Result<char> delimiter_given(const std::string& name) {
+  if (name.empty()) return '\0';
+  if (name.size() == 1) return name[0];
+  for (const auto& [word, character] :
+       {std::pair{"blank", ' '}, {"tab", '\t'}, {"\\t", '\t'}, {"comma", ','}, {"semicolon", ';'}, {"bar", '|'}})
+    if (lower(name) == word) return character;
+  return problem(ProblemKind::usage,
+                 fmt::format("--delimiter: expected one character, or blank, tab, comma, semicolon, got \"{}\"", name));
+}
+
+Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments& arguments) {
+  if (arguments.columns.empty()) {
+    if (arguments.skip > 0 || arguments.rows > 0 || !arguments.delimiter.empty() || !arguments.decimal.empty() ||
+        !arguments.values.empty())
+      return problem(
+          ProblemKind::usage,
+          "--skip, --rows, --delimiter, --decimal and --values belong to --columns: give which column is what");
+    return std::optional<laser::ColumnMapping>();
+  }
+  auto mapping = laser::column_mapping(arguments.columns);
+  if (!mapping) return tl::unexpected(mapping.error());
+  const auto delimiter = delimiter_given(arguments.delimiter);
+  if (!delimiter) return tl::unexpected(delimiter.error());
+  mapping->delimiter = *delimiter;
+  mapping->skip_lines = arguments.skip;
+  mapping->most_rows = arguments.rows;
+  if (!arguments.decimal.empty()) mapping->decimal = arguments.decimal == "comma" ? ',' : '.';
+  if (arguments.values == "actual") mapping->values = laser::TableValues::actual_positions;
+  if (arguments.values == "compensation") mapping->values = laser::TableValues::compensations;
+  return std::optional(std::move(*mapping));
+}
+
+bool same_line(const laser::Group& a, const laser::Group& b) {
+  return a.axis == b.axis && a.sense == b.sense && a.parked_mm == b.parked_mm && a.compensated == b.compensated;
+}
+
+int largest_run(const MeasurementSet& set, const laser::Group& group) {
+  int largest = 0;
+  for (const std::size_t i : group.readings) largest = std::max(largest, set.readings[i].run);
+  return largest;
+}
+
+/// Numbers the runs of `more` on from those of the same line in `all`.
+void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::string>& notes) {
+  const auto known = laser::groups_of(all);
+  for (const laser::Group& group : laser::groups_of(more)) {
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return same_line(k, group); });
+    if (same == known.end()) continue;
+    const int offset = largest_run(all, *same);
+    for (const std::size_t i : group.readings) more.readings[i].run += offset;
+    notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", more.source,
+                                name_of(curve_of(group.sense, group.axis)), offset + 1));
+  }
+}
+
+std::string conflict(const MeasurementSet& a, const MeasurementSet& b, std::string_view key) {
+  const auto first = laser::metadata_value(a, key), second = laser::metadata_value(b, key);
+  if (!first || !second || first->empty() || second->empty() || *first == *second) return {};
+  return fmt::format("{}: {} is \"{}\", in {} it is \"{}\"", b.source, key, *second, a.source, *first);
+}
+
+Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
+  for (const char* key : {"machine", "serial_number", "Machine", "Serial No"})
+    if (const std::string differs = conflict(all, more, key); !differs.empty())
+      return problem(ProblemKind::refused, differs + "; files of different machines are not joined");
+  for (const laser::MetadataEntry& entry : more.metadata) {
+    const auto known = laser::metadata_value(all, entry.key);
+    if (!known)
+      all.metadata.push_back(entry);
+    else if (*known != entry.value)
+      all.notes.push_back(fmt::format("{}: {} \"{}\" is left out, the first file says \"{}\"", more.source, entry.key,
+                                      entry.value, *known));
+  }
+  return {};
+}
+
+void join_columns(MeasurementSet& all, const MeasurementSet& more) {
+  for (const std::string& column : more.columns)
+    if (std::find(all.columns.begin(), all.columns.end(), column) == all.columns.end()) all.columns.push_back(column);
+}
+
+Result<std::vector<int>> integers_in(const std::vector<std::string>& words, const char* option) {
+  std::vector<int> numbers;
+  for (const std::string& word : words)
+    for (const std::string_view part : split(word, ',')) {
+      const auto number = integer_in(part);
+      if (!number || *number < 0 || *number > 1'000'000'000)
+        return problem(ProblemKind::usage, fmt::format("{}: expected whole numbers, got \"{}\"", option, part));
+      numbers.push_back(static_cast<int>(*number));
+    }
+  return numbers;
+}
+
+/// The option that a problem of usage asks for.
+std::string_view option_that_helps(const Problem& wrong) {
+  const auto says = [&](std::string_view word) { return wrong.message.find(word) != std::string::npos; };
+  if (says("channel")) return " (--channel NAME)";
+  if (says("unit")) return " (--target-unit, --reading-unit)";
+  if (says("columns") && !says("axis")) return " (--columns)";
+  return " (--axis X, --sense EX)";
+}
+
+}  // namespace
+
+void take_import_options(Verb& verb, ImportArguments& arguments) {
+  verb.choice("--axis", arguments.axis, {"X", "Y", "Z"}, "the axis that was moved, where the file does not say")
+      .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "what was measured, if not in the file")
+      .text("--parked", arguments.parked, "where the other axes stood, as in y=-1400,z=0 [mm]")
+      .choice("--encoding", arguments.encoding, {"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"},
+              "code page; by itself if not given")
+      .flag("--accept-truncated", arguments.accept_truncated, "take what is left of a file that ends too early")
+      .flag("--table-holds-errors", arguments.table_holds_errors, "a .REN table holds errors, not compensation")
+      .text("--target-unit", arguments.target_unit, "unit of the targets where it is not the usual one, as in in")
+      .text("--reading-unit", arguments.reading_unit,
+            "unit of the readings where it is not the usual one, as in um, arcsec")
+      .text("--channel", arguments.channel, "the channel of a log that holds several")
+      .text("--columns", arguments.columns,
+            "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3*0.001,run=2,approach=4")
+      .integer("--skip", arguments.skip, "lines before the table", 0, 1'000'000)
+      .integer("--rows", arguments.rows, "rows of the table to take; 0: all", 0, 1'000'000)
+      .text("--delimiter", arguments.delimiter,
+            "one character, or blank, tab, comma, semicolon; by itself if not given")
+      .choice("--decimal", arguments.decimal, {"point", "comma"}, "decimal sign of the table; both if not given")
+      .choice("--values", arguments.values, {"error", "actual", "compensation"},
+              "what the readings of the table are; error if not given")
+      .text("--profile", arguments.profile, "import options saved under this name, or a path");
+}
+
+Result<laser::ImportOptions> import_options(const ImportArguments& given) {
+  const auto whole = with_profile(given);
+  if (!whole) return tl::unexpected(whole.error());
+  const ImportArguments& arguments = *whole;
+  laser::ImportOptions options;
+  const auto target_unit = unit_given(arguments.target_unit, "--target-unit");
+  if (!target_unit) return tl::unexpected(target_unit.error());
+  const auto reading_unit = unit_given(arguments.reading_unit, "--reading-unit");
+  if (!reading_unit) return tl::unexpected(reading_unit.error());
+  auto mapping = mapping_given(arguments);
+  if (!mapping) return tl::unexpected(mapping.error());
+  options.target_unit = *target_unit;
+  options.reading_unit = *reading_unit;
+  options.mapping = std::move(*mapping);
+  options.channel = arguments.channel;
+  if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
+  if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
+  if (!arguments.parked.empty()) {
+    const auto parked = parked_in(arguments.parked);
+    if (!parked) return tl::unexpected(parked.error());
+    options.parked_mm = *parked;
+  }
+  options.encoding = encoding_named(arguments.encoding);
+  options.accept_truncated = arguments.accept_truncated;
+  options.table_holds_errors = arguments.table_holds_errors;
+  return options;
+}
+
+Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments) {
+  const auto options = import_options(arguments);
+  if (!options) return tl::unexpected(options.error());
+  auto imported = laser::read_any(file, *options);
+  if (!imported && imported.error().kind == ProblemKind::usage)
+    imported.error().message += option_that_helps(imported.error());
+  if (imported && imported->set.source.empty()) imported->set.source = file;
+  return imported;
+}
+
+Result<laser::Imported> read_said(Session& session, const std::string& file, const ImportArguments& arguments) {
+  auto imported = read_measurements(file, arguments);
+  if (!imported) return imported;
+  session.face.note(fmt::format("{}: {}", file, laser::name_of(imported->format)));
+  for (const std::string& note : imported->set.notes) session.face.note(fmt::format("{}: {}", file, note));
+  return imported;
+}
+
+Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
+  if (sets.empty()) return MeasurementSet{};
+  MeasurementSet all = sets.front();
+  for (std::size_t i = 1; i < sets.size(); ++i) {
+    MeasurementSet more = sets[i];
+    if (const auto same = join_metadata(all, more); !same) return tl::unexpected(same.error());
+    renumber(more, all, all.notes);
+    join_columns(all, more);
+    all.notes.insert(all.notes.end(), more.notes.begin(), more.notes.end());
+    all.readings.insert(all.readings.end(), more.readings.begin(), more.readings.end());
+  }
+  return all;
+}
+
+Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::string>& runs,
+                                                    const std::vector<std::string>& rows) {
+  const auto run_numbers = integers_in(runs, "--exclude-run");
+  if (!run_numbers) return tl::unexpected(run_numbers.error());
+  const auto row_numbers = integers_in(rows, "--exclude-row");
+  if (!row_numbers) return tl::unexpected(row_numbers.error());
+  std::vector<laser::Exclusion> exclusions;
+  for (const int run : *run_numbers) {
+    exclusions.emplace_back();
+    exclusions.back().run = run;
+  }
+  for (const int row : *row_numbers) {
+    exclusions.emplace_back();
+    exclusions.back().row = row;
+  }
+  return exclusions;
+}
+
+Result<void> spares_inputs(const std::string& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (!output.empty() && std::filesystem::equivalent(input, output, error))
+      return problem(ProblemKind::usage, fmt::format("{} would be replaced: give another name to write to", input));
+  }
+  return {};
+}
+
+MeasurementSet set_of(const MeasurementSet& set, const laser::Group& group) {
+  MeasurementSet own = set;
+  own.readings.clear();
+  for (const std::size_t i : group.readings) own.readings.push_back(set.readings[i]);
+  return own;
+}
+
+}  // namespace ecs::app

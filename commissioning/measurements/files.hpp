@@ -1,0 +1,64 @@
+// Measurement files on a command line: what a file does not say, given as options; reading one; joining several.
+// Does not live here: the readers (laser/import/import.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_context.hpp"
+#include "laser/analysis/curve.hpp"
+#include "laser/import/import.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct ImportArguments {
+  std::string axis;
+  std::string sense;
+  std::string parked;  ///< "y=-1400,z=0"
+  std::string encoding;
+  bool accept_truncated = false;
+  bool table_holds_errors = false;
+  std::string target_unit;
+  std::string reading_unit;
+  std::string channel;
+  std::string columns;    ///< "x_mm=1,reading=3*0.001,run=2,approach=4": the file is a table, read by this
+  int skip = 0;           ///< lines before the table
+  int rows = 0;           ///< rows to take; 0: all
+  std::string delimiter;  ///< one character, or blank, tab, comma, semicolon
+  std::string decimal;    ///< point or comma
+  std::string values;     ///< error, actual, compensation
+  std::string profile;    ///< name or path of a profile with the answers above
+};
+
+/// Adds --axis --sense --parked --encoding --accept-truncated --table-holds-errors --target-unit --reading-unit
+/// --channel, and --columns --skip --rows --delimiter --decimal --values --profile.
+void take_import_options(Verb& verb, ImportArguments& arguments);
+
+/// A `usage` problem names the option that is wrong.
+[[nodiscard]] Result<laser::ImportOptions> import_options(const ImportArguments& arguments);
+
+/// Reads a file as whatever it is. A problem over what the file does not say names the options.
+[[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments);
+
+/// The same; says on the face what it was taken for, and what had to be assumed.
+[[nodiscard]] Result<laser::Imported> read_said(Session& session, const std::string& file,
+                                                const ImportArguments& arguments);
+
+/// Several sets as one. Where two files measured the same line, the runs of the later one are numbered on, and a note
+/// says so. Metadata that differ are kept from the first file, with a note. `refused` if the files name different
+/// machines or serial numbers.
+[[nodiscard]] Result<laser::MeasurementSet> joined(const std::vector<laser::MeasurementSet>& sets);
+
+/// The exclusions of --exclude-run and --exclude-row: "2", or "2,5".
+[[nodiscard]] Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::string>& runs,
+                                                                  const std::vector<std::string>& rows);
+
+/// A `usage` problem if `output` is one of the files that are read. Empty: nothing is written.
+[[nodiscard]] Result<void> spares_inputs(const std::string& output, const std::vector<std::string>& inputs);
+
+/// The readings of one group as a set of its own.
+[[nodiscard]] laser::MeasurementSet set_of(const laser::MeasurementSet& set, const laser::Group& group);
+
+}  // namespace ecs::app

@@ -1,0 +1,23 @@
+// Named answers to what a kind of file does not say: the import options, kept in a TOML file.
+// Does not live here: what the options mean (files.hpp).
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/result.hpp"
+#include "commissioning/measurements/files.hpp"
+
+namespace ecs::app {
+
+/// `NAME` → import/NAME.toml beside the configuration file; a name with a slash or ending in .toml is a path.
+[[nodiscard]] std::filesystem::path profile_file(const std::string& name);
+
+/// Fills what `arguments` leave open from its profile. A `usage` problem lists the profiles there are if it is none of
+/// them; unknown keys and wrong values are refused with their line.
+[[nodiscard]] Result<ImportArguments> with_profile(ImportArguments arguments);
+
+/// Writes what was given as a profile; the file that was written.
+[[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments);
+
+}  // namespace ecs::app

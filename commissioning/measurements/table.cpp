@@ -1,0 +1,160 @@
+#include "commissioning/measurements/table.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "commissioning/measurements/summary.hpp"
+#include "laser/map/recipe.hpp"
+
+namespace ecs::app {
+namespace {
+
+constexpr std::size_t kTextWidth = 80;
+
+auto unfit(const std::filesystem::path& file, std::string message) {
+  return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), file.string(), 0, 0, {}});
+}
+
+std::string lines_of_set(const std::vector<laser::Group>& groups) {
+  std::string text;
+  for (const laser::Group& g : groups)
+    text += fmt::format("{}{} along {} at {}, compensated {}", text.empty() ? "" : "; ", name_of(g.sense),
+                        letter_of(g.axis), parked_text(g), compensated_text(g));
+  return text;
+}
+
+/// The one line of the planned axis and sense. Readings that say they were taken with compensation the other way than
+/// the phase has it do not fit: folders may have been exchanged.
+Result<laser::Group> line_for(const PlannedMeasurement& planned, bool compensated, const laser::MeasurementSet& set,
+                              const std::filesystem::path& file) {
+  const auto all = laser::groups_of(set);
+  std::vector<laser::Group> fitting;
+  for (const laser::Group& group : all)
+    if (group.axis == planned.axis && group.sense == planned.sense &&
+        group.compensated.value_or(compensated) == compensated)
+      fitting.push_back(group);
+  if (fitting.size() == 1) return fitting.front();
+  return unfit(file, fmt::format("expected one line of {} along {}, {} compensation, found {}", name_of(planned.sense),
+                                 letter_of(planned.axis), compensated ? "with" : "without",
+                                 lines_of_set(fitting.empty() ? all : fitting)));
+}
+
+Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::filesystem::path& folder,
+                               bool compensated) {
+  const std::filesystem::path file = folder / (planned.name + ".csv");
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or take it off the plan");
+  if (std::filesystem::is_other(file, error)) return unfit(file, "is no plain file (a pipe or a device): not read");
+  const auto set = laser::read_measurement_set(file);
+  if (!set) return tl::unexpected(set.error());
+  const auto group = line_for(planned, compensated, *set, file);
+  if (!group) return tl::unexpected(group.error());
+  auto readings = levelled_readings(*set, *group, planned.slope);
+  if (!readings) return unfit(file, readings.error().message);
+  const auto groups = laser::groups_of(readings->after);
+  auto iso = laser::iso230_of(readings->after, groups.front());
+  if (!iso) return unfit(file, iso.error().message);
+  return MeasuredPhase{file, std::move(*readings), std::move(*iso)};
+}
+
+TableRow row_of(const PlannedMeasurement& planned, const std::filesystem::path& before,
+                const std::filesystem::path& after) {
+  TableRow row{planned, {}, {}, {}};
+  if (planned.phase != PlanPhase::after) {
+    auto phase = measured(planned, before, false);
+    if (phase)
+      row.before = std::move(*phase);
+    else
+      row.problems.push_back(phase.error());
+  }
+  if (planned.phase != PlanPhase::before) {
+    auto phase = measured(planned, after, true);
+    if (phase)
+      row.after = std::move(*phase);
+    else
+      row.problems.push_back(phase.error());
+  }
+  return row;
+}
+
+// --- as text
+
+std::string number(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }
+
+std::string arrow(const std::optional<double>& before, const std::optional<double>& after) {
+  if (!before && !after) return "-";
+  return fmt::format("{:>5}->{:<5}", number(before), number(after));
+}
+
+std::optional<double> band(const std::optional<MeasuredPhase>& phase) {
+  if (!phase) return std::nullopt;
+  return phase->readings.band;
+}
+
+std::string cut(const std::string& text, std::size_t width) {
+  return text.size() <= width ? text : text.substr(0, width - 1) + "~";
+}
+
+std::string row_text(const TableRow& row) {
+  const PlannedMeasurement& p = row.planned;
+  const MeasuredPhase* shown = row.after ? &*row.after : row.before ? &*row.before : nullptr;
+  const std::string ours = !row.before && !row.after ? "no readings" : arrow(band(row.before), band(row.after));
+  return fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}{}\n", cut(p.name, 10), cut(p.title, 20),
+                     laser::unit_of(p.sense), arrow(p.published_before, p.published_after), ours,
+                     number(shown != nullptr ? shown->iso.A : std::nullopt),
+                     number(shown != nullptr ? shown->iso.E : std::nullopt), number(row.ratio()),
+                     row.exceeds_published() ? "!" : "");
+}
+
+/// Which rows lost their slope by which method, within 80 columns.
+std::string slopes_text(const std::vector<TableRow>& rows) {
+  std::string text;
+  for (const auto method :
+       {laser::SlopeMethod::least_squares, laser::SlopeMethod::end_points, laser::SlopeMethod::none}) {
+    std::string line;
+    for (const TableRow& row : rows) {
+      if (row.planned.slope != method) continue;
+      if (line.empty() || line.size() + row.planned.name.size() > kTextWidth - 2) {
+        text += line + (line.empty() ? "" : "\n");
+        line = line.empty() ? fmt::format("  {}:", laser::name_of(method)) : "   ";
+      }
+      line += " " + row.planned.name;
+    }
+    text += line + (line.empty() ? "" : "\n");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<double> TableRow::ratio() const {
+  if (!before || !after || after->readings.band <= 0.0) return std::nullopt;
+  return before->readings.band / after->readings.band;
+}
+
+bool TableRow::exceeds_published() const {
+  return after && planned.published_after && after->readings.band > *planned.published_after;
+}
+
+std::vector<TableRow> table_of(const std::vector<PlannedMeasurement>& plan, const std::filesystem::path& before,
+                               const std::filesystem::path& after) {
+  std::vector<TableRow> rows;
+  for (const PlannedMeasurement& planned : plan) rows.push_back(row_of(planned, before, after));
+  return rows;
+}
+
+std::string table_text(const std::vector<TableRow>& rows) {
+  std::string text = fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement", "unit",
+                                 " published", "  measured", "A", "E", "x");
+  for (const TableRow& row : rows) text += row_text(row);
+  text += fmt::format("\n{}:\n{}", kBandDefinition, slopes_text(rows));
+  text +=
+      "A, E: ISO 230-2 of the same readings, after compensation (before, where only\n"
+      "that was measured); x: measured band before over after; ! more than published.\n";
+  for (const TableRow& row : rows)
+    for (const Problem& p : row.problems) text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
+  return text;
+}
+
+}  // namespace ecs::app

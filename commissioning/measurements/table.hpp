@@ -1,0 +1,42 @@
+// The table of a commissioning: what the plan's measurements show before and after compensation, beside what was
+// published. Does not live here: reading the plan (plan.hpp), the verb (app/verbs/laser/table.cpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/measurements/levelling.hpp"
+#include "commissioning/measurements/plan.hpp"
+#include "laser/analysis/iso230.hpp"
+
+namespace ecs::app {
+
+/// One phase of one measurement. Values in um, or um/m for a rotation.
+struct MeasuredPhase {
+  std::filesystem::path file;
+  LevelledReadings readings;
+  laser::Iso230 iso;  ///< of the readings without their slope
+};
+
+struct TableRow {
+  PlannedMeasurement planned;
+  std::optional<MeasuredPhase> before;
+  std::optional<MeasuredPhase> after;
+  std::vector<Problem> problems;  ///< files missing or unfit
+
+  /// Before over after; nothing without both.
+  [[nodiscard]] std::optional<double> ratio() const;
+  /// The band after compensation is larger than the published one.
+  [[nodiscard]] bool exceeds_published() const;
+};
+
+/// Reads `<name>.csv` of both folders; a row with problems has them, the others are whole.
+[[nodiscard]] std::vector<TableRow> table_of(const std::vector<PlannedMeasurement>& plan,
+                                             const std::filesystem::path& before, const std::filesystem::path& after);
+
+/// 80 columns; the definition of the band and every problem stand under it.
+[[nodiscard]] std::string table_text(const std::vector<TableRow>& rows);
+
+}  // namespace ecs::app

@@ -1,0 +1,171 @@
+#include "commissioning/memory/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "params/diff.hpp"
+
+namespace ecs::app {
+namespace {
+
+using List = std::vector<MemoryDifference>;
+
+std::string with_unit(const std::string& value, const std::string& unit) {
+  return unit.empty() ? value : value + " " + unit;
+}
+
+void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out) {
+  if (!a.parameters || !b.parameters) {
+    if (a.parameters.has_value() != b.parameters.has_value())
+      out.push_back({"parameters", a.parameters ? "readable" : "unreadable", b.parameters ? "readable" : "unreadable"});
+    return;
+  }
+  for (const params::Difference& difference : params::diff(*a.parameters, *b.parameters))
+    out.push_back({"parameter " + difference.key, with_unit(difference.a, difference.unit),
+                   with_unit(difference.b, difference.unit)});
+}
+
+std::string shape_of(const DecodedTable& table) {
+  if (table.entry.declared_zero) return "declared zero";
+  return fmt::format("{} values from {} mm every {} mm", table.entry.count, table.entry.start_mm,
+                     table.entry.increment_mm);
+}
+
+void compare_values(const std::string& name, const DecodedTable& a, const DecodedTable& b, List& out) {
+  std::size_t count = 0, first = 0, largest = 0;
+  double most = -1.0;
+  for (std::size_t i = 0; i < std::min(a.values.size(), b.values.size()); ++i) {
+    if (a.values[i] == b.values[i]) continue;
+    if (count++ == 0) first = i;
+    if (std::abs(a.values[i] - b.values[i]) > most) most = std::abs(a.values[i] - b.values[i]), largest = i;
+  }
+  if (count == 0) return;
+  const auto position = [&](std::size_t i) { return a.entry.start_mm + a.entry.increment_mm * static_cast<double>(i); };
+  const auto unit = unit_of(a.entry.component);
+  out.push_back(
+      {fmt::format("{}: {} differ{}, the first at {} mm ({}), the most at {} mm", name,
+                   count == 1 ? "1 value" : fmt::format("{} values", count), count == 1 ? "s" : "", position(first),
+                   hex_address(a.values_address + 2 * static_cast<Address>(first)), position(largest)),
+       fmt::format("{:.4g} {}", a.values[largest], unit), fmt::format("{:.4g} {}", b.values[largest], unit)});
+}
+
+std::map<std::string, const DecodedTable*> by_name(const DecodedImage& image) {
+  std::map<std::string, const DecodedTable*> tables;
+  for (const DecodedTable& table : image.tables)
+    tables.emplace(table.known_codes ? name_of(table) : fmt::format("number {}", table.number), &table);
+  return tables;
+}
+
+void compare_tables(const DecodedImage& a, const DecodedImage& b, List& out) {
+  const auto in_a = by_name(a), in_b = by_name(b);
+  std::set<std::string> names;
+  for (const auto& [name, table] : in_a) names.insert(name);
+  for (const auto& [name, table] : in_b) names.insert(name);
+  for (const std::string& name : names) {
+    const auto ta = in_a.find(name), tb = in_b.find(name);
+    const std::string what = "table " + name;
+    if (ta == in_a.end() || tb == in_b.end()) {
+      out.push_back(
+          {what, ta == in_a.end() ? "none" : shape_of(*ta->second), tb == in_b.end() ? "none" : shape_of(*tb->second)});
+      continue;
+    }
+    if (shape_of(*ta->second) != shape_of(*tb->second))
+      out.push_back({what, shape_of(*ta->second), shape_of(*tb->second)});
+    else
+      compare_values(what, *ta->second, *tb->second, out);
+  }
+}
+
+/// Lines of a header by key; keys that come several times are numbered.
+std::map<std::string, std::string> header_lines(const std::string& header) {
+  std::map<std::string, std::string> lines;
+  for (const std::string_view line : lines_of(header)) {
+    const std::size_t colon = line.find(':');
+    const std::string key(trimmed(line.substr(0, colon)));
+    const std::string value(colon == std::string_view::npos ? "" : trimmed(line.substr(colon + 1)));
+    std::string name = key;
+    for (int n = 2; lines.contains(name); ++n) name = fmt::format("{} {}", key, n);
+    lines.emplace(std::move(name), value);
+  }
+  return lines;
+}
+
+void compare_headers(const DecodedImage& a, const DecodedImage& b, List& out) {
+  auto in_a = header_lines(a.header), in_b = header_lines(b.header);
+  for (const auto& [key, value] : in_b) in_a.try_emplace(key, "");
+  for (const auto& [key, value] : in_a)
+    if (value != in_b[key]) out.push_back({"header " + key, value, in_b[key]});
+}
+
+std::string text_of(const CommitSlot& slot) {
+  if (!slot.commit) return slot.blank ? "blank" : "corrupt";
+  return fmt::format("sequence {}, bank {}, {} bytes, check {:08X}", slot.commit->sequence,
+                     slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check);
+}
+
+void compare_commits(const DecodedMemory& a, const DecodedMemory& b, List& out) {
+  for (std::size_t i = 0; a.has_commits && b.has_commits && i < a.commits.size(); ++i)
+    if (text_of(a.commits[i]) != text_of(b.commits[i]))
+      out.push_back({fmt::format("commit record {}", i), text_of(a.commits[i]), text_of(b.commits[i])});
+}
+
+/// Bytes of the main image have names already when it lies at the same place in both.
+bool is_named(const DecodedImage* a, const DecodedImage* b, Address address) {
+  if (a == nullptr || b == nullptr || a->address != b->address) return false;
+  return address >= a->address && address - a->address < std::min(a->bytes, b->bytes);
+}
+
+void compare_bytes(const DumpRegion& a, const DumpRegion& b, const DecodedImage* image_a, const DecodedImage* image_b,
+                   bool named_found, List& out) {
+  std::size_t count = 0;
+  Address first = 0;
+  for (std::size_t i = 0; i < std::min(a.bytes.size(), b.bytes.size()); ++i) {
+    const Address address = a.address + static_cast<Address>(i);
+    if (a.bytes[i] == b.bytes[i] || (named_found && is_named(image_a, image_b, address))) continue;
+    if (count++ == 0) first = address;
+  }
+  if (count > 0) {
+    const std::size_t at = first - a.address;
+    out.push_back({fmt::format("bytes of {}: {} differ{}, the first at {}", a.name, count, count == 1 ? "s" : "",
+                               hex_address(first)),
+                   fmt::format("{:02X}", a.bytes[at]), fmt::format("{:02X}", b.bytes[at])});
+  }
+  if (a.bytes.size() != b.bytes.size())
+    out.push_back({fmt::format("length of {}", a.name), fmt::format("{} bytes", a.bytes.size()),
+                   fmt::format("{} bytes", b.bytes.size())});
+}
+
+}  // namespace
+
+std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump& b) {
+  const DecodedMemory in_a = decoded(a), in_b = decoded(b);
+  const DecodedImage* image_a = in_a.main_image();
+  const DecodedImage* image_b = in_b.main_image();
+  List out;
+  if (image_a != nullptr && image_b != nullptr) {
+    compare_parameters(*image_a, *image_b, out);
+    compare_tables(*image_a, *image_b, out);
+    compare_headers(*image_a, *image_b, out);
+  } else if (image_a != image_b) {
+    out.push_back({"memory image", image_a ? "present" : "none", image_b ? "present" : "none"});
+  }
+  const bool named_found = !out.empty();
+  compare_commits(in_a, in_b, out);
+  for (const DumpRegion& region : a.regions) {
+    if (const DumpRegion* other = region_at(b, region.address))
+      compare_bytes(region, *other, image_a, image_b, named_found, out);
+    else
+      out.push_back({"region " + region.name, "present", "none"});
+  }
+  for (const DumpRegion& region : b.regions)
+    if (region_at(a, region.address) == nullptr) out.push_back({"region " + region.name, "none", "present"});
+  return out;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,68 @@
+// What the bytes of a unit's memory mean: commit records, images, parameters, table directory, header. Total: any bytes
+// are decoded as far as they go, and what is wrong with them is said.
+// Does not live here: where the bytes come from (dump.hpp), how it is shown (view.hpp).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/memory/dump.hpp"
+#include "core/memory_image.hpp"
+
+namespace ecs::app {
+
+struct CommitSlot {
+  Address address = 0;
+  bool blank = true;             ///< never written
+  std::optional<Commit> commit;  ///< nothing: blank or corrupt
+  bool active = false;
+};
+
+/// One row of the table directory.
+struct DecodedTable {
+  std::uint32_t number = 0;
+  Address entry_address = 0;
+  bool known_codes = false;  ///< component and approach are ones that exist
+  TableEntry entry;          ///< component and approach meaningless unless known_codes
+  Address values_address = 0;
+  bool readable = false;       ///< all values lie within the bytes
+  std::vector<double> values;  ///< um or um/m; empty unless readable
+  double least = 0.0;          ///< of the values
+  double most = 0.0;
+  std::string fault;  ///< in words; empty: none
+  [[nodiscard]] double end_mm() const {
+    return entry.start_mm + entry.increment_mm * (entry.count > 0 ? static_cast<double>(entry.count - 1) : 0.0);
+  }
+};
+
+struct DecodedImage {
+  std::string region;
+  Address address = 0;
+  std::uint32_t bytes = 0;  ///< that the prefix announces; 0: none
+  bool active = false;      ///< the active commit record names it
+  ImageVerdict verdict;
+  std::optional<UnitParameters> parameters;
+  std::vector<DecodedTable> tables;
+  std::string header;
+  std::vector<std::string> faults;  ///< in words
+};
+
+struct DecodedMemory {
+  std::array<CommitSlot, 2> commits{};
+  bool has_commits = false;  ///< the dump holds the commit records
+  std::vector<DecodedImage> images;
+  std::vector<std::string>
+      faults;  ///< of the whole: damage of the file, no map committed, the commit names other bytes
+  [[nodiscard]] bool sound() const;
+  /// The active image, else the only one; nullptr if neither.
+  [[nodiscard]] const DecodedImage* main_image() const;
+};
+
+[[nodiscard]] DecodedMemory decoded(const MemoryDump& dump);
+
+/// "EXX forward"; "EXX" for a table for both approaches.
+[[nodiscard]] std::string name_of(const DecodedTable& table);
+
+}  // namespace ecs::app

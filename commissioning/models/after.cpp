@@ -1,0 +1,66 @@
+#include "commissioning/models/after.hpp"
+
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace ecs::app {
+namespace {
+
+using model::Carrier;
+using model::Observations;
+
+/// Readings less every effect that the unit can compensate.
+std::vector<double> left_over(const model::Fit& fit, const Observations& data) {
+  std::vector<double> left = data.reading;
+  for (const model::EffectFit& effect : fit.effects) {
+    const Carrier carrier = model::info_of(effect.effect.id).carrier;
+    if (carrier != Carrier::error_map && carrier != Carrier::parameters) continue;
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
+  }
+  return left;
+}
+
+struct Sums {
+  double now = 0.0, predicted = 0.0, achieved = 0.0;
+  std::size_t before = 0, after = 0;
+};
+
+double root_mean(double sum, std::size_t count) {
+  return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count));
+}
+
+}  // namespace
+
+std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const Observations& before,
+                                               const Observations& after) {
+  std::map<std::tuple<Sense, Axis, int>, Sums> groups;
+  const std::vector<double> left = left_over(fit, before);
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    Sums& sums = groups[{before.sense[k], before.axis[k], -before.approach[k]}];
+    sums.now += before.reading[k] * before.reading[k];
+    sums.predicted += left[k] * left[k];
+    ++sums.before;
+  }
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    Sums& sums = groups[{after.sense[k], after.axis[k], -after.approach[k]}];
+    sums.achieved += after.reading[k] * after.reading[k];
+    ++sums.after;
+  }
+  std::vector<AfterDirection> list;
+  for (const auto& [key, sums] : groups) {
+    AfterDirection one{std::get<0>(key),
+                       std::get<1>(key),
+                       -std::get<2>(key),
+                       root_mean(sums.now, sums.before),
+                       root_mean(sums.predicted, sums.before),
+                       {},
+                       sums.before,
+                       sums.after};
+    if (sums.after > 0) one.achieved_um = root_mean(sums.achieved, sums.after);
+    list.push_back(one);
+  }
+  return list;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,29 @@
+// What the unit would leave of measured errors, by direction, and what it did leave when measured again.
+// Does not live here: the sum over all readings (model/diagnosis/ladder.hpp), the verb (app/verbs/model/what_if.cpp).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "model/fit/fit.hpp"
+
+namespace ecs::app {
+
+/// Errors of one sense while one axis moved in one direction.
+struct AfterDirection {
+  Sense sense = Sense::EX;
+  Axis axis = Axis::X;
+  int approach = 0;
+  double now_um = 0.0;                ///< rms of the readings
+  double predicted_um = 0.0;          ///< rms with all that the unit can carry taken away, noise included
+  std::optional<double> achieved_um;  ///< rms of the readings taken afterwards
+  std::size_t readings = 0;           ///< before
+  std::size_t readings_after = 0;     ///< measured again
+};
+
+/// @param fit  of the model to `before`
+/// @param after  readings taken with the unit compensating; empty: none were
+[[nodiscard]] std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const model::Observations& before,
+                                                             const model::Observations& after);
+
+}  // namespace ecs::app

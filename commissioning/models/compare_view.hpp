@@ -1,0 +1,15 @@
+// Where a model fails, as text of 80 columns and as JSON. Only for .cpp files (heavy header).
+// Does not live here: the comparison (model/fit/compare.hpp).
+#pragma once
+
+#include <string>
+
+#include "base/json.hpp"
+#include "model/fit/compare.hpp"
+
+namespace ecs::app {
+
+[[nodiscard]] std::string comparison_text(const model::Comparison& comparison, std::size_t readings);
+[[nodiscard]] Json json_of(const model::Comparison& comparison);
+
+}  // namespace ecs::app

@@ -1,0 +1,16 @@
+// A diagnosis as a person reads it, 80 columns: the verdict in one sentence, then the evidence.
+// Does not live here: the diagnosis (model/diagnosis/diagnose.hpp), its JSON (json.hpp).
+#pragma once
+
+#include <string>
+
+#include "model/diagnosis/diagnose.hpp"
+
+namespace ecs::app {
+
+/// One sentence, plain.
+[[nodiscard]] std::string verdict_sentence(const model::Diagnosis& diagnosis);
+
+[[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);
+
+}  // namespace ecs::app

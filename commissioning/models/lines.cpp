@@ -1,0 +1,46 @@
+#include "commissioning/models/lines.hpp"
+
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace ecs::app {
+
+std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
+  std::map<std::tuple<Sense, Axis, Vector3>, MeasuredLine> lines;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    Vector3 parked = data.position_mm[k];
+    parked[index_of(data.axis[k])] = 0.0;
+    MeasuredLine& line = lines[{data.sense[k], data.axis[k], parked}];
+    line.axis = data.axis[k];
+    line.sense = data.sense[k];
+    line.parked_mm = parked;
+    line.rows.push_back(k);
+  }
+  std::vector<MeasuredLine> list;
+  for (auto& each : lines) list.push_back(std::move(each.second));
+  return list;
+}
+
+std::string title_of(const MeasuredLine& line) {
+  const std::string text = fmt::format("{} along {}", name_of(line.sense), letter_of(line.axis));
+  std::vector<std::string> parked;
+  for (const Axis a : kAllAxes)
+    if (a != line.axis && line.parked_mm[index_of(a)] != 0.0)
+      parked.push_back(fmt::format("{} {:.6g}", letter_of(a), line.parked_mm[index_of(a)]));
+  return parked.empty() ? text : fmt::format("{} at {}", text, fmt::join(parked, ", "));
+}
+
+Mark reading_mark(int approach) {
+  if (approach == 0) return Mark::reading;
+  return approach > 0 ? Mark::forward_reading : Mark::reverse_reading;
+}
+
+Mark line_mark(int approach) {
+  if (approach == 0) return Mark::both;
+  return approach > 0 ? Mark::forward : Mark::reverse;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,32 @@
+// Measured lines of a data set, and how their points look: shared by pictures in files and on the terminal.
+// Does not live here: the pictures (plots.hpp, screens/model_desk.hpp).
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "app/plot/figure.hpp"
+#include "core/axis.hpp"
+#include "model/data/observations.hpp"
+
+namespace ecs::app {
+
+/// Readings of one sense along one axis with the others parked at one place.
+struct MeasuredLine {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  Vector3 parked_mm{};
+  std::vector<std::size_t> rows;  ///< canonical order of the observations
+};
+/// By sense, axis and parked place.
+[[nodiscard]] std::vector<MeasuredLine> measured_lines(const model::Observations& data);
+/// "EX along X at Y -700"
+[[nodiscard]] std::string title_of(const MeasuredLine& line);
+
+/// Points without a line, by approach (1, -1, 0 unknown).
+[[nodiscard]] Mark reading_mark(int approach);
+/// Lines, by approach.
+[[nodiscard]] Mark line_mark(int approach);
+
+}  // namespace ecs::app

@@ -1,0 +1,208 @@
+#include "commissioning/models/place.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/paragraph.hpp"
+#include "base/text.hpp"
+#include "commissioning/models/json.hpp"
+#include "commissioning/models/view.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::app {
+namespace {
+
+using model::PointQuery;
+using model::VolumePoint;
+
+struct Asked {
+  PointQuery query;
+  bool axis_given = false;
+  bool sense_given = false;
+};
+
+auto not_understood(std::string_view part) {
+  return problem(
+      ProblemKind::usage,
+      fmt::format("--at: expected x=MM,y=MM,z=MM, and axis=X|Y|Z, approach=1|-1, sense=EX, time_s, feed_mm_min, "
+                  "load_kg or t_<sensor>_degC where they matter, got \"{}\"",
+                  part));
+}
+
+bool take_word(Asked& asked, std::string_view key, std::string_view value) {
+  if (key == "axis" && value.size() == 1 && axis_of(value.front())) {
+    asked.query.axis = *axis_of(value.front());
+    return asked.axis_given = true;
+  }
+  if (key == "sense" && sense_named(value)) {
+    asked.query.sense = *sense_named(value);
+    return asked.sense_given = true;
+  }
+  return false;
+}
+
+bool take_number(PointQuery& query, std::string_view key, double value) {
+  for (const Axis a : kAllAxes) {
+    const char letter = static_cast<char>(letter_of(a) - 'A' + 'a');
+    if (key != std::string(1, letter) && key != fmt::format("{}_mm", letter)) continue;
+    query.position_mm[index_of(a)] = value;
+    return true;
+  }
+  if (key == "approach" && (value == 1.0 || value == -1.0))
+    query.approach = static_cast<int>(value);
+  else if (key == "time_s")
+    query.time_s = value;
+  else if (key == "feed_mm_min")
+    query.feed_mm_min = value;
+  else if (key == "load_kg")
+    query.load_kg = value;
+  else if (laser::is_sensor_column(key))
+    query.sensors_degC[std::string(key)] = value;
+  else
+    return false;
+  return true;
+}
+
+Result<Asked> asked_in(const std::string& words) {
+  Asked asked;
+  for (const std::string_view part : split(words, ',')) {
+    const auto sides = split(part, '=');
+    if (sides.size() != 2) return not_understood(part);
+    const std::string_view key = trimmed(sides[0]), value = trimmed(sides[1]);
+    if (take_word(asked, key, value)) continue;
+    const auto number = number_in(value);
+    if (!number || !take_number(asked.query, key, *number)) return not_understood(part);
+  }
+  return asked;
+}
+
+double size_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+const VolumePoint* worst_in(const std::vector<VolumePoint>& points) {
+  const VolumePoint* worst = nullptr;
+  for (const VolumePoint& point : points)
+    if (worst == nullptr || size_of(point.error_um) > size_of(worst->error_um)) worst = &point;
+  return worst;
+}
+
+/// Smallest and largest error in each direction.
+struct Extent {
+  Vector3 least{};
+  Vector3 most{};
+};
+Extent extent_of(const std::vector<VolumePoint>& points) {
+  Extent extent{points.front().error_um, points.front().error_um};
+  for (const VolumePoint& point : points)
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      extent.least[i] = std::min(extent.least[i], point.error_um[i]);
+      extent.most[i] = std::max(extent.most[i], point.error_um[i]);
+    }
+  return extent;
+}
+
+std::string volume_lines(std::string_view direction, const std::vector<VolumePoint>& points) {
+  const Extent e = extent_of(points);
+  const VolumePoint& worst = *worst_in(points);
+  std::string text = fmt::format("  {}: EX {:.2f} ... {:.2f}, EY {:.2f} ... {:.2f}, EZ {:.2f} ... {:.2f} um\n",
+                                 direction, e.least[0], e.most[0], e.least[1], e.most[1], e.least[2], e.most[2]);
+  return text + paragraph(fmt::format("worst {:.2f} um at x {} y {} z {} mm", size_of(worst.error_um),
+                                      position_text(worst.position_mm[0]), position_text(worst.position_mm[1]),
+                                      position_text(worst.position_mm[2])),
+                          4);
+}
+
+Json volume_json(const std::vector<VolumePoint>& points) {
+  const VolumePoint& worst = *worst_in(points);
+  Json worst_json = position_json(worst.position_mm);
+  worst_json["error_um"] = number_or_null(size_of(worst.error_um));
+  const Extent e = extent_of(points);
+  return {{"points", points.size()},
+          {"EX_um", {number_or_null(e.least[0]), number_or_null(e.most[0])}},
+          {"EY_um", {number_or_null(e.least[1]), number_or_null(e.most[1])}},
+          {"EZ_um", {number_or_null(e.least[2]), number_or_null(e.most[2])}},
+          {"worst", std::move(worst_json)}};
+}
+
+}  // namespace
+
+Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<params::Machine>& machine,
+                              const std::string& words) {
+  const auto asked = asked_in(words);
+  if (!asked) return tl::unexpected(asked.error());
+  PlaceShares shares{asked->query, {Sense::EX, Sense::EY, Sense::EZ}, {}};
+  if (asked->sense_given) shares.senses = {asked->query.sense};
+  for (const Sense sense : shares.senses) {
+    PointQuery query = asked->query;
+    query.sense = sense;
+    if (!asked->axis_given) query.axis = direction_of(sense);
+    auto breakdown = model::breakdown_at(fitted, machine, query);
+    if (!breakdown) return tl::unexpected(breakdown.error());
+    shares.per.push_back(std::move(*breakdown));
+  }
+  return shares;
+}
+
+std::string shares_text(const PlaceShares& shares) {
+  const Vector3& at = shares.query.position_mm;
+  std::string text = fmt::format("\nthe model at x {} y {} z {} mm, {} [um; um/m for EA EB EC]\n{}",
+                                 position_text(at[0]), position_text(at[1]), position_text(at[2]),
+                                 direction_text(shares.query.approach), padded("effect", 34));
+  for (const Sense sense : shares.senses) text += fmt::format(" {:>10}", name_of(sense));
+  text += "\n";
+  for (std::size_t i = 0; i < shares.per.front().shares.size(); ++i) {
+    text += padded(shares.per.front().shares[i].effect, 34);
+    for (const model::Breakdown& one : shares.per) text += fmt::format(" {:>10.3f}", one.shares[i].um);
+    text += "\n";
+  }
+  text += padded("sum", 34);
+  for (const model::Breakdown& one : shares.per) text += fmt::format(" {:>10.3f}", one.total_um);
+  return text + "\n";
+}
+
+Json json_of(const PlaceShares& shares) {
+  Json object = position_json(shares.query.position_mm);
+  object["approach"] = shares.query.approach;
+  object["senses"] = Json::array();
+  for (std::size_t s = 0; s < shares.senses.size(); ++s) {
+    Json effects = Json::array();
+    for (const model::ShareAtPoint& share : shares.per[s].shares)
+      effects.push_back({{"effect", share.effect}, {"um", number_or_null(share.um)}});
+    object["senses"].push_back({{"sense", name_of(shares.senses[s])},
+                                {"total_um", number_or_null(shares.per[s].total_um)},
+                                {"effects", std::move(effects)},
+                                {"notes", shares.per[s].notes}});
+  }
+  return object;
+}
+
+Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,
+                                  std::size_t points_per_axis) {
+  if (!machine)
+    return problem(ProblemKind::usage, "--volume needs --machine: the travels of the axes stand in its file");
+  auto forward = model::predicted_volume(fitted, *machine, points_per_axis, 1);
+  if (!forward) return tl::unexpected(forward.error());
+  auto reverse = model::predicted_volume(fitted, *machine, points_per_axis, -1);
+  if (!reverse) return tl::unexpected(reverse.error());
+  return PredictedVolume{std::move(*forward), std::move(*reverse)};
+}
+
+std::string volume_text(const PredictedVolume& volume) {
+  return fmt::format("\npredicted error over the working volume, {} places\n", volume.forward.size()) +
+         volume_lines("forward", volume.forward) + volume_lines("reverse", volume.reverse);
+}
+
+Json json_of(const PredictedVolume& volume) {
+  return {{"forward", volume_json(volume.forward)}, {"reverse", volume_json(volume.reverse)}};
+}
+
+std::string to_csv(const PredictedVolume& volume) {
+  std::string text = "x_mm,y_mm,z_mm,approach,EX_um,EY_um,EZ_um\n";
+  for (const auto& [points, approach] : {std::pair{&volume.forward, 1}, {&volume.reverse, -1}})
+    for (const VolumePoint& p : *points)
+      text += fmt::format("{},{},{},{},{:.4f},{:.4f},{:.4f}\n", shortest(p.position_mm[0]), shortest(p.position_mm[1]),
+                          shortest(p.position_mm[2]), approach, p.error_um[0], p.error_um[1], p.error_um[2]);
+  return text;
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,59 @@
+#include "commissioning/models/plan.hpp"
+
+#include <algorithm>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+
+namespace ecs::app {
+namespace {
+
+bool is_header(std::string_view line) { return !trimmed(line).empty() && !trimmed(line).starts_with("#"); }
+
+/// The header row names an axis and a sense, but no reading.
+bool lacks_readings(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    if (!is_header(line)) continue;
+    bool axis = false, sense = false, reading = false;
+    for (const std::string_view field : split(line, ',')) {
+      axis = axis || trimmed(field) == "axis";
+      sense = sense || trimmed(field) == "sense";
+      reading = reading || trimmed(field) == "reading";
+    }
+    return axis && sense && !reading;
+  }
+  return false;
+}
+
+/// The same rows with a last column `reading` of zeros.
+std::string with_readings(std::string_view text) {
+  std::string out;
+  bool header = true;
+  for (const std::string_view line : lines_of(text)) {
+    out += line;
+    if (is_header(line)) {
+      out += header ? ",reading" : ",0";
+      header = false;
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Plan> plan_in(const std::string& file, const ImportArguments& import) {
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  if (lacks_readings(*text)) {
+    auto set = laser::parse_measurement_set(with_readings(*text), file);
+    if (!set) return tl::unexpected(set.error());
+    std::erase(set->columns, "reading");
+    return Plan{std::move(*set), false};
+  }
+  auto imported = read_measurements(file, import);
+  if (!imported) return tl::unexpected(imported.error());
+  return Plan{std::move(imported->set), true};
+}
+
+}  // namespace ecs::app

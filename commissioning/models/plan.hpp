@@ -1,0 +1,18 @@
+// Places to be measured or predicted, from a measurement set whose readings do not count.
+// Does not live here: what is made of them (the verbs).
+#pragma once
+
+#include <string>
+
+#include "commissioning/measurements/files.hpp"
+
+namespace ecs::app {
+
+/// The rows of a file; a CSV with the columns of a measurement set but without `reading` is taken with readings 0.
+struct Plan {
+  laser::MeasurementSet set;
+  bool has_readings = true;
+};
+[[nodiscard]] Result<Plan> plan_in(const std::string& file, const ImportArguments& import);
+
+}  // namespace ecs::app

@@ -1,0 +1,222 @@
+#include "commissioning/models/plots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "commissioning/models/lines.hpp"
+#include "commissioning/models/view.hpp"
+
+namespace ecs::app {
+namespace {
+
+using model::Fit;
+using model::Observations;
+using Values = std::vector<double>;
+
+constexpr std::size_t kMostLines = 3;
+
+/// The lines on which the mean square of `weight_of` is largest.
+std::vector<MeasuredLine> lines_worth_showing(const Observations& data, const Values& weight_of) {
+  std::vector<std::pair<double, MeasuredLine>> weighed;
+  for (MeasuredLine& line : measured_lines(data)) {
+    double sum = 0.0;
+    for (const std::size_t k : line.rows) sum += weight_of[k] * weight_of[k];
+    weighed.emplace_back(sum / static_cast<double>(line.rows.size()), std::move(line));
+  }
+  std::stable_sort(weighed.begin(), weighed.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<MeasuredLine> list;
+  for (std::size_t k = 0; k < std::min(kMostLines, weighed.size()); ++k) list.push_back(std::move(weighed[k].second));
+  return list;
+}
+
+std::string_view unit_label(Sense sense) { return is_rotation(sense) ? "µm/m" : "µm"; }
+
+/// What stands in a panel: values over an abscissa, for the rows of one approach.
+struct Drawn {
+  const Observations& data;
+  const std::vector<std::size_t>& rows;
+  const Values& x;
+};
+
+PlotSeries readings(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
+  PlotSeries series{fmt::format("{}, {}", name, direction_text(approach)), reading_mark(approach), {}};
+  if (approach == 0) series.name = name;
+  for (const std::size_t k : drawn.rows)
+    if (drawn.data.approach[k] == approach && std::isfinite(drawn.x[k])) series.points.push_back({drawn.x[k], y[k]});
+  return series;
+}
+
+/// Means over rows of equal abscissa, in its order.
+PlotSeries curve(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
+  std::map<double, std::pair<double, double>> sums;
+  for (const std::size_t k : drawn.rows) {
+    if (drawn.data.approach[k] != approach || !std::isfinite(drawn.x[k])) continue;
+    sums[drawn.x[k]].first += y[k];
+    sums[drawn.x[k]].second += 1.0;
+  }
+  PlotSeries series{
+      approach == 0 ? name : fmt::format("{}, {}", name, direction_text(approach)), line_mark(approach), {}};
+  for (const auto& [x, sum] : sums) series.points.push_back({x, sum.first / sum.second});
+  return series;
+}
+
+void take(PlotPanel& panel, PlotSeries series) {
+  if (!series.points.empty()) panel.series.push_back(std::move(series));
+}
+
+/// Points of every approach first, lines over them.
+void fill(PlotPanel& panel, const Drawn& drawn, const Values& points, const std::string& points_name,
+          const Values* lines, const std::string& lines_name) {
+  for (const int approach : {1, -1, 0}) take(panel, readings(drawn, points, approach, points_name));
+  if (lines != nullptr)
+    for (const int approach : {1, -1, 0}) take(panel, curve(drawn, *lines, approach, lines_name));
+}
+
+Values along(const Observations& data, Axis axis) {
+  Values x;
+  for (const Vector3& position : data.position_mm) x.push_back(position[index_of(axis)]);
+  return x;
+}
+
+std::string position_label(Axis axis) { return fmt::format("{} position [mm]", letter_of(axis)); }
+
+/// A column that is no position; empty where the data have none of that name.
+Values column_named(const Observations& data, const std::string& name) {
+  if (name == "run") return {data.run.begin(), data.run.end()};
+  const std::map<std::string, const model::Column*> columns{
+      {"time_s", &data.time_s},
+      {"feed_mm_min", &data.feed_mm_min},
+      {"load_kg", &data.load_kg},
+      {"travel_since_reversal_mm", &data.travel_since_reversal_mm},
+      {"pressure_hPa", &data.pressure_hPa},
+      {"humidity_pct", &data.humidity_pct}};
+  if (const auto found = columns.find(name); found != columns.end()) return *found->second;
+  if (const auto sensor = data.sensors_degC.find(name); sensor != data.sensors_degC.end()) return sensor->second;
+  if (const auto extra = data.extras.find(name); extra != data.extras.end()) return extra->second;
+  return {};
+}
+
+/// What named effects take out of the residual, per reading.
+struct Explained {
+  Values um;
+  std::string effects;
+};
+
+/// The line panels of a figure: readings against model, residual with what explains it.
+PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Explained* explained,
+                           const std::string& title) {
+  PlotFigure figure{title, {}, 2, false};
+  for (const MeasuredLine& line : lines_worth_showing(data, explained != nullptr ? explained->um : fit.residual)) {
+    const Values x = along(data, line.axis);
+    const Drawn drawn{data, line.rows, x};
+    PlotPanel measured{
+        title_of(line), position_label(line.axis), fmt::format("error [{}]", unit_label(line.sense)), {}};
+    fill(measured, drawn, data.reading, "measured", &fit.predicted, "model");
+    PlotPanel left{title_of(line) + ": what the model leaves",
+                   position_label(line.axis),
+                   fmt::format("residual [{}]", unit_label(line.sense)),
+                   {}};
+    fill(left, drawn, fit.residual, "residual", explained != nullptr ? &explained->um : nullptr, "explained");
+    figure.panels.push_back(std::move(measured));
+    figure.panels.push_back(std::move(left));
+  }
+  return figure;
+}
+
+/// Panels over the variables, other than positions, on which the residual depends most: at most two.
+void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data, const model::Diagnosis& diagnosis) {
+  constexpr double kWorthShowing = 0.1;
+  std::size_t added = 0;
+  std::vector<std::size_t> rows(data.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  for (const model::Dependence& one : diagnosis.where) {
+    const Values x = column_named(data, one.variable);
+    if (x.empty() || one.strength < kWorthShowing || added == 2) continue;
+    PlotPanel panel{fmt::format("what the model leaves, against {}", one.variable), one.variable, "residual [µm]", {}};
+    fill(panel, {data, rows, x}, fit.residual, "residual", nullptr, "");
+    figure.panels.push_back(std::move(panel));
+    ++added;
+  }
+}
+
+std::string_view verdict_title(model::Verdict verdict) {
+  switch (verdict) {
+    case model::Verdict::adequate:
+      return "the model is adequate";
+    case model::Verdict::missing_effect:
+      return "an effect is missing";
+    default:
+      return "structure that no effect explains";
+  }
+}
+
+/// Refits with the named effects; nothing where none is named.
+Result<std::optional<Explained>> explained_by(const model::Model& model, const Observations& data, const Fit& before,
+                                              const model::Diagnosis& diagnosis, const model::FitOptions& options) {
+  model::Model with = model;
+  std::vector<std::string> names;
+  for (const model::Candidate& candidate : diagnosis.candidates) {
+    if (!candidate.named) continue;
+    model::EffectInstance effect = candidate.effect;
+    for (const model::ParameterInfo& info : model::info_of(effect.id).parameters)
+      if (const auto value = effect.fitted.find(std::string(info.name)); info.nonlinear && value != effect.fitted.end())
+        effect.parameters[std::string(info.name)] = value->second;
+    with.effects.push_back(std::move(effect));
+    names.push_back(to_text(candidate.effect));
+  }
+  if (names.empty()) return std::optional<Explained>();
+  const auto after = model::fit(with, data, options);
+  if (!after) return tl::unexpected(after.error());
+  Explained explained{{}, fmt::format("{}", fmt::join(names, " + "))};
+  for (std::size_t k = 0; k < data.size(); ++k) explained.um.push_back(after->predicted[k] - before.predicted[k]);
+  return std::optional(std::move(explained));
+}
+
+}  // namespace
+
+PlotFigure fit_figure(const Fit& fit, const Observations& data, const std::string& title) {
+  return figure_of_lines(fit, data, nullptr, title);
+}
+
+Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observations& data,
+                                    const model::Diagnosis& diagnosis, bool plain) {
+  const model::FitOptions options{plain};
+  const auto fit = model::fit(model, data, options);
+  if (!fit) return tl::unexpected(fit.error());
+  const auto explained = explained_by(model, data, *fit, diagnosis, options);
+  if (!explained) return tl::unexpected(explained.error());
+  std::string title = fmt::format("{}: rms {:.2f} µm, noise {:.2f} µm", verdict_title(diagnosis.verdict),
+                                  diagnosis.rms_um, diagnosis.noise.noise_um);
+  if (*explained) title += fmt::format("; explained by {}", (*explained)->effects);
+  PlotFigure figure = figure_of_lines(*fit, data, *explained ? &**explained : nullptr, title);
+  add_variables(figure, *fit, data, diagnosis);
+  return figure;
+}
+
+PlotFigure ladder_figure(const std::vector<model::LadderStep>& history, const std::string& title) {
+  PlotPanel panel{"", "", "error [µm]", {}};
+  PlotSeries rms{"rms", Mark::bar, {}}, held_out{"held-out rms", Mark::both, {}},
+      noise{"noise of one reading", Mark::level, {}};
+  double x = 0.0;
+  if (!history.empty() && !history.front().effect.empty()) {
+    panel.x_names.emplace_back("before");
+    rms.points.push_back({x, history.front().rms_before_um});
+    noise.points.push_back({x++, history.front().noise_um});
+  }
+  for (const model::LadderStep& step : history) {
+    panel.x_names.push_back(step.effect.empty() ? "start" : "+ " + step.effect);
+    rms.points.push_back({x, step.rms_um});
+    noise.points.push_back({x, step.noise_um});
+    if (step.held_out_rms_um) held_out.points.push_back({x, *step.held_out_rms_um});
+    x += 1.0;
+  }
+  for (PlotSeries* series : {&rms, &noise, &held_out}) take(panel, std::move(*series));
+  return {title, {std::move(panel)}, 1, false};
+}
+
+}  // namespace ecs::app

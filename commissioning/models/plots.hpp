@@ -1,0 +1,24 @@
+// Figures of models: measured against predicted, what is left of it, the ladder of errors.
+// Does not live here: drawing them (app/plot/gnuplot.hpp).
+#pragma once
+
+#include <vector>
+
+#include "app/plot/figure.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/compare.hpp"
+
+namespace ecs::app {
+
+/// The lines with the largest residuals: readings against model, and the residual.
+[[nodiscard]] PlotFigure fit_figure(const model::Fit& fit, const model::Observations& data, const std::string& title);
+
+/// The same with what the named effects of a diagnosis would explain of the residual, and the residual against the
+/// variable on which it depends most.
+[[nodiscard]] Result<PlotFigure> diagnosis_figure(const model::Model& model, const model::Observations& data,
+                                                  const model::Diagnosis& diagnosis, bool plain);
+
+/// Bars of the rms falling step by step towards the noise floor.
+[[nodiscard]] PlotFigure ladder_figure(const std::vector<model::LadderStep>& history, const std::string& title);
+
+}  // namespace ecs::app

@@ -1,0 +1,26 @@
+// `ecs model compare` on a recorded step of a servo axis: its drive constants against the oscilloscope.
+// Does not live here: measurement sets (app/verbs/model/compare.cpp), finding the wrong constant
+// (model/drive/diagnosis.hpp).
+#pragma once
+
+#include <string>
+
+#include "app/plot/figure.hpp"
+#include "base/outcome.hpp"
+#include "base/result.hpp"
+#include "model/drive/diagnosis.hpp"
+
+namespace ecs::app {
+
+/// True for a file whose header row has time_s and dac_V; false for any other, also one that cannot be read.
+[[nodiscard]] bool is_trace_file(const std::string& file);
+
+/// @param model  file with a [drive] table; without the table the constants are as printed in appendix A
+/// @param plot   .svg or .png to write; empty: none
+[[nodiscard]] Result<Outcome> compare_trace(const std::string& model, const std::string& trace,
+                                            const std::string& plot);
+
+/// Recorded, simulated as given and simulated as mended.
+[[nodiscard]] PlotFigure trace_figure(const model::DriveTrace& trace, const model::DriveDiagnosis& diagnosis);
+
+}  // namespace ecs::app

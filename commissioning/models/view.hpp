@@ -1,0 +1,56 @@
+// Parts of models, fits and diagnoses as text of 80 columns: places, values with sigmas, tests, shapes, the ladder.
+// Does not live here: whole answers (the verbs), JSON (json.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/model_file.hpp"
+
+namespace ecs::app {
+
+/// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC".
+[[nodiscard]] std::string place_text(const model::EffectInstance& effect);
+
+/// A number of about `digits` significant digits, never in a form that people must decode.
+[[nodiscard]] std::string few_digits(double value, int digits = 3);
+
+/// To a thousandth, without needless zeros.
+[[nodiscard]] std::string position_text(double mm);
+
+/// "8.0003 +- 0.0012 mm", digits as far as the sigma goes; "12.5 um (held)", "3.1 um (undetermined)".
+[[nodiscard]] std::string value_text(const model::ParameterEstimate& parameter);
+
+/// "period_mm 8.0003 +- 0.0012 mm, amplitude_um 6.51 +- 0.05 um"; without those that are nothing.
+[[nodiscard]] std::string parameters_text(const std::vector<model::ParameterEstimate>& parameters);
+
+/// "F = 31.2, p = 1e-40"; "no repeats to judge by".
+[[nodiscard]] std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test);
+
+/// "0.52 um from repeats"
+[[nodiscard]] std::string noise_text(const model::PureError& noise);
+
+/// "forward", "reverse", "no approach"
+[[nodiscard]] std::string_view direction_text(int approach);
+
+/// One point of a shape, such as the mean residual of a bin.
+struct ShapePoint {
+  double at = 0.0;
+  double um = 0.0;
+};
+/// A bar to either side of zero for each point, at most `most_lines` of them (neighbours are averaged).
+[[nodiscard]] std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points,
+                                     std::size_t most_lines = 12);
+
+/// "3, 17, 250 and 12 more"
+[[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);
+
+/// The ladder: step, effect, rms, peak, noise floor, held-out rms; the file of each step where they differ.
+[[nodiscard]] std::string ladder_text(const std::vector<model::LadderStep>& history);
+
+/// Paragraphs "note: …".
+[[nodiscard]] std::string notes_text(const std::vector<std::string>& notes);
+
+}  // namespace ecs::app

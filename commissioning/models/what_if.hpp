@@ -1,0 +1,39 @@
+// The error that compensation would leave, effect by effect and direction by direction; measured again, predicted
+// against achieved. Does not live here: the arithmetic (model/diagnosis/ladder.hpp, after.hpp), the verb
+// (app/verbs/model/what_if.cpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/models/after.hpp"
+#include "commissioning/models/work.hpp"
+#include "model/diagnosis/ladder.hpp"
+
+namespace ecs::app {
+
+/// What was measured with the unit compensating.
+struct Achieved {
+  model::Observations data;
+  double rms_um = 0.0;
+  double peak_um = 0.0;
+  std::size_t left_out = 0;  ///< readings marked as taken without compensation
+};
+
+struct WhatIfTold {
+  model::WhatIf what;
+  std::vector<AfterDirection> directions;
+  std::optional<Achieved> achieved;
+  std::vector<std::string> notes;
+};
+
+/// @param model_file  as problems name it
+/// @param after  files measured again with the unit compensating; empty: none were
+[[nodiscard]] Result<WhatIfTold> what_if_told(Session& session, const ModelWork& work, const std::string& model_file,
+                                              const std::vector<std::string>& after, const ImportArguments& import);
+
+/// 80 columns.
+[[nodiscard]] std::string what_if_text(const WhatIfTold& told);
+
+}  // namespace ecs::app

@@ -1,0 +1,99 @@
+#include "commissioning/models/work.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/file.hpp"
+#include "model/diagnosis/candidates.hpp"
+
+namespace ecs::app {
+
+void take_machine(Verb& verb, std::string& machine) {
+  verb.text("--machine", machine, "the machine (.toml): datum, travels, lever arms, pitches");
+}
+
+void take_model_and_data(Verb& verb, ModelArguments& arguments, Need data) {
+  verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
+      .texts("DATA", arguments.data, "measurement files, any that `laser import` reads", data);
+  take_machine(verb, arguments.machine);
+  take_import_options(verb, arguments.import);
+}
+
+Result<std::optional<params::Machine>> machine_in(Session& session, const std::string& file) {
+  if (file.empty()) return std::optional<params::Machine>();
+  auto read = params::read_machine(file);
+  if (!read) return tl::unexpected(read.error());
+  for (const Problem& warning : read->warnings) session.face.warn(to_text(warning));
+  return std::optional(std::move(read->machine));
+}
+
+Result<laser::MeasurementSet> measured_in(Session& session, const std::vector<std::string>& files,
+                                          const ImportArguments& import) {
+  std::vector<laser::MeasurementSet> sets;
+  int rows = 0;
+  for (const std::string& file : files) {
+    auto read = read_measurements(file, import);
+    if (!read) return tl::unexpected(read.error());
+    for (const std::string& note : read->set.notes) session.face.note(fmt::format("{}: {}", file, note));
+    if (read->set.readings.empty())
+      return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
+    if (!sets.empty()) session.face.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
+    for (laser::Reading& reading : read->set.readings) reading.row = ++rows;
+    read->set.notes.clear();
+    sets.push_back(std::move(read->set));
+  }
+  auto all = joined(sets);
+  if (all)
+    for (const std::string& note : all->notes) session.face.note(note);
+  return all;
+}
+
+Result<ModelWork> model_work(Session& session, const ModelArguments& arguments) {
+  auto model = model::read_model(arguments.model);
+  if (!model) return tl::unexpected(model.error());
+  auto machine = machine_in(session, arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  auto set = measured_in(session, arguments.data, arguments.import);
+  if (!set) return tl::unexpected(set.error());
+  ModelWork work{
+      std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
+  work.data = model::observations_of(work.set, work.model, work.machine);
+  return work;
+}
+
+Result<ModelWork> begun_model(Session& session, const ModelArguments& arguments) {
+  std::error_code error;
+  if (std::filesystem::exists(arguments.model, error))
+    return problem(ProblemKind::usage, arguments.model + " exists already: open it, or give another name");
+  if (const auto written = model::write_model(arguments.model, model::Model{}); !written)
+    return tl::unexpected(written.error());
+  auto work = model_work(session, arguments);
+  if (work) {
+    work->model.effects = model::usual_effects(work->data);
+    if (const auto written = model::write_model(arguments.model, work->model); !written)
+      work = tl::unexpected(written.error());
+  }
+  if (!work) std::filesystem::remove(arguments.model, error);
+  return work;
+}
+
+Problem in_file(Problem why, const std::string& file) {
+  if (why.kind == ProblemKind::bad_input && why.file.empty()) why.file = file;
+  for (Problem& other : why.also) other = in_file(std::move(other), file);
+  return why;
+}
+
+Result<void> keep_model(const std::string& output, const model::Model& model, const std::string& read_from) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(output, error) && !std::filesystem::equivalent(output, read_from, error)) {
+    const auto content = read_file(output);
+    if (!content || (!content->empty() && *content != to_toml(model)))
+      return problem(ProblemKind::usage,
+                     fmt::format("{} exists and is not {}: give another name, or remove it first", output, read_from));
+  }
+  return model::write_model(output, model, read_from);
+}
+
+}  // namespace ecs::app

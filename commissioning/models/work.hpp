@@ -1,0 +1,61 @@
+// What nearly every verb of MODEL begins with: a model, measured files, a machine, read and brought together.
+// Does not live here: what is done with them (the verbs), the readers (model/fit/model_file.hpp,
+// laser/import/import.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_context.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "model/data/observations.hpp"
+#include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::app {
+
+/// As typed; empty: not given.
+struct ModelArguments {
+  std::string model;
+  std::vector<std::string> data;
+  std::string machine;
+  ImportArguments import;
+};
+
+/// Adds MODEL, DATA, --machine and the options of `laser import`.
+void take_model_and_data(Verb& verb, ModelArguments& arguments, Need data = Need::required);
+/// Adds --machine alone.
+void take_machine(Verb& verb, std::string& machine);
+
+struct ModelWork {
+  model::Model model;
+  std::optional<params::Machine> machine;
+  laser::MeasurementSet set;  ///< several files joined
+  model::Observations data;
+  std::string data_name;  ///< the files, separated by blanks
+};
+
+/// Warnings of the file are said on the face. Empty name: nothing.
+[[nodiscard]] Result<std::optional<params::Machine>> machine_in(Session& session, const std::string& file);
+
+/// The readings of all files, rows numbered on from file to file. Refuses files without readings.
+[[nodiscard]] Result<laser::MeasurementSet> measured_in(Session& session, const std::vector<std::string>& files,
+                                                        const ImportArguments& import);
+
+[[nodiscard]] Result<ModelWork> model_work(Session& session, const ModelArguments& arguments);
+
+/// Writes a new model of what every measured curve has (model::usual_effects), its sizes to be fitted. A `usage`
+/// problem if there is such a file; nothing is left behind where the data cannot be read.
+[[nodiscard]] Result<ModelWork> begun_model(Session& session, const ModelArguments& arguments);
+
+/// A problem that names no file is one of `file`.
+[[nodiscard]] Problem in_file(Problem why, const std::string& file);
+
+/// Writes a model. A `usage` problem if that would destroy something else: an existing file that is neither the model
+/// that was read, nor empty, nor equal to what would be written.
+[[nodiscard]] Result<void> keep_model(const std::string& output, const model::Model& model,
+                                      const std::string& read_from);
+
+}  // namespace ecs::app

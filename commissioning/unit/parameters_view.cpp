@@ -1,0 +1,43 @@
+#include "commissioning/unit/parameters_view.hpp"
+
+#include <fmt/format.h>
+
+#include "params/fields.hpp"
+
+namespace ecs::app {
+namespace {
+
+Json value_of(const params::Field& field, const UnitParameters& parameters) {
+  const auto number = params::number_of(field, parameters);
+  if (field.type == params::FieldType::truth) return number && *number != 0.0;
+  if (field.type == params::FieldType::integer && number) return static_cast<long long>(*number);
+  if (field.type == params::FieldType::number) return number_or_null(number);
+  return params::text_of(field, parameters);
+}
+
+bool is_shown(const params::Field& field, const UnitParameters& parameters) {
+  return !field.axis || parameters.axis_present[index_of(*field.axis)];
+}
+
+}  // namespace
+
+Json json_of(const UnitParameters& parameters) {
+  Json out = Json::object();
+  for (const params::Field& field : params::fields()) out[field.key] = value_of(field, parameters);
+  return out;
+}
+
+std::string table_of(const UnitParameters& parameters) {
+  std::string text;
+  for (const params::Group group :
+       {params::Group::configuration, params::Group::compensation, params::Group::datuming}) {
+    text += fmt::format("{}{}\n", text.empty() ? "" : "\n", params::name_of(group));
+    for (const params::Field& field : params::fields())
+      if (field.group == group && is_shown(field, parameters))
+        text += fmt::format("  {:<40} {:>14}{}{}\n", field.key, params::text_of(field, parameters),
+                            field.unit.empty() ? "" : " ", field.unit);
+  }
+  return text;
+}
+
+}  // namespace ecs::app

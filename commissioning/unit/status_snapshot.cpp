@@ -1,0 +1,169 @@
+#include "commissioning/unit/status_snapshot.hpp"
+
+#include <fmt/format.h>
+
+#include "base/clock.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "base/plain_text.hpp"
+#include "commissioning/unit/status_view.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "core/memory_image.hpp"
+#include "protocol/registers/register_map.hpp"
+#include "protocol/registers/unit_registers.hpp"
+
+namespace ecs::app {
+namespace {
+
+using protocol::Block;
+using protocol::Registers;
+
+constexpr int kFormat = 1;
+
+Result<void> decode(StatusSnapshot& snapshot) {
+  const auto identity = protocol::identity_in(snapshot.identity_registers);
+  if (!identity) return tl::unexpected(identity.error());
+  const auto status = protocol::status_in(snapshot.status_registers);
+  if (!status) return tl::unexpected(status.error());
+  snapshot.identity = *identity;
+  snapshot.status = *status;
+  return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
+}
+
+/// The value at a pointer; nothing if no table of the image holds that address.
+std::optional<SelectedValue> value_at(protocol::UnitClient& client, ByteView head, Address bank, std::size_t curve,
+                                      Address address) {
+  const ImageView image(head);
+  const std::uint32_t tables = std::min(image.table_count(), kMostTables);
+  for (std::uint32_t i = 0; i < tables && directory_offset() + (i + 1) * kEntryBytes <= head.size(); ++i) {
+    const TableEntry entry = image.entry(i);
+    if (index_of(entry.component) != curve || entry.declared_zero) continue;
+    const Address first = bank + image.value_offset(entry.first_value);
+    if (address < first || address >= first + 2 * entry.count) continue;
+    const auto bytes = client.read_memory(address, 2);
+    if (!bytes) return std::nullopt;
+    const auto counts = static_cast<std::int16_t>(load_big<std::uint16_t>(*bytes, 0));
+    return SelectedValue{counts, counts * entry.resolution};
+  }
+  return std::nullopt;
+}
+
+void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
+  const protocol::UnitStatus& status = snapshot.status;
+  constexpr std::uint32_t kHeadBytes = directory_offset() + kMostTables * kEntryBytes;
+  if (status.active_bank == protocol::Bank::none || status.image_length_bytes < directory_offset()) return;
+  const Address bank = address_of(status.active_bank);
+  std::optional<std::vector<std::uint8_t>> head;
+  for (std::size_t curve = 0; curve < kCurves; ++curve) {
+    const Address address = status.pointers[curve].address;
+    if (address == protocol::kUnused) continue;
+    if (!head) {
+      auto bytes = client.read_memory(bank, std::min(kHeadBytes, status.image_length_bytes));
+      if (!bytes || load_big<std::uint32_t>(*bytes, prefix_at::magic) != kImageMagic) return;
+      head = std::move(*bytes);
+    }
+    snapshot.selected[curve] = value_at(client, *head, bank, curve, address);
+  }
+}
+
+Result<Registers> registers_at(const Json& raw, const char* key, const Block& block, const std::string& name) {
+  const auto found = raw.find(key);
+  const bool is_list = found != raw.end() && found->is_array() && found->size() == block.count;
+  Registers registers;
+  for (std::size_t i = 0; is_list && i < found->size(); ++i) {
+    const Json& word = (*found)[i];
+    if (word.is_number_unsigned() && word.get<std::uint64_t>() <= 0xFFFF)
+      registers.push_back(word.get<std::uint16_t>());
+  }
+  if (registers.size() == block.count) return registers;
+  return problem_at(name, 0, 0, fmt::format("raw.{}: expected {} registers of 0 to 65535", key, block.count));
+}
+
+void take_selected(const Json& raw, StatusSnapshot& snapshot) {
+  const auto list = raw.find("selected");
+  if (list == raw.end() || !list->is_array() || list->size() != kCurves) return;
+  for (std::size_t i = 0; i < kCurves; ++i) {
+    const Json& one = (*list)[i];
+    if (!one.is_array() || one.size() != 2 || !one[0].is_number_integer() || !one[1].is_number()) continue;
+    snapshot.selected[i] = SelectedValue{one[0].get<std::int16_t>(), one[1].get<double>()};
+  }
+}
+
+Json raw_json(const StatusSnapshot& snapshot) {
+  Json selected = Json::array();
+  for (const auto& value : snapshot.selected)
+    selected.push_back(value ? Json::array({value->counts, number_or_null(value->value)}) : Json(nullptr));
+  return Json{{"identity", snapshot.identity_registers},
+              {"status", snapshot.status_registers},
+              {"pointers", snapshot.pointer_registers},
+              {"selected", selected}};
+}
+
+std::string text_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link) {
+  StatusSnapshot snapshot;
+  snapshot.taken = now_utc();
+  snapshot.link = link;
+  const auto read = [&client](const Block& block) { return client.link().ask(protocol::kEcho, Registers{0}, block); };
+  for (const auto& [block, into] : {std::pair{protocol::kIdentity, &snapshot.identity_registers},
+                                    std::pair{protocol::kStatus, &snapshot.status_registers},
+                                    std::pair{protocol::kPointers, &snapshot.pointer_registers}}) {
+    auto registers = read(block);
+    if (!registers) return tl::unexpected(registers.error());
+    *into = std::move(*registers);
+  }
+  if (const auto decoded = decode(snapshot); !decoded) return tl::unexpected(decoded.error());
+  read_selected(client, snapshot);
+  return snapshot;
+}
+
+Json json_with_registers(const StatusSnapshot& snapshot) {
+  Json object{{"ecs_status", kFormat}};
+  object.update(json_of(snapshot));
+  object["raw"] = raw_json(snapshot);
+  return object;
+}
+
+Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot) {
+  return write_file(path, json_with_registers(snapshot).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name) {
+  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
+  const Json object = Json::parse(text, nullptr, false);
+  if (object.is_discarded() || !object.is_object() || !object.contains("ecs_status"))
+    return problem_at(name, 0, 0, "expected a status file as `ecs utility status --save` writes it (JSON)");
+  if (object["ecs_status"] != kFormat)
+    return problem_at(name, 0, 0,
+                      fmt::format("expected a status file of format {}, found format {}: use a newer ecs", kFormat,
+                                  one_line(object["ecs_status"])));
+  const auto raw = object.find("raw");
+  if (raw == object.end() || !raw->is_object()) return problem_at(name, 0, 0, "expected the registers under \"raw\"");
+  StatusSnapshot snapshot;
+  snapshot.taken = text_at(object, "taken");
+  snapshot.link = text_at(object, "link");
+  for (const auto& [key, block, into] : {std::tuple{"identity", protocol::kIdentity, &snapshot.identity_registers},
+                                         std::tuple{"status", protocol::kStatus, &snapshot.status_registers},
+                                         std::tuple{"pointers", protocol::kPointers, &snapshot.pointer_registers}}) {
+    auto registers = registers_at(*raw, key, block, name);
+    if (!registers) return tl::unexpected(registers.error());
+    *into = std::move(*registers);
+  }
+  if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
+  take_selected(*raw, snapshot);
+  return snapshot;
+}
+
+Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_snapshot(*text, path.string());
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,43 @@
+// The state of a unit at one moment, with the registers it came in: taken live, kept in a file, decoded again later.
+// Does not live here: words and tables for it (status_view.hpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/result.hpp"
+#include "protocol/client/client.hpp"
+#include "protocol/registers/unit_data.hpp"
+
+namespace ecs::app {
+
+/// The value that an address pointer points at, as stored and in its unit.
+struct SelectedValue {
+  std::int16_t counts = 0;
+  double value = 0.0;  ///< um, or um/m for angles; compensation
+};
+
+struct StatusSnapshot {
+  std::string taken;  ///< ISO 8601, UTC
+  std::string link;   ///< as --link takes it; empty: unknown
+  protocol::Identity identity;
+  protocol::UnitStatus status;
+  std::array<std::optional<SelectedValue>, kCurves> selected{};  ///< of the pointers in use, where they could be read
+  // as they came
+  protocol::Registers identity_registers;
+  protocol::Registers status_registers;
+  protocol::Registers pointer_registers;
+};
+
+/// Reads identity, status, pointers and what these point at. Writes nothing.
+[[nodiscard]] Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::string& link);
+
+/// One JSON object: the decoded values for readers, and under "raw" the registers, which alone are read back.
+[[nodiscard]] Result<void> write_snapshot(const std::filesystem::path& path, const StatusSnapshot& snapshot);
+[[nodiscard]] Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name);
+[[nodiscard]] Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path);
+
+}  // namespace ecs::app

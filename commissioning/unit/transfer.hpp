@@ -1,0 +1,68 @@
+// Parameters and maps between host and unit: what `params send`, `map send`, `batch` and the screens share.
+// Does not live here: files, words for the user (the verbs), the line (protocol/).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/parameters.hpp"
+#include "params/check.hpp"
+#include "params/parameters_toml.hpp"
+#include "protocol/client/client.hpp"
+
+namespace ecs::app {
+
+/// The active image of the unit, byte for byte; nothing if it holds none. Refused if another map becomes active
+/// meanwhile. Its block check is not judged here.
+[[nodiscard]] Result<std::optional<std::vector<std::uint8_t>>> read_active_image(
+    protocol::UnitClient& client, const protocol::ProgressCallback& progress = {});
+
+/// The parameters of the active image, without its tables: a short transfer. Refused if the unit holds none.
+[[nodiscard]] Result<UnitParameters> receive_parameters(protocol::UnitClient& client);
+
+/// What is done with the unit's map that does not fit the parameters to send.
+enum class UnfitMap {
+  refuse,  ///< nothing is sent
+  drop,    ///< the parameters are sent without it: the unit does not compensate until a map is sent
+};
+
+struct SendReport {
+  std::size_t bytes = 0;                    ///< of the image that is now active
+  std::uint32_t commit_sequence = 0;        ///< of the unit, afterwards
+  bool map_kept = false;                    ///< the unit's map stays, with the new parameters
+  bool map_dropped = false;                 ///< the unit had a map that is gone
+  std::vector<std::string> map_objections;  ///< why it was dropped
+};
+
+/// A parameter set that must not meet a machine, as one `refused` problem with every error; nothing if it may.
+[[nodiscard]] std::optional<Problem> objections_to(const UnitParameters& parameters, const std::string& file);
+
+/// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit), then reads back and compares.
+/// The map is read and judged as `map send` judges one, but not sent again.
+/// @param owner  [identity] of the parameters, against the header of that map; empty: not judged
+/// @pre objections_to(parameters) is empty
+[[nodiscard]] Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
+                                                 const params::Identity& owner, UnfitMap unfit = UnfitMap::refuse,
+                                                 const protocol::ProgressCallback& progress = {});
+
+/// Makes an image active, all or nothing, then reads back and compares. Refused, before anything is sent, if the unit
+/// has too little axis memory for it.
+[[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
+                                            const protocol::ProgressCallback& progress = {});
+
+/// Where the unit's active image differs from the one expected.
+struct VerifyReport {
+  bool same = false;
+  std::size_t bytes_expected = 0;
+  std::size_t bytes_found = 0;             ///< 0: the unit holds no image
+  std::size_t bytes_different = 0;         ///< over the common length
+  std::optional<Address> first_different;  ///< in the unit's address space
+};
+[[nodiscard]] Result<VerifyReport> verify_image(protocol::UnitClient& client, std::span<const std::uint8_t> expected,
+                                                const protocol::ProgressCallback& progress = {});
+
+}  // namespace ecs::app

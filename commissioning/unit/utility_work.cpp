@@ -1,0 +1,54 @@
+#include "commissioning/unit/utility_work.hpp"
+
+#include <fmt/format.h>
+
+#include "commissioning/unit/status_view.hpp"
+#include "core/bytes.hpp"
+#include "core/fault.hpp"
+
+namespace ecs::app {
+
+Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
+                               const protocol::CommandCallback& busy) {
+  const auto result = client.test_datum(axis, limit, busy);
+  if (result) return AxisTest{axis, true, {}};
+  const auto failure = client.link().last_failure();
+  if (failure != protocol::LinkFailure::none || client.link().cancelled()) return tl::unexpected(result.error());
+  const auto status = client.status();
+  if (!status) return tl::unexpected(status.error());
+  const protocol::AxisStatus& state = status->axes[index_of(axis)];
+  std::string message = result.error().message;
+  if (state.datum_failure != DatumFailure::none)
+    message += fmt::format(" ({}: {})", ecs::name_of(state.datum_failure), advice_for(state.datum_failure));
+  return AxisTest{axis, false, std::move(message), state.datum_failure};
+}
+
+Result<void> begin_compensation(protocol::UnitClient& client) {
+  auto entered = client.enter_compensation();
+  if (entered) return {};
+  Problem failure = std::move(entered.error());
+  if (client.link().last_failure() == protocol::LinkFailure::none && !client.link().cancelled())
+    if (const auto status = client.status(); status && status->fault != Fault::none)
+      failure.message = "the unit cannot compensate: " + fault_sentence(*status);
+  return tl::unexpected(std::move(failure));
+}
+
+Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client) {
+  const auto bytes = client.read_memory(kUserRegisters, kUserRegisterBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  std::vector<KeptRegister> kept;
+  for (std::size_t i = 0; i < kUserRegisterBytes / 4; ++i)
+    kept.push_back({i < 16 ? fmt::format("{}{}", i < 8 ? 'D' : 'A', i % 8) : (i == 16 ? "PC" : "SR"),
+                    load_big<std::uint32_t>(*bytes, 4 * i)});
+  return kept;
+}
+
+std::string text_of(const std::vector<KeptRegister>& registers) {
+  std::string text;
+  for (std::size_t i = 0; i < registers.size(); ++i)
+    text += fmt::format("{} {:08X}{}", registers[i].name, registers[i].value,
+                        i % 4 == 3 || i + 1 == registers.size() ? "\n" : "   ");
+  return text;
+}
+
+}  // namespace ecs::app

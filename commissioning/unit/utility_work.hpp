@@ -1,0 +1,40 @@
+// Work on the unit that the verbs of ECS UTILITY and its screens share. Does not live here: asking whether it is meant,
+// words for what is done (the verbs, the screens).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/user_memory.hpp"
+#include "protocol/client/client.hpp"
+
+namespace ecs::app {
+
+/// The unit's datum routine of one axis.
+struct AxisTest {
+  Axis axis = Axis::X;
+  bool passed = false;
+  std::string message;                        ///< why not, and what to do
+  DatumFailure failure = DatumFailure::none;  ///< as the unit's status told it
+};
+/// A routine that failed is an answer; a lost line and a cancel are problems.
+[[nodiscard]] Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
+                                             const protocol::CommandCallback& busy = {});
+
+/// Compensation mode as far as it goes at once: `done` when the unit waits for its axes to be referenced. Where the
+/// unit cannot, its own fault in words is the problem.
+[[nodiscard]] Result<void> begin_compensation(protocol::UnitClient& client);
+
+/// A register as the unit keeps it after user software has ended: "D0" … "D7", "A0" … "A7", "PC", "SR".
+struct KeptRegister {
+  std::string name;
+  std::uint32_t value = 0;
+};
+[[nodiscard]] Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client);
+/// Four in a row: "D0 00000000   D1 …".
+[[nodiscard]] std::string text_of(const std::vector<KeptRegister>& registers);
+
+}  // namespace ecs::app

@@ -1,0 +1,56 @@
+// A component as a control holds it: points joined by straight lines, both approaches on the same positions, few
+// enough to fit. Does not live here: the files of the controls (controller_*.hpp), what is left over
+// (residual.hpp).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "laser/map/error_map.hpp"
+
+namespace ecs::laser {
+
+/// Compensation of one component, um (um/m for rotations); linear between, the end values hold beyond the ends.
+struct ControlCurve {
+  std::vector<double> position_mm;  ///< strictly ascending, machine coordinates of the moving axis
+  std::vector<double> forward;      ///< as many
+  std::vector<double> reverse;      ///< as many
+  friend bool operator==(const ControlCurve&, const ControlCurve&) = default;
+};
+
+[[nodiscard]] double value_at(const ControlCurve& curve, Approach approach, double position_mm);
+/// Mean of both approaches.
+[[nodiscard]] double mean_at(const ControlCurve& curve, double position_mm);
+
+/// Both tables of a component on all their positions. Nothing if the map lacks the component or one of its approaches.
+[[nodiscard]] std::optional<ControlCurve> curve_of(const ErrorMap& map, Component component);
+
+/// The curve sampled at other positions.
+[[nodiscard]] ControlCurve resampled(const ControlCurve& curve, std::vector<double> position_mm);
+
+/// At most `most` points of the curve, both ends among them, chosen so that the lines between them miss the others by
+/// as little as any choice does (curves above 5000 points: nearly as little). @pre most >= 2
+[[nodiscard]] ControlCurve thinned(const ControlCurve& curve, std::size_t most);
+
+/// An even grid.
+struct EvenGrid {
+  double first_mm = 0.0;  ///< a whole number of nanometres
+  double step_mm = 0.0;   ///< above 0; a whole number of nanometres
+  std::size_t points = 0;
+  [[nodiscard]] std::vector<double> positions() const;
+};
+/// The even grid of at most `most` points that follows the curve best: the curve's own where that is even and fits,
+/// else the best of those that divide it and of the finest. It reaches both ends. @pre most >= 2, two points in the
+/// curve
+[[nodiscard]] EvenGrid even_grid(const ControlCurve& curve, std::size_t most);
+
+/// What the unit puts out for a table: linear, or the value of the nearest point.
+[[nodiscard]] double unit_value_at(const MapTable& table, Interpolation interpolation, double position_mm);
+
+/// Largest difference between a curve as a control joins it and what the unit puts out for the same component of the
+/// map, either approach. @param map  holds the component for both approaches
+[[nodiscard]] double deviation_from_unit(const ControlCurve& written, const ErrorMap& map, Component component,
+                                         Interpolation interpolation);
+
+}  // namespace ecs::laser

@@ -1,0 +1,223 @@
+// The Etalon exchange format, writing. Does not live here: reading (etalon_reader.cpp).
+#include "controllers/etalon.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "controllers/curve.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMm = 1000.0;
+constexpr double kUrad = 1e-6;  ///< um/m
+
+/// The mean of both approaches of a component, by position [um, um/m of compensation].
+ControlCurve mean_of(const ControlCurve& curve) {
+  ControlCurve mean = curve;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    mean.forward[i] = mean.reverse[i] = 0.5 * (curve.forward[i] + curve.reverse[i]);
+  return mean;
+}
+
+/// Terms that lever over a coordinate, of one moving axis and observed direction.
+std::vector<Term> levers_of(const TermTable& terms, Component translation) {
+  std::vector<Term> rows;
+  for (const Term& term : terms)
+    if (term.has_lever && term.uses_coordinate && !is_squareness(term.component) &&
+        moving_axis(term.component) == moving_axis(translation) && term.observed == direction_of(sense_of(translation)))
+      rows.push_back(term);
+  return rows;
+}
+
+/// A translation measured on its line, brought to where the lever arms are zero (`way` −1), or back (+1).
+/// E = δ + ε·(L − line) = (δ − ε·line) + ε·L. @param scale  of the angles in `map`
+ControlCurve moved(const ErrorMap& map, const MeasurementLines& lines, const TermTable& terms, Component translation,
+                   ControlCurve curve, double way, double scale) {
+  const Axis axis = moving_axis(translation);
+  for (const Term& term : levers_of(terms, translation)) {
+    const double line_m = lines[index_of(axis)][index_of(term.lever)] / 1000.0;
+    const auto angle = curve_of(map, term.component);
+    if (!angle || line_m == 0.0) continue;
+    std::set<double> positions(curve.position_mm.begin(), curve.position_mm.end());
+    positions.insert(angle->position_mm.begin(), angle->position_mm.end());
+    curve = resampled(curve, {positions.begin(), positions.end()});
+    const double weight = way * term.sign * scale * line_m;
+    for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+      curve.forward[i] += weight * value_at(*angle, Approach::forward, curve.position_mm[i]);
+      curve.reverse[i] += weight * value_at(*angle, Approach::reverse, curve.position_mm[i]);
+    }
+  }
+  return curve;
+}
+
+const ControlCurve kNoCurve{{0.0}, {0.0}, {0.0}};  ///< nothing measured, yet rotations may act on the measurement line
+
+/// The translation of a map, moved; nothing if it has none and no rotation makes one.
+std::optional<ControlCurve> moved_curve(const ErrorMap& map, const MeasurementLines& lines, const TermTable& terms,
+                                        Component translation, double way, double scale) {
+  const auto curve = curve_of(map, translation);
+  ControlCurve made = moved(map, lines, terms, translation, curve.value_or(kNoCurve), way, scale);
+  if (!curve && made.position_mm.size() < 2) return std::nullopt;
+  return made;
+}
+
+constexpr int kPositionDigits = 6;  ///< of mm: one nanometre
+constexpr int kLengthDigits = 8;    ///< of mm
+constexpr int kAngleDigits = 11;    ///< of rad
+
+std::string number_text(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  return text.find_first_not_of("-0.") == std::string::npos && text.front() == '-' ? text.substr(1) : text;
+}
+
+double as_written(double value, int digits) { return number_in(number_text(value, digits)).value_or(value); }
+
+int digits_of(Component component) { return is_angular(component) ? kAngleDigits : kLengthDigits; }
+
+/// The curve in the digits of the file; of points that fall together the first. @param scale  of its values there
+ControlCurve in_digits(const ControlCurve& curve, Component component, double scale) {
+  const auto written = [&](double value) {
+    return scale == 0.0 ? value : as_written(value * scale, digits_of(component)) / scale;
+  };
+  ControlCurve out;
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+    const double place = as_written(curve.position_mm[i], kPositionDigits);
+    if (!out.position_mm.empty() && place <= out.position_mm.back()) continue;
+    out.position_mm.push_back(place);
+    out.forward.push_back(written(curve.forward[i]));
+    out.reverse.push_back(written(curve.reverse[i]));
+  }
+  return out;
+}
+
+std::string function_text(Component component, const ControlCurve& curve, double scale) {
+  std::string text = fmt::format("[{}]\nGridpoints = {{\n", name_of(component));
+  for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
+    text += fmt::format("{:>14} {:>16}\n", number_text(curve.position_mm[i], kPositionDigits),
+                        number_text(-curve.forward[i] * scale, digits_of(component)));
+  return text + fmt::format("}}  // end of {}\n", name_of(component));
+}
+
+std::string head_text(const ExportSource& source, const EtalonOptions& options) {
+  std::string text = "// Errors = actual - target, mm and rad, ISO 230-1; the control subtracts them.\n";
+  if (!source.map.header.machine.empty()) text += fmt::format("// machine: {}\n", source.map.header.machine);
+  text += fmt::format("// configuration: {}\n", configuration_of(source.parameters));
+  text += fmt::format("// {}\n", options.levers_from_zero ? kLeversFromZero : kLeversFromLines);
+  return text + "// Both approaches: the mean. Own-axis levers of workpiece-side axes are inside the curves.\n";
+}
+
+/// The curve of a component as the format wants it, both approaches; nothing if there is none to write.
+std::optional<ControlCurve> curve_for(const ExportSource& source, const TermTable& terms, Component component,
+                                      bool levers_from_zero) {
+  const UnitParameters& p = source.parameters;
+  if (!p.axis_present[index_of(moving_axis(component))]) return std::nullopt;
+  if (is_angular(component) || !levers_from_zero) return curve_of(source.map, component);
+  return moved_curve(source.map, p.measurement_lines_mm, terms, component, -1.0, p.angular_scale);
+}
+
+/// Adds the functions of all curves to file and report. @return the largest half reversal of a translation [um]
+double add_functions(const ExportSource& source, const TermTable& terms, const EtalonOptions& options,
+                     ControllerExport& made, std::string& text) {
+  double reversal_um = 0.0;
+  for (std::size_t i = 0; i < kCurves; ++i) {
+    const auto component = static_cast<Component>(i);
+    const auto curve = curve_for(source, terms, component, options.levers_from_zero);
+    if (!curve) continue;
+    const ControlCurve whole = mean_of(*curve);
+    const double scale = is_angular(component) ? kUrad * source.parameters.angular_scale : 1.0 / kUmPerMm;
+    const ControlCurve kept =
+        in_digits(options.most_points >= 2 ? thinned(whole, options.most_points) : whole, component, scale);
+    ExportedTable report{
+        std::string(name_of(component)), "function", whole.position_mm.size(), kept.position_mm.size(), 0.0, 0.0, 0.0};
+    for (const double value : kept.forward) report.largest = std::max(report.largest, std::abs(value));
+    for (std::size_t k = 0; k < curve->position_mm.size(); ++k) {
+      const double written = value_at(kept, Approach::forward, curve->position_mm[k]);
+      for (const double measured : {curve->forward[k], curve->reverse[k]})
+        report.deviation = std::max(report.deviation, std::abs(written - measured));
+      if (!is_angular(component))
+        reversal_um = std::max(reversal_um, 0.5 * std::abs(curve->forward[k] - curve->reverse[k]));
+    }
+    text += function_text(component, kept, scale);
+    report.unit = unit_of(component);
+    made.tables.push_back(std::move(report));
+  }
+  return reversal_um;
+}
+
+void add_squareness(const UnitParameters& parameters, ControllerExport& made, std::string& text) {
+  const auto squareness = squareness_of(parameters);
+  for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
+    const double value = squareness[index_of(square)];
+    if (value == 0.0) continue;
+    text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), number_text(value * kUrad, 11));
+    made.tables.push_back({std::string(name_of(square)), "value", 1, 1, std::abs(value), 0.0, 0.0, "um/m"});
+  }
+}
+
+void say_what_is_lost(const ExportSource& source, double reversal_um, ControllerExport& made) {
+  std::vector<Component> carried;
+  for (const ExportedTable& table : made.tables) carried.push_back(*component_of(table.component));
+  if (reversal_um > 0.0005)
+    made.not_carried.push_back(
+        {"half the reversal", reversal_um, "um", "the format has one function for both approaches, the mean"});
+  const std::string no_axis = "of an axis that the machine does not have";
+  leave_behind(made, source, carried, no_axis, no_axis);
+}
+
+}  // namespace
+
+Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options) {
+  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  if (source.parameters.convention != Convention::iso)
+    return problem(ProblemKind::refused,
+                   "the parameters use the printed signs of the thesis (compensation.convention = \"as_printed\"); the "
+                   "format is ISO 230-1: convert map and squareness first");
+  const auto chain = chain_of(source.parameters);
+  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
+  const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
+  ControllerExport made;
+  std::string text = head_text(source, options);
+  const double reversal_um = add_functions(source, terms, options, made, text);
+  add_squareness(source.parameters, made, text);
+  if (made.tables.empty()) return problem(ProblemKind::refused, "the map has no curve of an axis of the machine");
+  made.files.push_back({options.file_name, std::move(text)});
+  auto again = parse_etalon(made.files.front().content, options.file_name);
+  if (!again) return unwritable(again.error());
+  made.applied = std::move(*again);
+  say_what_is_lost(source, reversal_um, made);
+  made.settings = {fmt::format("chain of the control: {} (tool side after T, workpiece side before it)",
+                               configuration_of(source.parameters)),
+                   "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y, Z as they were measured"};
+  made.notes = {"values are errors; a control that adds them must be told to negate (TwinCAT: negate)"};
+  if (source.parameters.tool_offset_mm != Vector3{})
+    made.notes.push_back("the tool offset of the parameters is not in the file: the control adds that of its tool");
+  return made;
+}
+
+ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters, bool levers_from_lines) {
+  const auto chain = chain_of(parameters);
+  if (!chain) return read;
+  const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
+  ErrorMap out;
+  out.header = read.header;
+  for (std::size_t i = 0; i < kCurves; ++i) {
+    const auto component = static_cast<Component>(i);
+    const bool angular = is_angular(component);
+    const auto curve = angular || levers_from_lines
+                           ? curve_of(read, component)
+                           : moved_curve(read, parameters.measurement_lines_mm, terms, component, 1.0, 1.0);
+    if (!curve) continue;
+    MapTable table{component, Approach::unknown, curve->position_mm, curve->forward};
+    if (angular && parameters.angular_scale != 0.0)
+      for (double& value : table.compensation) value /= parameters.angular_scale;
+    out.tables.push_back(std::move(table));
+  }
+  return out;
+}
+
+}  // namespace ecs::laser

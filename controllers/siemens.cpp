@@ -1,0 +1,178 @@
+// SINUMERIK 840D: what a map becomes within the tables that the control has. Does not live here: the tables
+// (siemens_groups.cpp), their text (siemens_text.cpp), reading (siemens_reader.cpp).
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "controllers/siemens_tables.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMm = 1000.0;
+constexpr const char* kEncoderFile = "AX_EEC.INI";
+constexpr const char* kCrossFile = "NC_CEC.INI";
+
+std::size_t tables_in(const std::vector<SiemensGroup>& groups) {
+  std::size_t count = 0;
+  for (const SiemensGroup& group : groups) count += group.tables.size();
+  return count;
+}
+
+const char* const kTooFew = "more cross tables would be needed than the control has";
+
+void leave_reversal_behind(ControllerExport& made, std::string_view component, double half_um) {
+  if (half_um >= kNothing_um)
+    made.not_carried.push_back({fmt::format("half the reversal of {}", component), half_um, "um", kTooFew});
+}
+
+/// Tables that know the direction, instead of one by the mean, or beside the encoder table.
+struct Upgrade {
+  SiemensGroup with;
+  std::size_t cost = 0;  ///< tables more
+  double gain_um = 0.0;  ///< half the reversal
+};
+
+std::vector<Upgrade> upgrades_of(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal) {
+  std::vector<Upgrade> all;
+  for (SiemensGroup& group : straightness_of(source, options, {true, false})) {
+    const auto curve = curve_of(source.map, group.tables.front().component);
+    if (group.tables.size() > 1) all.push_back({std::move(group), 1, 0.5 * largest_reversal(*curve)});
+  }
+  for (const SiemensGroup& pair : reversal) all.push_back({pair, 2, pair.largest()});
+  std::stable_sort(all.begin(), all.end(), [](const Upgrade& a, const Upgrade& b) {
+    return a.gain_um * static_cast<double>(b.cost) > b.gain_um * static_cast<double>(a.cost);
+  });
+  return all;
+}
+
+/// Means first, then both directions where a table more brings most; what has to go is told.
+std::vector<SiemensGroup> spared(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal, ControllerExport& made) {
+  std::vector<SiemensGroup> groups = straightness_of(source, options, {true, true});
+  for (SiemensGroup& line : squareness_groups(source, groups)) groups.push_back(std::move(line));
+  while (tables_in(groups) > options.most_tables)
+    groups.erase(std::min_element(groups.begin(), groups.end(), [](const SiemensGroup& a, const SiemensGroup& b) {
+      return a.largest() < b.largest();
+    }));
+  for (Upgrade& upgrade : upgrades_of(source, options, reversal)) {
+    const bool beside = upgrade.cost == 2;
+    const auto same = std::find_if(groups.begin(), groups.end(), [&](const SiemensGroup& group) {
+      return group.report.component == upgrade.with.report.component;
+    });
+    const bool fits = tables_in(groups) + upgrade.cost <= options.most_tables && (beside || same != groups.end());
+    if (!fits) {
+      if (beside || same != groups.end()) leave_reversal_behind(made, upgrade.with.report.component, upgrade.gain_um);
+    } else if (beside) {
+      groups.push_back(std::move(upgrade.with));
+    } else {
+      *same = std::move(upgrade.with);
+    }
+  }
+  return groups;
+}
+
+/// Within the number of tables that the control has.
+std::vector<SiemensGroup> chosen(const ExportSource& source, const SiemensOptions& options,
+                                 const std::vector<SiemensGroup>& reversal, ControllerExport& made) {
+  const auto straightness = straightness_of(source, options, {});
+  std::vector<SiemensGroup> groups = squareness_groups(source, straightness);
+  groups.insert(groups.end(), straightness.begin(), straightness.end());
+  groups.insert(groups.end(), reversal.begin(), reversal.end());
+  if (tables_in(groups) <= options.most_tables) return groups;
+  made.notes.push_back(fmt::format(
+      "{} cross tables would be needed, the control has {}: squareness stands inside the straightness tables "
+      "of the same axes, and only the largest reversals have their two directions",
+      tables_in(groups), options.most_tables));
+  return spared(source, options, reversal, made);
+}
+
+// --- what to set
+
+std::vector<SiemensTable> all_tables(const std::vector<SiemensGroup>& groups) {
+  std::vector<SiemensTable> all;
+  for (const SiemensGroup& group : groups) all.insert(all.end(), group.tables.begin(), group.tables.end());
+  return all;
+}
+
+/// A line for each stretch of tables of the same length.
+void add_cross_points(ControllerExport& made, const std::vector<SiemensTable>& tables) {
+  for (std::size_t first = 0, last = 0; first < tables.size(); first = last) {
+    while (last < tables.size() && tables[last].grid.points == tables[first].grid.points) ++last;
+    made.settings.push_back(
+        fmt::format("MD18342 $MN_MM_CEC_MAX_POINTS[{}] = {}",
+                    last - first == 1 ? fmt::format("{}", first) : fmt::format("{} ... {}", first, last - 1),
+                    tables[first].grid.points));
+  }
+}
+
+void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encoder,
+                  const std::vector<SiemensGroup>& groups, const SiemensOptions& options) {
+  for (const SiemensTable& table : encoder)
+    made.settings.push_back(fmt::format("MD38000 $MA_MM_ENC_COMP_MAX_POINTS[{},{}] = {}", options.encoder,
+                                        options.axis_name[index_of(table.input)], table.grid.points));
+  int t = 0;
+  PerAxis<double> sum_um{};
+  add_cross_points(made, all_tables(groups));
+  for (const SiemensGroup& group : groups)
+    for (const SiemensTable& table : group.tables) {
+      ++t;
+      if (table.direction >= 0) sum_um[index_of(table.output)] += table.largest();
+    }
+  for (const SiemensTable& table : encoder)
+    made.settings.push_back(fmt::format("MD32700 $MA_ENC_COMP_ENABLE[{},{}] = 1, after loading", options.encoder,
+                                        options.axis_name[index_of(table.input)]));
+  for (const Axis axis : kAllAxes)
+    if (sum_um[index_of(axis)] > 0.0) {
+      const std::string& name = options.axis_name[index_of(axis)];
+      made.settings.push_back(fmt::format("MD32710 $MA_CEC_ENABLE[{}] = 1, after loading", name));
+      made.settings.push_back(
+          fmt::format("MD32720 $MA_CEC_MAX_SUM[{}] of at least {:.3f} mm", name, sum_um[index_of(axis)] / kUmPerMm));
+    }
+  if (t > 0) made.settings.push_back(fmt::format("SD41300 $SN_CEC_TABLE_ENABLE[0 ... {}] = 1", t - 1));
+}
+
+Result<void> take_back(ControllerExport& made, const SiemensOptions& options) {
+  for (const ExportFile& file : made.files) {
+    auto again = parse_siemens(file.content, file.name, options);
+    if (!again) return unwritable(again.error());
+    if (auto done = append(made.applied, std::move(*again), false); !done) return done;
+  }
+  made.applied.sources.clear();
+  return {};
+}
+
+}  // namespace
+
+Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options) {
+  if (const auto sound = check_exportable(source.map); !sound) return tl::unexpected(sound.error());
+  ControllerExport made;
+  SiemensPositioning positioning = positioning_of(source, options);
+  const std::vector<SiemensGroup> groups = chosen(source, options, positioning.reversal, made);
+  if (positioning.encoder.empty() && groups.empty())
+    return problem(ProblemKind::refused,
+                   "the map has no positioning, straightness or squareness of the machine's axes");
+  std::vector<Component> carried;
+  made.tables = positioning.reports;
+  for (const SiemensTable& table : positioning.encoder) carried.push_back(table.component);
+  for (const SiemensGroup& group : groups) {
+    carried.push_back(*component_of(group.report.component));
+    if (group.square) carried.push_back(*group.square);
+    made.tables.push_back(group.report);
+  }
+  if (!positioning.encoder.empty()) made.files.push_back({kEncoderFile, encoder_text(positioning.encoder, options)});
+  if (!groups.empty()) made.files.push_back({kCrossFile, cross_text(all_tables(groups), options)});
+  add_settings(made, positioning.encoder, groups, options);
+  leave_behind(made, source, carried, "a table has no lever arm", kTooFew);
+  made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
+  made.notes.push_back(
+      "signs: the manual prints that of ENC_COMP; that of CEC is taken to be the same. Check one CEC "
+      "table on the machine; --cec-sign adds writes the other (docs/controllers.md)");
+  if (auto done = take_back(made, options); !done) return tl::unexpected(done.error());
+  return made;
+}
+
+bool is_siemens_file(std::string_view name) { return name == kEncoderFile || name == kCrossFile; }
+
+}  // namespace ecs::laser

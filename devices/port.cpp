@@ -1,0 +1,136 @@
+#include "devices/port.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kLookEvery_s = 0.5;
+
+bool fits(const DeviceMatch& match, const HidIdentity& one) {
+  const bool id = std::any_of(match.ids.begin(), match.ids.end(), [&](const DeviceMatch::Ids& ids) {
+    return ids.vendor_id == one.vendor_id && ids.product_id == one.product_id;
+  });
+  return id && (!match.serial || *match.serial == one.serial) && (!match.path || *match.path == one.path) &&
+         (!match.interface || one.interface < 0 || *match.interface == one.interface) &&
+         (!match.usage_page || one.usage_page == 0 || *match.usage_page == one.usage_page);
+}
+
+std::string list_of(const std::vector<HidIdentity>& devices) {
+  std::string text;
+  for (const HidIdentity& one : devices) text += (text.empty() ? "" : "; ") + to_text(one);
+  return text;
+}
+
+std::string wanted(const DeviceDescription& device) {
+  std::string ids;
+  for (const DeviceMatch::Ids& one : device.match.ids)
+    ids += fmt::format("{}{:04x}:{:04x}", ids.empty() ? "" : " or ", one.vendor_id, one.product_id);
+  if (device.match.serial) ids += ", serial " + *device.match.serial;
+  if (device.match.path) ids += ", " + *device.match.path;
+  if (device.match.interface) ids += fmt::format(", interface {}", *device.match.interface);
+  return fmt::format("{} ({})", device.name, ids);
+}
+
+/// Length of the input reports to read: as described, else as the descriptor says, else the usual packet.
+std::size_t bytes_of(const DeviceDescription& device, const HidIdentity& identity) {
+  if (device.report.bytes != 0) return device.report.bytes;
+  const auto own = identity.reports.input.find(device.report.number);
+  if (own != identity.reports.input.end() && device.report.number == 0) return own->second;
+  std::size_t longest = 0;
+  for (const auto& entry : identity.reports.input) longest = std::max(longest, entry.second);
+  return longest == 0 ? 64 : longest;
+}
+
+}  // namespace
+
+Result<HidIdentity> matching(const DeviceDescription& device, const std::vector<HidIdentity>& present) {
+  std::vector<HidIdentity> found;
+  std::copy_if(present.begin(), present.end(), std::back_inserter(found),
+               [&](const HidIdentity& one) { return fits(device.match, one); });
+  if (found.size() == 1) return found.front();
+  if (found.empty())
+    return problem(
+        ProblemKind::link,
+        fmt::format("{} is not plugged in; {}", wanted(device),
+                    present.empty() ? "there is no HID device at all: plug it in, then look with `ecs laser devices`"
+                                    : "there are: " + list_of(present)));
+  return problem(
+      ProblemKind::link,
+      fmt::format("{} devices fit {}: {}. Say which: write its serial (or path, or interface) under [match], or "
+                  "add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
+                  found.size(), wanted(device), list_of(found)));
+}
+
+Result<DevicePort> DevicePort::open(DeviceDescription device) {
+  DevicePort port(std::move(device));
+  if (const auto opened = port.connect(); !opened) return tl::unexpected(opened.error());
+  return port;
+}
+
+Result<void> DevicePort::connect() {
+  const auto present = hid_devices();
+  if (!present) return tl::unexpected(present.error());
+  auto identity = matching(device_, *present);
+  if (!identity) return tl::unexpected(identity.error());
+  auto opened = HidDevice::open(*identity);
+  if (!opened) return tl::unexpected(opened.error());
+  identity_ = std::move(*identity);
+  report_bytes_ = bytes_of(device_, identity_);
+  open_.emplace(std::move(*opened));
+  return {};
+}
+
+void DevicePort::lose() {
+  open_.reset();
+  loss_told_ = false;
+  hindrance_.clear();
+}
+
+PortChange DevicePort::look(double now_s) {
+  if (open_) return PortChange::none;
+  if (!loss_told_) {
+    loss_told_ = true;
+    looked_s_ = now_s;
+    return PortChange::lost;
+  }
+  if (now_s - looked_s_ < kLookEvery_s) return PortChange::none;
+  looked_s_ = now_s;
+  const auto present = hid_devices();
+  if (!present || std::none_of(present->begin(), present->end(),
+                               [&](const HidIdentity& one) { return fits(device_.match, one); })) {
+    hindrance_.clear();
+    return PortChange::none;
+  }
+  const auto connected = connect();
+  hindrance_ = connected ? "" : connected.error().message;
+  return connected ? PortChange::back : PortChange::none;
+}
+
+std::optional<Bytes> DevicePort::read(std::chrono::milliseconds timeout) {
+  if (!open_) return std::nullopt;
+  auto report = open_->read(report_bytes_, timeout);
+  if (!report) {
+    lose();
+    return std::nullopt;
+  }
+  if (*report && device_.report.number != 0 && (**report)[0] != device_.report.number) return std::nullopt;
+  return std::move(*report);
+}
+
+bool DevicePort::poll() {
+  if (open_ && !open_->write(device_.report.poll_number, device_.report.poll)) lose();
+  return open_.has_value();
+}
+
+std::optional<Bytes> DevicePort::feature() {
+  if (!open_) return std::nullopt;
+  auto report = open_->feature(device_.report.number, report_bytes_);
+  if (report) return std::move(*report);
+  lose();
+  return std::nullopt;
+}
+
+}  // namespace ecs::laser

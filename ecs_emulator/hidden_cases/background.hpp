@@ -1,0 +1,25 @@
+// The base model: errors that the engineer knows of already.
+#pragma once
+
+#include <vector>
+
+#include "ecs_emulator/hidden_cases/space.hpp"
+
+namespace ecs::emulator {
+
+/// What the base model must leave alone.
+struct Reserved {
+  std::vector<PlacedEffect> hidden;
+  std::vector<EffectKind> without;   ///< kinds that have no place in this base model
+  std::vector<PlacedEffect> needed;  ///< places that it must hold
+  bool without_offset = false;
+};
+
+/// Share of an error's mean square that the base model must leave.
+inline constexpr double kLeastShare = 0.05;
+
+/// Draws it; sizes are about 1 um still. `absorbed` becomes what it can produce.
+[[nodiscard]] std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
+                                                        const Reserved& reserved, Absorbed& absorbed);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,142 @@
+#include "ecs_emulator/hidden_cases/case.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "ecs_emulator/hidden_cases/compose.hpp"
+#include "ecs_emulator/hidden_cases/draw.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr int kTries = 2000;
+constexpr int kTriesOfOne = 40;  ///< before a companion, or a foreign structure, is drawn anew
+constexpr std::size_t kLeastReadings = 100;
+constexpr std::size_t kMostReadings = 20'000;
+
+tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
+
+CaseKind draw_kind(Random& random) {
+  const double what = random.uniform();
+  if (what < 0.2) return CaseKind::blank;
+  if (what < 0.6) return CaseKind::single;
+  if (what < 0.75) return CaseKind::pair;
+  return what < 0.9 ? CaseKind::out_of_library : CaseKind::confounded;
+}
+
+EffectKind draw_effect_kind(Random& random) { return static_cast<EffectKind>(whole(random, 0, 24)); }
+
+/// Two effects that can be sized independently.
+bool may_stand_together(EffectKind a, EffectKind b) {
+  return a != b && !(is_map_fault(a) && is_map_fault(b)) && !(has_natural_size(a) && has_natural_size(b));
+}
+
+Result<void> check(const HideRequest& request) {
+  if (request.readings && (*request.readings < kLeastReadings || *request.readings > kMostReadings))
+    return refused(
+        fmt::format("readings: expected {} to {}, got {}", kLeastReadings, kMostReadings, *request.readings));
+  if (request.snr && !(*request.snr > 0.0 && *request.snr <= 1000.0))
+    return refused(fmt::format("snr: expected above 0 and up to 1000, got {}", shortest(*request.snr)));
+  if (request.xytz && (request.kind || request.effect))
+    return refused("the XYTZ case has its own kind and effect: leave --kind and --effect away");
+  if (!request.effect || !request.kind) return {};
+  if (*request.kind == CaseKind::blank || *request.kind == CaseKind::out_of_library)
+    return refused(
+        fmt::format("effect: a {} hides no effect of the library; leave --effect away", name_of(*request.kind)));
+  if (*request.kind == CaseKind::confounded && confusions_of(*request.effect).empty())
+    return refused(fmt::format("effect: no design is known here on which {} cannot be told from others",
+                               name_of(*request.effect)));
+  return {};
+}
+
+/// What does not depend on the tries.
+Wanted begin(Random& random, const HideRequest& request) {
+  Wanted wanted;
+  wanted.kind = request.kind.value_or(request.effect ? CaseKind::single : draw_kind(random));
+  const bool plain = wanted.kind == CaseKind::blank || wanted.kind == CaseKind::single || wanted.kind == CaseKind::pair;
+  const double snr =
+      plain ? one(random, std::vector{2.0, 3.0, 3.0, 5.0, 8.0, 12.0}) : one(random, std::vector{3.0, 4.0, 6.0, 10.0});
+  wanted.snr = request.snr.value_or(request.xytz ? 10.0 : snr);
+  const double most = plain ? 1500.0 : wanted.kind == CaseKind::confounded ? 400.0 : 600.0;
+  const auto readings =
+      static_cast<std::size_t>(log_between(random, wanted.kind == CaseKind::confounded ? 180.0 : 110.0, most));
+  wanted.readings = request.readings.value_or(readings);
+  const EffectKind effect = draw_effect_kind(random);
+  if (request.effect || plain) wanted.effects = {request.effect.value_or(effect)};
+  return wanted;
+}
+
+/// What is drawn anew where the design cannot show it.
+void vary(Random& random, const HideRequest& request, Wanted& wanted) {
+  wanted.structure = static_cast<StructureKind>(whole(random, 0, static_cast<int>(kStructureKinds) - 1));
+  wanted.confusion = whole(random, 0, kConfusions - 1);
+  if (wanted.kind == CaseKind::confounded && request.effect)
+    wanted.confusion = one(random, confusions_of(*request.effect));
+  if (wanted.kind != CaseKind::pair) return;
+  wanted.effects.resize(1);
+  EffectKind companion = draw_effect_kind(random);
+  while (!may_stand_together(wanted.effects[0], companion)) companion = draw_effect_kind(random);
+  wanted.effects.push_back(companion);
+}
+
+std::string number_words(const PlacedEffect& effect) {
+  std::string words;
+  for (const auto& [name, value] : effect.parameters)
+    if (value != 0.0) words += fmt::format("{}{} {:.4g}", words.empty() ? " (" : ", ", name, value);
+  return words.empty() ? "" : words + ")";
+}
+
+std::string sentence(const HiddenCase& c) {
+  switch (c.kind) {
+    case CaseKind::blank:
+      return "Nothing is hidden: the base model is complete.";
+    case CaseKind::out_of_library:
+      return fmt::format("Something that is in no library: {}.", c.structure.text);
+    default:
+      break;
+  }
+  std::string text = "Hidden:";
+  for (const HiddenEffect& hidden : c.hidden)
+    text += fmt::format("{} {}{}, {:.3g} um rms, signal to noise {:.3g}", &hidden == &c.hidden.front() ? "" : ";",
+                        place_of(hidden.effect), number_words(hidden.effect), hidden.rms_um, hidden.snr);
+  if (!c.group.empty()) {
+    text += "; these data cannot tell apart ";
+    for (const std::string& name : c.group) text += (&name == &c.group.front() ? "" : ", ") + name;
+  }
+  return text + ".";
+}
+
+}  // namespace
+
+std::optional<CaseKind> case_kind_named(std::string_view name) {
+  std::string word(name);
+  std::replace(word.begin(), word.end(), '-', '_');
+  for (std::size_t i = 0; i < kCaseKindNames.size(); ++i)
+    if (kCaseKindNames[i] == word) return static_cast<CaseKind>(i);
+  return std::nullopt;
+}
+
+Result<HiddenCase> hide_case(const HideRequest& request) {
+  if (auto fit = check(request); !fit) return tl::unexpected(fit.error());
+  Random choice(seed_of(request.seed, 0x68696465, 0));
+  Wanted wanted = begin(choice, request);
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    if (attempt % kTriesOfOne == 0) vary(choice, request, wanted);
+    Random random(seed_of(request.seed, 0x68696465, 1 + static_cast<std::uint64_t>(attempt)));
+    auto made = request.xytz                          ? compose_xytz(random, wanted)
+                : wanted.kind == CaseKind::confounded ? compose_confounded(random, wanted)
+                                                      : compose(random, wanted);
+    if (!made) continue;
+    made->seed = request.seed;
+    made->text = sentence(*made);
+    return std::move(*made);
+  }
+  return refused(
+      fmt::format("seed {}: no design was found that shows what was asked for with about {} readings; "
+                  "ask for more readings or take another seed",
+                  request.seed, wanted.readings));
+}
+
+}  // namespace ecs::emulator

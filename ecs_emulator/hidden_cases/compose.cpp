@@ -1,0 +1,115 @@
+#include "ecs_emulator/hidden_cases/compose.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ecs_emulator/hidden_cases/background.hpp"
+#include "ecs_emulator/hidden_cases/draw.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr double kForeign = 0.6;  ///< of the size of foreign structure that the library's best three must leave
+constexpr int kLibrarySteps = 3;
+
+/// What a design needs beyond what the hidden effect asks for: it shall not give the effect away.
+Needs distractions(Random& random, const Needs& needs) {
+  Needs n = needs;
+  const auto maybe = [&](bool& need, double probability) { need = need || chance(random, probability); };
+  maybe(n.temperature, 0.15);
+  maybe(n.feeds, 0.1);
+  maybe(n.loads, 0.1);
+  maybe(n.travel, 0.1);
+  maybe(n.fine, 0.2);
+  if (n.temperature || n.feeds || n.loads) n.least_runs = std::max(n.least_runs, 3);
+  return n;
+}
+
+/// Scene, ground, map and known component.
+std::optional<Ground> prepare(Random& random, const Needs& needs, bool known, std::size_t readings, Scene& scene) {
+  scene = draw_scene(random, needs, readings);
+  if (scene.stops.size() < 100) return std::nullopt;
+  Ground ground = ground_of(scene);
+  if (needs.map) draw_map(random, scene, ground, needs.one_axis && needs.bidirectional);
+  if (known) draw_known(random, scene, ground);
+  return ground;
+}
+
+std::optional<PlacedEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground, EffectKind kind) {
+  const auto places = good_places(scene, ground, kind);
+  if (places.empty()) return std::nullopt;
+  return with_shape(random, scene, ground, one(random, places));
+}
+
+/// What is left of foreign structure after the library's best: one effect after the other, curves and periods too.
+bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorbed, const std::vector<double>& value) {
+  const Eigen::VectorXd structure = vector_of(value);
+  Absorbed used = absorbed;
+  const double size = used.left_of(structure).norm();
+  if (size < std::sqrt(kLeastShare) * structure.norm()) return false;
+  for (int step = 0; step < kLibrarySteps; ++step) {
+    const auto explains = [&](const Rival& rival) { return rival.separation < kForeign * size; };
+    const auto rivals = rivals_of(scene, ground, used, structure, 1.0, true, explains);
+    if (rivals.empty() || explains(rivals.back())) return rivals.empty();
+    const auto best = std::min_element(rivals.begin(), rivals.end(),
+                                       [](const Rival& a, const Rival& b) { return a.separation < b.separation; });
+    used.add(columns_of(scene, ground, best->effect));
+  }
+  return true;
+}
+
+/// The effect that holds the mean and slope of a curve, which has none itself.
+std::optional<PlacedEffect> line_of(const PlacedEffect& effect) {
+  if (effect.kind != EffectKind::progressive && effect.kind != EffectKind::reversal_curve) return std::nullopt;
+  PlacedEffect line;
+  line.kind = effect.kind == EffectKind::progressive ? EffectKind::scale : EffectKind::backlash;
+  line.axis = effect.axis;
+  line.sense = effect.sense;
+  return line;
+}
+
+Needs needs_of(const Wanted& wanted) {
+  if (wanted.kind == CaseKind::out_of_library) return emulator::needs_of(wanted.structure);
+  Needs needs;
+  for (const EffectKind kind : wanted.effects) needs = needs | emulator::needs_of(kind);
+  return needs;
+}
+
+}  // namespace
+
+std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
+  HiddenCase c;
+  c.kind = wanted.kind;
+  const auto is_abbe = [](EffectKind kind) { return kind == EffectKind::measurement_line; };
+  const bool known = std::any_of(wanted.effects.begin(), wanted.effects.end(), is_abbe) || chance(random, 0.06);
+  Needs needs = distractions(random, needs_of(wanted));
+  if (!needs.map && wanted.kind != CaseKind::out_of_library) needs.map = chance(random, 0.06);
+  const auto ground = prepare(random, needs, known, wanted.readings, c.scene);
+  if (!ground) return std::nullopt;
+
+  Reserved reserved;
+  if (wanted.kind == CaseKind::single || wanted.kind == CaseKind::pair) {
+    for (const EffectKind kind : wanted.effects) {
+      const auto effect = draw_effect(random, c.scene, *ground, kind);
+      if (!effect) return std::nullopt;
+      c.hidden.push_back({*effect, 0.0, 0.0});
+      reserved.hidden.push_back(*effect);
+      if (const auto line = line_of(*effect)) reserved.needed.push_back(*line);
+    }
+  }
+  if (wanted.kind == CaseKind::out_of_library) {
+    c.structure = draw_structure(random, c.scene, *ground, wanted.structure);
+    if (c.structure.value.empty()) return std::nullopt;
+  }
+  Absorbed absorbed(c.scene.stops.size());
+  c.base = draw_background(random, c.scene, *ground, reserved, absorbed);
+  for (const PlacedEffect& hidden : reserved.hidden) {
+    const Eigen::VectorXd own = vector_of(contribution(c.scene, hidden));
+    if (!(absorbed.left_of(own).squaredNorm() >= kLeastShare * own.squaredNorm()) || own.norm() == 0.0)
+      return std::nullopt;
+  }
+  if (!c.structure.value.empty() && !is_foreign(c.scene, *ground, absorbed, c.structure.value)) return std::nullopt;
+  return finished(random, std::move(c), *ground, absorbed, wanted.snr);
+}
+
+}  // namespace ecs::emulator

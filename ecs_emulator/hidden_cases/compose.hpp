@@ -1,0 +1,33 @@
+// One try at each kind of hidden case; nothing comes of it where the design drawn cannot show what shall be hidden.
+// Does not live here: trying again (case.cpp).
+#pragma once
+
+#include "ecs_emulator/hidden_cases/case.hpp"
+#include "ecs_emulator/hidden_cases/space.hpp"
+
+namespace ecs::emulator {
+
+/// What all tries of a case have in common.
+struct Wanted {
+  CaseKind kind = CaseKind::blank;
+  std::vector<EffectKind> effects;  ///< hidden; of a blank: what the design is made for
+  StructureKind structure = StructureKind::wander;
+  int confusion = 0;  ///< which kind of confounded design
+  double snr = 3.0;
+  std::size_t readings = 300;
+};
+inline constexpr int kConfusions = 8;
+
+[[nodiscard]] std::optional<HiddenCase> compose(Random& random, const Wanted& wanted);
+[[nodiscard]] std::optional<HiddenCase> compose_confounded(Random& random, const Wanted& wanted);
+[[nodiscard]] std::optional<HiddenCase> compose_xytz(Random& random, const Wanted& wanted);
+
+/// The confounded designs that may hide this effect.
+[[nodiscard]] std::vector<int> confusions_of(EffectKind kind);
+
+/// Sizes, noise, background, readings and truth for a scene with its hidden effects (sizes still open) and its base
+/// model. Nothing where sizes or noise would be out of reach.
+[[nodiscard]] std::optional<HiddenCase> finished(Random& random, HiddenCase begun, const Ground& ground,
+                                                 const Absorbed& absorbed, double snr);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,48 @@
+// What a model can absorb of a set of readings, and what of an error it cannot. Internal to this room (Eigen).
+// Does not live here: which model (case.cpp).
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "ecs_emulator/hidden_cases/choice.hpp"
+
+namespace ecs::emulator {
+
+/// Contributions that span an effect (readings × functions).
+[[nodiscard]] Eigen::MatrixXd columns_of(const Scene& scene, const Ground& ground, const PlacedEffect& effect);
+[[nodiscard]] Eigen::VectorXd vector_of(const std::vector<double>& values);
+[[nodiscard]] double rms_of(const Eigen::VectorXd& values);
+
+/// The space of all that some effects can produce, as an orthonormal basis.
+class Absorbed {
+ public:
+  explicit Absorbed(std::size_t readings) : basis_(static_cast<Eigen::Index>(readings), 0) {}
+  void add(const Eigen::MatrixXd& columns);
+  /// What is left of these columns.
+  [[nodiscard]] Eigen::MatrixXd left_of(const Eigen::MatrixXd& columns) const;
+  [[nodiscard]] Eigen::VectorXd left_of(const Eigen::VectorXd& values) const;
+  [[nodiscard]] Eigen::Index size() const { return basis_.cols(); }
+
+ private:
+  Eigen::MatrixXd basis_;
+};
+
+/// An effect that may stand in the place of another.
+struct Rival {
+  PlacedEffect effect;
+  double separation = 0.0;  ///< length of what it cannot reproduce of the other, in standard deviations of one reading
+  double size = 0.0;        ///< coefficient with which it comes closest, where it has a single one
+  bool flexible = false;    ///< a smooth curve, or a nonlinear parameter that was searched
+};
+/// Every effect of the library, at every place, against what is left of `hidden` once `absorbed` is taken out.
+/// @param hidden  contribution at its size [um]; the sign of a cosine counts
+/// @param flexible  try curves and nonlinear parameters too
+/// @param enough    the search ends with the first rival of which this is true
+[[nodiscard]] std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Absorbed& absorbed,
+                                           const Eigen::VectorXd& hidden, double sigma_um, bool flexible,
+                                           const std::function<bool(const Rival&)>& enough = {});
+
+}  // namespace ecs::emulator

@@ -1,0 +1,203 @@
+#include "ecs_emulator/instruments/measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "ecs_emulator/instruments/measuring_post.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
+
+tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "measurement: given up before its end"); }
+
+/// One measurement under way.
+class Measuring {
+ public:
+  Measuring(Simulation& simulation, const MeasurementPlan& plan,
+            const std::function<void(const MeasurementProgress&)>& told)
+      : simulation_(simulation),
+        plan_(plan),
+        told_(told),
+        kind_(plan.instrument.value_or(instrument_for(plan.sense, plan.axis))),
+        axis_(index_of(plan.axis)) {}
+
+  Result<laser::MeasurementSet> run() {
+    if (auto fit = check(); !fit) return tl::unexpected(fit.error());
+    parked_mm_ = parking_place(simulation_.description(), plan_);
+    MeasuringPost post(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting);
+    if (plan_.beam_broken_at) post.interrupt_beam_at(*plan_.beam_broken_at);
+    post_ = &post;
+    if (kind_ == InstrumentKind::square && !post.null_square(at(plan_.targets_mm.front()))) return given_up();
+    total_ = plan_.targets_mm.size() * static_cast<std::size_t>(plan_.runs) * (plan_.bidirectional ? 2 : 1);
+    auto back = plan_.targets_mm;
+    std::reverse(back.begin(), back.end());
+    for (run_ = 1; run_ <= plan_.runs; ++run_) {
+      if (!pass(plan_.targets_mm)) return stopped();
+      if (plan_.bidirectional && !pass(back)) return stopped();
+    }
+    describe();
+    return post.finished();
+  }
+
+ private:
+  Result<void> check() const {
+    const auto& targets = plan_.targets_mm;
+    if (auto fit = MeasuringPost::fits(simulation_, plan_.axis, plan_.sense, kind_); !fit) return fit;
+    if (targets.size() < 2) return refused("targets: expected at least 2");
+    for (std::size_t i = 1; i < targets.size(); ++i)
+      if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)
+        return refused(fmt::format("targets: expected one direction, {} mm turns back", targets[i]));
+    if (plan_.runs < 1 || plan_.runs > 1000) return refused("runs: expected 1 to 1000");
+    if (!(plan_.feed_mm_min >= kSlowestFeed_mm_min))
+      return refused(fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
+    if (!(plan_.dwell_s >= 0.0 && plan_.dwell_s <= 86'400.0)) return refused("dwell: expected 0 to 86400 s");
+    if (!(plan_.overrun_mm >= 0.0 && plan_.overrun_mm <= kOvertravel_mm))
+      return refused(fmt::format("overrun: expected 0 to {} mm", kOvertravel_mm));
+    return within_travel(plan_.axis, {targets.front(), targets.back()});
+  }
+
+  Result<void> within_travel(Axis axis, std::array<double, 2> range_mm) const {
+    const auto [low_mm, high_mm] = simulation_.machine().axis(axis).facts().travel_mm;
+    for (const double at_mm : range_mm)
+      if (at_mm < low_mm - kOvertravel_mm || at_mm > high_mm + kOvertravel_mm)
+        return refused(
+            fmt::format("{}: expected within its travel {} … {} mm, got {}", letter_of(axis), low_mm, high_mm, at_mm));
+    return {};
+  }
+
+  Vector3 at(double target_mm) const {
+    Vector3 place = parked_mm_;
+    place[axis_] = target_mm;
+    return place;
+  }
+
+  /// Why a pass did not come to its end.
+  tl::unexpected<Problem> stopped() const {
+    return post_->lost() ? problem(ProblemKind::refused, *post_->lost()) : given_up();
+  }
+
+  bool pass(const std::vector<double>& targets) {
+    const double onward = targets[1] > targets[0] ? 1.0 : -1.0;
+    approach_ = onward > 0.0 ? Approach::forward : Approach::reverse;
+    if (!simulation_.move_to(at(targets.front() - onward * plan_.overrun_mm), plan_.feed_mm_min)) return false;
+    if (plan_.on_the_fly) return pass_on_the_fly(targets, onward);
+    for (const double target_mm : targets) {
+      if (!simulation_.move_to(at(target_mm), plan_.feed_mm_min) || !simulation_.dwell(plan_.dwell_s)) return false;
+      const MachineState state = simulation_.machine().state();
+      take(state, target_mm, simulation_.tool_at(state, at(target_mm), true));
+      if (post_->lost()) return false;
+    }
+    return true;
+  }
+
+  bool pass_on_the_fly(const std::vector<double>& targets, double onward) {
+    std::size_t next = 0;
+    MachineState before = simulation_.machine().state();
+    double from_mm = simulation_.machine().axis(plan_.axis).servo_mm();
+    const auto watch = [&] {
+      const MachineState now = simulation_.machine().state();
+      const double to_mm = simulation_.machine().axis(plan_.axis).servo_mm();
+      while (next < targets.size() && (to_mm - targets[next]) * onward >= 0.0 && to_mm != from_mm) {
+        take_passing(before, now, (targets[next] - from_mm) / (to_mm - from_mm), targets[next], onward);
+        ++next;
+      }
+      before = now;
+      from_mm = to_mm;
+    };
+    return simulation_.move_to(at(targets.back() + onward * plan_.overrun_mm), plan_.feed_mm_min, watch) &&
+           next == targets.size() && !post_->lost();
+  }
+
+  /// A reading between two ticks, where the axis passes the target.
+  void take_passing(const MachineState& before, const MachineState& now, double part, double target_mm, double onward) {
+    MachineState state = now;
+    for (std::size_t a = 0; a < kAxes; ++a)
+      state.position_mm[a] = std::lerp(before.position_mm[a], now.position_mm[a], part);
+    const double period_s = now.time_s - before.time_s;
+    const double passing_s = std::lerp(before.time_s, now.time_s, part);
+    const double late_s = read_at_s(passing_s) - passing_s;
+    state.position_mm[axis_] += (now.position_mm[axis_] - before.position_mm[axis_]) * (late_s / period_s);
+    state.time_s = passing_s + late_s;
+    ToolPose pose = simulation_.tool_at(state, at(target_mm), true);
+    const double lag = simulation_.machine().axis(plan_.axis).settings().servo_lag_um_per_m_min;
+    pose.error_um[axis_] += lag * plan_.feed_mm_min * 1e-3 * onward;
+    take(state, target_mm, pose);
+  }
+
+  /// When the instrument reads after a position pulse: its latency later, at the next tick of its own clock.
+  double read_at_s(double pulse_s) const {
+    const LaserSettings& laser = post_->settings();
+    const double due_s = pulse_s + laser.trigger_latency_s;
+    return laser.trigger_rate_Hz > 0.0 ? std::ceil(due_s * laser.trigger_rate_Hz) / laser.trigger_rate_Hz : due_s;
+  }
+
+  void take(const MachineState& state, double target_mm, const ToolPose& pose) {
+    ReadingPlace place{at(target_mm), approach_, run_, {}, plan_.dwell_s};
+    if (plan_.on_the_fly) {
+      place.passing_mm_min = plan_.feed_mm_min;
+      place.stood_s = 0.0;
+    }
+    post_->take(state, place, pose);
+    if (told_) told_({post_->set().readings.size(), total_});
+  }
+
+  void describe() {
+    post_->describe("date", plan_.date);
+    post_->describe("engineer", plan_.engineer);
+    post_->describe("plan", plan_.name);
+    std::string parked;
+    for (const Axis a : kAllAxes)
+      if (a != plan_.axis && simulation_.machine().has(a))
+        parked += fmt::format("{}{} {}", parked.empty() ? "" : ", ", letter_of(a), shortest(parked_mm_[index_of(a)]));
+    post_->describe("parked", parked);
+    post_->describe("readings", plan_.on_the_fly ? "on the fly" : "at standstill");
+  }
+
+  Simulation& simulation_;
+  const MeasurementPlan& plan_;
+  const std::function<void(const MeasurementProgress&)>& told_;
+  InstrumentKind kind_;
+  std::size_t axis_;
+  Vector3 parked_mm_{};
+  MeasuringPost* post_ = nullptr;
+  Approach approach_ = Approach::forward;
+  int run_ = 1;
+  std::size_t total_ = 0;
+};
+
+}  // namespace
+
+std::vector<double> targets_between(double from_mm, double to_mm, double step_mm) {
+  const double length_mm = std::abs(to_mm - from_mm);
+  const double step = std::abs(step_mm);
+  if (!(step > 0.0) || length_mm / step > 1e6) return {};
+  const double onward = to_mm >= from_mm ? 1.0 : -1.0;
+  std::vector<double> targets;
+  for (int i = 0; i * step < length_mm - 1e-6 * step; ++i) targets.push_back(from_mm + onward * i * step);
+  targets.push_back(to_mm);
+  return targets;
+}
+
+Vector3 parking_place(const WorkshopMachine& description, const MeasurementPlan& plan) {
+  const auto& axes = description.machine.axes;
+  Vector3 place{};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (!axes[i]) continue;
+    const auto& moving = axes[index_of(plan.axis)];
+    const auto line = moving ? moving->measurement_line_mm[i] : std::nullopt;
+    place[i] = plan.parked_mm[i].value_or(line.value_or(axes[i]->datum_mm));
+  }
+  return place;
+}
+
+Result<laser::MeasurementSet> measure(Simulation& simulation, const MeasurementPlan& plan,
+                                      const std::function<void(const MeasurementProgress&)>& told) {
+  return Measuring(simulation, plan, told).run();
+}
+
+}  // namespace ecs::emulator

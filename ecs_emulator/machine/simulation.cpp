@@ -1,0 +1,182 @@
+#include "ecs_emulator/machine/simulation.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace ecs::emulator {
+namespace {
+
+constexpr int kSteady = 20;              ///< periods without a change of the output that count as settled
+constexpr double kSettle_s = 2.0;        ///< the longest time that an axis gets to settle
+constexpr double kPauseEvery_s = 0.004;  ///< real time
+constexpr std::uint64_t kTicksBetweenLooks = 64;
+
+double real_time_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+WorkshopMachine seeded(WorkshopMachine description, std::uint64_t seed) {
+  description.settings.seed = seed;
+  return description;
+}
+
+bool same(const Drives& a, const Drives& b) {
+  for (std::size_t i = 0; i < kAxes; ++i)
+    if (a[i].dac_counts != b[i].dac_counts || a[i].relay_closed != b[i].relay_closed) return false;
+  return true;
+}
+
+}  // namespace
+
+Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed)
+    : description_(seeded(description, seed)),
+      machine_(description_),
+      errors_(std::move(errors)),
+      heat_(errors_.heat(), machine_.travel_mm(), seed),
+      geometry_{machine_.chain(), params::measurement_lines_of(description.machine),
+                description.settings.tool_offset_mm},
+      seed_(seed),
+      random_(seed_of(seed, 1000, 0)) {
+  errors_.put_on({machine_.chain(), geometry_.lines_mm, machine_.datum_mm()});
+}
+
+Vector3 Simulation::carriages_mm() const {
+  Vector3 place_mm{};
+  for (const Axis a : kAllAxes)
+    if (machine_.has(a)) place_mm[index_of(a)] = machine_.axis(a).position_mm();
+  return place_mm;
+}
+
+void Simulation::tick() {
+  if (!heat_.rubs()) {
+    step();
+  } else {
+    const Vector3 from_mm = carriages_mm();
+    step();
+    heat_.moved(from_mm, carriages_mm(), period_s());
+  }
+  heat_.advance(machine_.time_s());
+}
+
+void Simulation::step() {
+  if (real_time_) real_time_->wait(period_s());
+  const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
+  steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
+  drives_ = drives;
+  machine_.step(drives_, period_s());
+  ++ticks_;
+}
+
+bool Simulation::pause() {
+  if (!pause_) return true;
+  if (real_time_) return pause_();
+  if (ticks_ % kTicksBetweenLooks != 0) return true;
+  const double now_s = real_time_s();
+  if (now_s < next_pause_s_) return true;
+  const bool go_on = pause_();
+  next_pause_s_ = real_time_s() + kPauseEvery_s;
+  return go_on;
+}
+
+void Simulation::idle_tick() {
+  const double time_s = machine_.time_s();
+  step();
+  machine_.set_clock(time_s);
+}
+
+bool Simulation::at_rest() const { return machine_.settled() && steady_ticks_ >= kSteady; }
+
+void Simulation::come_to_rest() {
+  double used_s = 0.0;
+  while (used_s < kSettle_s && !at_rest()) {
+    idle_tick();
+    used_s += period_s();
+  }
+  if (at_rest()) machine_.rest(drives_);
+}
+
+bool Simulation::settle(double limit_s, double& used_s, const std::function<void()>& each) {
+  while (used_s < limit_s && !at_rest()) {
+    tick();
+    if (each) each();
+    used_s += period_s();
+    if (!pause()) return false;
+  }
+  if (at_rest()) machine_.rest(drives_);
+  return true;
+}
+
+bool Simulation::run_while(const std::function<bool()>& going, const std::function<void()>& each) {
+  while (going()) {
+    tick();
+    if (each) each();
+    if (pause()) continue;
+    machine_.stop();
+    return false;
+  }
+  return true;
+}
+
+bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each) {
+  machine_.move_to(target_mm, feed_mm_min);
+  if (!run_while([this] { return !machine_.arrived(); }, each)) return false;
+  double used_s = 0.0;
+  return settle(kSettle_s, used_s, each);
+}
+
+bool Simulation::dwell(double seconds, const std::function<void()>& each) {
+  double used_s = 0.0;
+  if (!settle(seconds, used_s, each)) return false;
+  while (used_s < seconds && (real_time_ || (unit_ != nullptr && !unit_->quiet()))) {
+    tick();
+    used_s += period_s();
+    if (!pause()) return false;
+  }
+  if (used_s < seconds) machine_.wait(seconds - used_s);
+  heat_.advance(machine_.time_s());
+  return true;
+}
+
+bool Simulation::run_for(double seconds) {
+  const double end_s = machine_.time_s() + seconds - 0.5 * period_s();
+  while (machine_.time_s() < end_s) {
+    tick();
+    if (!pause()) return false;
+  }
+  return true;
+}
+
+void Simulation::draw_scatter(const MachineState& state, const Vector3& target_mm) {
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    if (stops_[a] && stops_[a]->target_mm == target_mm[a] && stops_[a]->pass == state.pass[a]) continue;
+    stops_[a] = Stop{target_mm[a], state.pass[a]};
+    for (std::size_t c = 6 * a; c < 6 * a + 6; ++c) {
+      const double deviation = errors_.reading_scatter()[c];
+      stop_scatter_[c] = deviation > 0.0 ? deviation * random_.normal() : 0.0;
+    }
+  }
+}
+
+ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm, bool scatter) {
+  ComponentValues errors = errors_.at(state, heat_);
+  if (scatter) {
+    draw_scatter(state, target_mm);
+    const ComponentValues pass = errors_.pass_scatter(state, machine_.travel_mm(), seed_);
+    for (std::size_t c = 0; c < kCurves; ++c) errors[c] += pass[c] + stop_scatter_[c];
+  }
+  ToolPose pose = tool_pose(geometry_, errors, state.position_mm);
+  for (const Axis a : kAllAxes)
+    if (machine_.has(a)) pose.error_um[index_of(a)] += (state.position_mm[index_of(a)] - target_mm[index_of(a)]) * 1e3;
+  return pose;
+}
+
+std::vector<NamedTemperature> Simulation::sensors_degC(double time_s) const {
+  auto all = errors_.temperatures(time_s);
+  for (NamedTemperature& shown : all) shown.second = std::round(shown.second * 100.0) / 100.0;
+  for (NamedTemperature& shown : heat_.readings(time_s)) all.push_back(std::move(shown));
+  return all;
+}
+
+ToolPose Simulation::tool_now(bool scatter) { return tool_at(machine_.state(), machine_.command_mm(), scatter); }
+
+}  // namespace ecs::emulator

@@ -1,0 +1,121 @@
+// Machine and unit in one simulated time: the tick that joins them, and motions run to their end.
+// Does not live here: what the person in the workshop does (ecs_emulator/instruments/measurement.hpp,
+// ecs_emulator/workshop/survey.hpp, ecs_emulator/workshop/referencing.hpp).
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "base/result.hpp"
+#include "ecs_emulator/machine/heat.hpp"
+#include "ecs_emulator/machine/kinematics.hpp"
+#include "ecs_emulator/machine/machine_tool.hpp"
+#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/machine/real_time.hpp"
+#include "ecs_emulator/machine/true_errors.hpp"
+
+namespace ecs::emulator {
+
+/// Whatever stands between the machine's transducers and its drives.
+class Compensator {
+ public:
+  virtual ~Compensator() = default;
+  /// One period of its loop.
+  [[nodiscard]] virtual Drives tick(const Signals& signals) = 0;
+  [[nodiscard]] virtual double period_s() const = 0;
+  /// Nothing of it waits for time to pass: periods in which nothing moves may be left out.
+  [[nodiscard]] virtual bool quiet() const = 0;
+};
+
+class Simulation {
+ public:
+  /// @param seed  of everything random
+  Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed);
+
+  /// The unit at the machine; null: none. It must outlive the simulation or be taken away.
+  void attach(Compensator* unit) { unit_ = unit; }
+  /// Called every few milliseconds of real time while something runs; false gives it up.
+  void on_pause(std::function<bool()> pause) { pause_ = std::move(pause); }
+
+  /// From now on every period takes the time that it stands for, and no time is left out.
+  void run_in_real_time() { real_time_.emplace(); }
+  [[nodiscard]] const std::optional<RealTime>& real_time() const { return real_time_; }
+
+  /// One period of the unit's loop.
+  void tick();
+  /// The same while nobody works at the machine: the workshop's clock stands still, so that what is measured later
+  /// does not depend on how long the machine was left alone.
+  void idle_tick();
+  /// Idle until nothing moves any more, at most two seconds.
+  void come_to_rest();
+  [[nodiscard]] double period_s() const { return unit_ == nullptr ? kPeriodAlone_s : unit_->period_s(); }
+
+  /// A straight move to its end, then until nothing moves any more. `each` is called after every tick.
+  /// @return false: given up
+  [[nodiscard]] bool move_to(const Vector3& target_mm, double feed_mm_min, const std::function<void()>& each = {});
+  /// Ticks while `going`; `each` is called after every one. @return false: given up, the machine stopped
+  [[nodiscard]] bool run_while(const std::function<bool()>& going, const std::function<void()>& each = {});
+  /// Time passes: ticks until all stands and the unit waits for nothing, the rest at once.
+  [[nodiscard]] bool dwell(double seconds, const std::function<void()>& each = {});
+  /// Ticks without skipping.
+  [[nodiscard]] bool run_for(double seconds);
+
+  /// Tool against workpiece as the machine stands now. The difference of true position and command is inside.
+  /// @param scatter  with what does not repeat; else the systematic part alone
+  [[nodiscard]] ToolPose tool_now(bool scatter);
+  /// The same for a state and a target.
+  [[nodiscard]] ToolPose tool_at(const MachineState& state, const Vector3& target_mm, bool scatter);
+
+  [[nodiscard]] MachineTool& machine() { return machine_; }
+  [[nodiscard]] const MachineTool& machine() const { return machine_; }
+  [[nodiscard]] const TrueErrors& errors() const { return errors_; }
+  [[nodiscard]] const WorkshopMachine& description() const { return description_; }
+  /// Of the workshop, now; where the errors file says nothing of it: 20 °C, 1013.25 hPa, 50 %.
+  [[nodiscard]] Air air() const { return heat_.air(machine_.time_s()); }
+  /// Of the scale or workpiece that is measured, now [°C].
+  [[nodiscard]] double material_degC() const { return heat_.material_degC(machine_.time_s()); }
+  /// What all sensors show; `time_s` is now, or a fraction of a period before.
+  [[nodiscard]] std::vector<NamedTemperature> sensors_degC(double time_s) const;
+  [[nodiscard]] const Heat& heat() const { return heat_; }
+  /// The speed that the CNC gives the spindle, from the next second on.
+  void spindle(double rpm) { heat_.spindle(rpm); }
+  [[nodiscard]] Random& random() { return random_; }
+  [[nodiscard]] const Drives& drives() const { return drives_; }
+  [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  static constexpr double kPeriodAlone_s = 0.001;
+  [[nodiscard]] bool pause();
+  /// Machine and unit by a period, whatever the clock says.
+  void step();
+  [[nodiscard]] Vector3 carriages_mm() const;
+  [[nodiscard]] bool at_rest() const;
+  [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
+
+  /// What does not repeat belongs to a stop: an axis keeps it until it moves again.
+  void draw_scatter(const MachineState& state, const Vector3& target_mm);
+
+  struct Stop {
+    double target_mm = 0.0;
+    std::uint64_t pass = 0;
+  };
+
+  WorkshopMachine description_;
+  MachineTool machine_;
+  TrueErrors errors_;
+  Heat heat_;
+  ChainGeometry geometry_;
+  std::uint64_t seed_;
+  Random random_;
+  PerAxis<std::optional<Stop>> stops_{};
+  ComponentValues stop_scatter_{};
+  Compensator* unit_ = nullptr;
+  std::function<bool()> pause_;
+  std::optional<RealTime> real_time_;
+  Drives drives_{};
+  std::uint64_t ticks_ = 0;
+  int steady_ticks_ = 0;  ///< periods since a drive signal last changed
+  double next_pause_s_ = 0.0;
+};
+
+}  // namespace ecs::emulator

@@ -1,0 +1,263 @@
+#include "ecs_emulator/part_programs/reader.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "ecs_emulator/part_programs/words.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr double kLongestDwell_s = 86'400.0;
+constexpr double kMostRepeats = 1e7;
+
+/// The words of one line put into a block.
+class BlockReader {
+ public:
+  BlockReader(int line, const std::function<void(int, std::string)>& complain) : complain_(complain) {
+    block_.line = line;
+  }
+
+  ProgramBlock read(const std::vector<ProgramWord>& words) {
+    for (const ProgramWord& word : words)
+      if (word.letter == 'G' && word.value == 4.0) dwells_ = true;
+    for (const ProgramWord& word : words) take(word);
+    if (dwells_) check_dwell();
+    return block_;
+  }
+
+ private:
+  void complain(const ProgramWord& word, const std::string& message) { complain_(word.column, message); }
+
+  template <class T>
+  void set(std::optional<T>& place, T value, const ProgramWord& word, const char* what) {
+    if (place) complain(word, fmt::format("{}: a second {} in one block", word.text, what));
+    place = value;
+  }
+
+  void take(const ProgramWord& word) {
+    switch (word.letter) {
+      case 'N':
+        return;
+      case 'G':
+        return take_preparatory(word);
+      case 'M':
+        return take_auxiliary(word);
+      case 'X':
+      case 'Y':
+      case 'Z':
+        return take_coordinate(word);
+      case 'I':
+      case 'J':
+      case 'K':
+        return set(block_.centre_mm[static_cast<std::size_t>(word.letter - 'I')], word.value, word, "value");
+      case 'R':
+        return set(block_.radius_mm, word.value, word, "radius");
+      case 'H':
+      case 'P':
+        return take_time(word);
+      case 'F':
+        if (!(word.value > 0.0)) complain(word, fmt::format("{}: expected a feed above 0 mm/min", word.text));
+        return set(block_.feed_mm_min, word.value, word, "feed");
+      case 'S':
+        if (!(word.value >= 0.0)) complain(word, fmt::format("{}: expected a speed of 0 rpm or more", word.text));
+        return set(block_.spindle_rpm, word.value, word, "speed");
+      default:
+        return complain(word,
+                        fmt::format("{}: unknown word; expected N G X Y Z I J K R F S M, or H P with G04", word.text));
+    }
+  }
+
+  void take_coordinate(const ProgramWord& word) {
+    if (dwells_ && word.letter == 'X') return take_time(word);
+    set(block_.target_mm[index_of(*axis_of(word.letter))], word.value, word, "value");
+  }
+
+  void take_time(const ProgramWord& word) {
+    if (!dwells_) return complain(word, fmt::format("{}: only a G04 takes a time", word.text));
+    if (!(word.value >= 0.0 && word.value <= kLongestDwell_s))
+      complain(word, fmt::format("{}: expected a dwell of 0 to {} s", word.text, kLongestDwell_s));
+    set(block_.dwell_s, word.value, word, "time");
+  }
+
+  void take_preparatory(const ProgramWord& word) {
+    if (word.value == std::floor(word.value) && word.value >= 0.0 && word.value < 1000.0) {
+      switch (static_cast<int>(word.value)) {
+        case 0:
+          return set(block_.motion, ProgramMotion::rapid, word, "motion");
+        case 1:
+          return set(block_.motion, ProgramMotion::line, word, "motion");
+        case 2:
+          return set(block_.motion, ProgramMotion::clockwise, word, "motion");
+        case 3:
+          return set(block_.motion, ProgramMotion::counterclockwise, word, "motion");
+        case 4:
+          return;
+        case 9:
+          block_.exact_stop = true;
+          return;
+        case 17:
+          return set(block_.plane, Plane::XY, word, "plane");
+        case 18:
+          return set(block_.plane, Plane::ZX, word, "plane");
+        case 19:
+          return set(block_.plane, Plane::YZ, word, "plane");
+        case 90:
+          return set(block_.incremental, false, word, "G90 or G91");
+        case 91:
+          return set(block_.incremental, true, word, "G90 or G91");
+        case 21:
+        case 71:
+        case 94:
+          return;  // millimetres, millimetres per minute: nothing else is known here
+        default:
+          break;
+      }
+    }
+    complain(word, fmt::format("{}: unknown; expected G00 G01 G02 G03 G04 G09 G17 G18 G19 G21 G71 G90 G91 or G94",
+                               word.text));
+  }
+
+  void take_auxiliary(const ProgramWord& word) {
+    if (word.value == std::floor(word.value) && word.value >= 0.0 && word.value < 1000.0) {
+      switch (static_cast<int>(word.value)) {
+        case 0:
+          block_.stop = true;
+          return;
+        case 2:
+        case 30:
+          block_.end = true;
+          return;
+        case 3:
+          return set(block_.spindle, 1, word, "spindle word");
+        case 4:
+          return set(block_.spindle, -1, word, "spindle word");
+        case 5:
+          return set(block_.spindle, 0, word, "spindle word");
+        case 8:
+          return set(block_.trigger, true, word, "M08 or M09");
+        case 9:
+          return set(block_.trigger, false, word, "M08 or M09");
+        default:
+          break;
+      }
+    }
+    complain(word, fmt::format("{}: unknown; expected M00 M02 M03 M04 M05 M08 M09 or M30", word.text));
+  }
+
+  void check_dwell() {
+    if (!block_.dwell_s) complain_(1, "G04: expected its time in seconds, such as G04H2");
+    if (block_.moves() || block_.has_centre() || block_.radius_mm || block_.motion)
+      complain_(1, "G04: expected a block of its own, without motion");
+  }
+
+  const std::function<void(int, std::string)>& complain_;
+  ProgramBlock block_;
+  bool dwells_ = false;
+};
+
+class ProgramReader {
+ public:
+  explicit ProgramReader(const std::string& file) { program_.file = file; }
+
+  Result<Program> read(std::string_view text) {
+    if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
+    const auto lines = lines_of(text);
+    if (lines.size() > kProgramLines)
+      complain_at(0, 0, fmt::format("expected at most {} lines, got {}", kProgramLines, lines.size()));
+    for (const std::string_view line : lines) {
+      ++line_;
+      if (problems_.size() >= kProgramProblems) break;
+      take(line);
+    }
+    for (const std::size_t open : open_)
+      complain_at(program_.blocks[open].line, 1, "$REP: expected its $END before the end of the program");
+    if (problems_.empty() && program_.blocks.empty())
+      complain_at(std::max(line_, 1), 1, "expected a part program, found no block");
+    if (problems_.empty()) return std::move(program_);
+    return tl::unexpected(folded(std::move(problems_)));
+  }
+
+ private:
+  void complain_at(int line, int column, std::string message) {
+    problems_.push_back({ProblemKind::bad_input, std::move(message), program_.file, line, column, {}});
+  }
+  void complain(int column, std::string message) { complain_at(line_, column, std::move(message)); }
+
+  void take(std::string_view line) {
+    std::vector<WordProblem> problems;
+    const std::string code = without_comments(line, problems);
+    for (WordProblem& found : problems) complain(found.column, std::move(found.message));
+    const std::string_view rest = trimmed(code);
+    if (rest.empty() || rest.front() == '%') return;
+    if (rest.front() == '$') return take_loop(rest, static_cast<int>(code.find('$')) + 1);
+    WordLine words = words_of(code);
+    for (WordProblem& found : words.problems) complain(found.column, std::move(found.message));
+    if (!words.problems.empty() || words.words.empty()) return;
+    program_.blocks.push_back(BlockReader(line_, complain_).read(words.words));
+  }
+
+  /// @param code  from "$" on
+  void take_loop(std::string_view code, int column) {
+    const std::string word = lower(code.substr(0, 4));
+    const std::string_view rest = trimmed(code.substr(std::min<std::size_t>(4, code.size())));
+    if (word == "$rep") return open_loop(rest, column);
+    if (word != "$end" || !rest.empty())
+      return complain(column, fmt::format("expected \"$REP n\" or \"$END\", got \"{}\"", shown(code)));
+    if (open_.empty()) return complain(column, "$END: expected a $REP before it");
+    ProgramBlock block;
+    block.line = line_;
+    block.loop_end = true;
+    block.partner = open_.back();
+    program_.blocks[open_.back()].partner = program_.blocks.size();
+    open_.pop_back();
+    program_.blocks.push_back(block);
+  }
+
+  void open_loop(std::string_view count, int column) {
+    const auto times = integer_in(count);
+    if (!times || *times < 1 || static_cast<double>(*times) > kMostRepeats)
+      complain(column,
+               fmt::format("$REP: expected a whole number from 1 to {:.0f}, got \"{}\"", kMostRepeats, shown(count)));
+    if (open_.size() == kProgramDepth)
+      complain(column, fmt::format("$REP: expected at most {} loops in each other", kProgramDepth));
+    ProgramBlock block;
+    block.line = line_;
+    block.repeat = times && *times > 0 ? *times : 1;
+    open_.push_back(program_.blocks.size());
+    program_.blocks.push_back(block);
+  }
+
+  static std::string shown(std::string_view text) {
+    std::string printable(text.substr(0, 20));
+    for (char& c : printable)
+      if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
+    return printable;
+  }
+
+  Program program_;
+  std::vector<std::size_t> open_;  ///< places of the loops that have begun
+  std::vector<Problem> problems_;
+  int line_ = 0;
+  const std::function<void(int, std::string)> complain_ = [this](int column, std::string message) {
+    complain(column, std::move(message));
+  };
+};
+
+}  // namespace
+
+Result<Program> parse_program(std::string_view text, const std::string& file) { return ProgramReader(file).read(text); }
+
+Result<Program> read_program(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_program(*text, path.string());
+}
+
+}  // namespace ecs::emulator

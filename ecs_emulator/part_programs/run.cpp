@@ -1,0 +1,199 @@
+#include "ecs_emulator/part_programs/run.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "ecs_emulator/part_programs/trace.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr std::size_t kLookAhead = 8192;  ///< pieces that the control plans together
+constexpr std::size_t kMostReadings = 1'000'000;
+constexpr double kInPosition_s = 0.5;  ///< the longest time that an exact stop waits
+
+tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "part program: given up before its end"); }
+tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
+
+/// The instrument with what a program knows about its readings.
+class TriggeredPost {
+ public:
+  TriggeredPost(Simulation& simulation, const ProgramOrder& order, InstrumentKind kind)
+      : simulation_(simulation),
+        axis_(index_of(*order.axis)),
+        approach_(simulation.machine().axis(*order.axis).approach()),
+        post_(simulation, *order.axis, *order.sense, kind) {
+    post_.describe("date", order.date);
+    post_.describe("engineer", order.engineer);
+  }
+
+  /// The direction in which the axis arrives.
+  void sent(const Vector3& from_mm, const PathPiece& piece) {
+    double onward = piece.to_mm[axis_] - from_mm[axis_];
+    if (piece.arc) onward = arc_between(from_mm, piece.to_mm, *piece.arc).direction(1.0)[axis_];
+    if (std::abs(onward) > 1e-12) approach_ = onward > 0.0 ? Approach::forward : Approach::reverse;
+  }
+
+  void take() {
+    const MachineState state = simulation_.machine().state();
+    const Vector3 target_mm = simulation_.machine().command_mm();
+    const auto stop = std::pair(std::llround(target_mm[axis_] * 1e6), approach_);
+    post_.take(state, {target_mm, approach_, ++runs_[stop], std::nullopt}, simulation_.tool_at(state, target_mm, true));
+  }
+
+  [[nodiscard]] MeasuringPost& post() { return post_; }
+
+ private:
+  Simulation& simulation_;
+  std::size_t axis_;
+  Approach approach_;
+  MeasuringPost post_;
+  std::map<std::pair<long long, Approach>, int> runs_;  ///< readings of a target [nm] in an approach
+};
+
+/// One program under way.
+class ProgramRunner {
+ public:
+  ProgramRunner(Simulation& simulation, const Program& program, const ProgramOrder& order, const ProgramHooks& hooks)
+      : simulation_(simulation), program_(program), order_(order), hooks_(hooks) {}
+
+  Result<ProgramResult> run() {
+    if (auto right = check(); !right) return tl::unexpected(right.error());
+    if (!order_.trace.empty()) {
+      auto trace = ProgramTrace::open(order_.trace, order_.trace_period_s, simulation_);
+      if (!trace) return tl::unexpected(trace.error());
+      trace_.emplace(std::move(*trace));
+    }
+    if (order_.axis && !set_up()) return given_up();
+    const double start_s = simulation_.machine().time_s();
+    if (!follow()) return given_up();
+    if (trace_)
+      if (auto written = trace_->finish(); !written) return tl::unexpected(written.error());
+    result_.took_s = simulation_.machine().time_s() - start_s;
+    if (post_) result_.readings = post_->post().finished();
+    return std::move(result_);
+  }
+
+ private:
+  Result<void> check() {
+    if (order_.axis.has_value() != order_.sense.has_value()) return wrong("expected axis and sense together");
+    if (order_.instrument && !order_.axis) return wrong("instrument: expected axis and sense with it");
+    if (!(order_.trace_period_s >= 0.0)) return wrong("trace_period: expected 0 s or more");
+    const MachineTool& machine = simulation_.machine();
+    auto summary = checked_program(program_, machine.command_mm(), range_of(machine));
+    if (!summary) return tl::unexpected(summary.error());
+    result_.summary = std::move(*summary);
+    if (!order_.axis) return {};
+    if (result_.summary.readings == 0) return wrong("expected a program that takes readings (M08)");
+    if (result_.summary.readings > kMostReadings)
+      return wrong(
+          fmt::format("expected at most {} readings, the program takes {}", kMostReadings, result_.summary.readings));
+    return MeasuringPost::fits(simulation_, *order_.axis, *order_.sense, kind());
+  }
+
+  [[nodiscard]] InstrumentKind kind() const {
+    return order_.instrument.value_or(instrument_for(*order_.sense, *order_.axis));
+  }
+
+  bool set_up() {
+    const Vector3 start_mm = simulation_.machine().command_mm();
+    post_.emplace(simulation_, order_, kind());
+    if (kind() != InstrumentKind::square) return true;
+    return post_->post().null_square(*result_.summary.first_reading_mm) && simulation_.move_to(start_mm, 0.0);
+  }
+
+  bool follow() {
+    MachineTool& machine = simulation_.machine();
+    ProgramInterpreter blocks(program_, machine.command_mm(), range_of(machine), [](int, const std::string&) {});
+    Vector3 from_mm = machine.command_mm();
+    while (const auto step = blocks.next()) {
+      if (hooks_.spindle && step->spindle_rpm && *step->spindle_rpm != 0.0) {
+        if (!stand()) return false;
+        hooks_.spindle(*step->spindle_rpm);
+      }
+      if (step->motion) {
+        pieces_.push_back(*step->motion);
+        if (post_) post_->sent(from_mm, *step->motion);
+        from_mm = step->motion->to_mm;
+        if (pieces_.size() >= kLookAhead / 2) {
+          if (!hand_over()) return false;
+          tell(blocks.executed(), step->line);
+        }
+      }
+      if (!ends_standing(*step)) continue;
+      if (!stand() || !act(*step)) return false;
+      tell(blocks.executed(), step->line);
+    }
+    if (!stand()) return false;
+    tell(result_.summary.blocks, 0);
+    return true;
+  }
+
+  static bool ends_standing(const ProgramStep& step) {
+    return step.exact_stop || step.dwell_s || step.trigger != ProgramTrigger::none || step.stop ||
+           (step.spindle_rpm && *step.spindle_rpm == 0.0);
+  }
+
+  /// Gives the pieces to the control, and waits until it has room for more.
+  bool hand_over() {
+    simulation_.machine().follow(pieces_);
+    pieces_.clear();
+    return simulation_.run_while([&] { return simulation_.machine().path().pieces_left() > kLookAhead / 2; }, each_);
+  }
+
+  /// To the end of the path, in position.
+  bool stand() {
+    MachineTool& machine = simulation_.machine();
+    machine.follow(pieces_);
+    pieces_.clear();
+    if (!simulation_.run_while([&] { return !machine.arrived(); }, each_)) return false;
+    const double end_s = machine.time_s() + kInPosition_s;
+    return simulation_.run_while([&] { return !machine.in_position(kInPosition_mm) && machine.time_s() < end_s; },
+                                 each_);
+  }
+
+  bool act(const ProgramStep& step) {
+    if (step.dwell_s && !simulation_.dwell(*step.dwell_s, each_)) return false;
+    if (hooks_.spindle && step.spindle_rpm == 0.0) hooks_.spindle(0.0);
+    if (post_ && step.trigger == ProgramTrigger::reading) post_->take();
+    return true;
+  }
+
+  void tell(std::size_t blocks, int line) {
+    if (!hooks_.told) return;
+    const std::size_t readings = post_ ? post_->post().set().readings.size() : 0;
+    hooks_.told({blocks, result_.summary.blocks, line, readings});
+  }
+
+  Simulation& simulation_;
+  const Program& program_;
+  const ProgramOrder& order_;
+  const ProgramHooks& hooks_;
+  ProgramResult result_;
+  std::optional<ProgramTrace> trace_;
+  std::optional<TriggeredPost> post_;
+  std::vector<PathPiece> pieces_;  ///< read ahead, not yet with the control
+  const std::function<void()> each_ = [this] {
+    if (trace_) trace_->sample(simulation_);
+  };
+};
+
+}  // namespace
+
+ProgramRange range_of(const MachineTool& machine) {
+  ProgramRange range{};
+  const auto travel_mm = machine.travel_mm();
+  for (const Axis a : kAllAxes)
+    if (machine.has(a))
+      range[index_of(a)] = {travel_mm[index_of(a)][0] - kOvertravel_mm, travel_mm[index_of(a)][1] + kOvertravel_mm};
+  return range;
+}
+
+Result<ProgramResult> run_program(Simulation& simulation, const Program& program, const ProgramOrder& order,
+                                  const ProgramHooks& hooks) {
+  return ProgramRunner(simulation, program, order, hooks).run();
+}
+
+}  // namespace ecs::emulator

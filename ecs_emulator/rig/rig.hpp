@@ -1,0 +1,103 @@
+// The thesis's single-axis test rig (3.1, 3.5): controller, servo drive, slide with a worn screw, and the prototype
+// compensation unit, whose loop is core/. Does not live here: the servo (ecs_emulator/machine/servo_drive.hpp),
+// calibrating (runs.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/tick.hpp"
+#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/machine/servo_drive.hpp"
+
+namespace ecs::emulator {
+
+/// What the screw makes of the nut: the slide stands within [forward, reverse] of the place where a perfect screw would
+/// put it, at the lower end while it is pushed forward, at the upper end while it is pulled back.
+struct SlideErrors {
+  double datum_mm = 450.0;          ///< extreme of travel where the optics are reset (3.5.2.2); no error there
+  double progressive_um = 0.0;      ///< forward, at the other end of the travel
+  double lost_motion_um = 0.0;      ///< at the datum
+  double lost_motion_end_um = 0.0;  ///< at the other end: "varies quite markedly over the length of axis travel"
+  double cyclic_um = 0.0;           ///< amplitude, in reverse only
+  double cyclic_period_mm = 8.0;    ///< the pitch of the screw
+  double linear_um_per_mm = 0.0;    ///< idealised progressive error of 3.4
+  double scatter_um = 0.0;          ///< of a stop, standard deviation
+
+  [[nodiscard]] double forward_um(double nut_mm) const;
+  [[nodiscard]] double reverse_um(double nut_mm) const;
+};
+
+/// The errors that give the bands of figures 3.9 and 3.10.
+[[nodiscard]] SlideErrors rig_slide_errors();
+
+/// Error tables of one axis for both approaches [um of compensation], values at equal steps.
+struct RigTables {
+  double start_mm = 0.0;
+  double increment_mm = 1.0;
+  std::vector<double> forward_um;
+  std::vector<double> reverse_um;
+};
+
+class Rig {
+ public:
+  static constexpr double kPulse_um = 2.0;  ///< resolution of the encoder
+  Rig(const ServoParameters& servo, const SlideErrors& errors, double start_mm, std::uint64_t seed);
+
+  /// Puts the unit to work, as referenced where the axis stands now. Values are stored to the resolution of the
+  /// encoder.
+  void compensate_with(const RigTables& tables, Approach approach);
+
+  /// Pulses for a move at a constant feed, then `dwell_s` more.
+  template <class Each>
+  void move_to(double target_mm, double feed_mm_min, double dwell_s, const Each& each) {
+    const double from_mm = asked_mm_;
+    const double length_mm = target_mm - from_mm;
+    const double speed_mm_s = feed_mm_min / 60.0;
+    const double moving_s = std::abs(length_mm) / speed_mm_s;
+    const auto steps = static_cast<std::uint64_t>(std::ceil((moving_s + dwell_s) / drive_.parameters().step_s));
+    for (std::uint64_t k = 1; k <= steps; ++k) {
+      const double part = std::min(1.0, static_cast<double>(k) * drive_.parameters().step_s / std::max(moving_s, 1e-9));
+      asked_mm_ = part >= 1.0 ? target_mm : from_mm + length_mm * part;
+      step();
+      each();
+    }
+  }
+  void move_to(double target_mm, double feed_mm_min, double dwell_s) {
+    move_to(target_mm, feed_mm_min, dwell_s, [] {});
+  }
+
+  /// Slide less target, as the laser shows it, with the scatter of a stop [um].
+  [[nodiscard]] double reading_um(double target_mm);
+
+  [[nodiscard]] double asked_mm() const { return asked_mm_; }
+  [[nodiscard]] double slide_mm() const { return slide_mm_; }
+  [[nodiscard]] double compensation_um() const { return unit_ ? unit_->state.compensation_um[0] : 0.0; }
+  [[nodiscard]] const ServoDrive& drive() const { return drive_; }
+
+ private:
+  struct Unit {
+    CompiledMap map;
+    TickState state;
+    double added_V_per_count = 0.0;
+  };
+  void step();
+  void move_slide();
+  [[nodiscard]] double nut_mm() const { return start_mm_ + drive_.nut_mm(); }
+
+  ServoDrive drive_;
+  SlideErrors errors_;
+  Random random_;
+  double start_mm_ = 0.0;
+  double asked_mm_ = 0.0;
+  double slide_mm_ = 0.0;
+  std::unique_ptr<Unit> unit_;
+  std::uint64_t steps_ = 0;
+};
+
+/// Position loop gain Kv of a servo [1/s].
+[[nodiscard]] double position_loop_gain_per_s(const ServoParameters& servo);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,57 @@
+#include "ecs_emulator/unit/battery.hpp"
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr std::string_view kMagic = "ECS battery 1\n";
+
+struct Part {
+  Address first = 0;
+  std::uint32_t size = 0;
+};
+
+std::array<Part, 3> parts_of(const UnitMemory& memory) {
+  const std::uint32_t bank = bank_bytes(memory.modules());
+  return {{{kCommitRecords.first, kCommitRecords.size}, {kBankA.first, bank}, {kBankB.first, bank}}};
+}
+
+}  // namespace
+
+Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return {};
+  const auto content = read_file(path);
+  if (!content) return tl::unexpected(content.error());
+  std::size_t wanted = kMagic.size();
+  for (const Part& part : parts_of(memory)) wanted += part.size;
+  if (!content->starts_with(kMagic) || content->size() != wanted)
+    return problem_at(path.string(), 0, 0,
+                      fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes, got {} "
+                                  "bytes; name another file, or delete it to begin with an empty memory",
+                                  memory.modules(), wanted, content->size()));
+  std::size_t at = kMagic.size();
+  for (const Part& part : parts_of(memory)) {
+    const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content->data()) + at, part.size);
+    memory.write(part.first, bytes);
+    at += part.size;
+  }
+  memory.kept();
+  return {};
+}
+
+Result<void> keep(UnitMemory& memory, const std::filesystem::path& path) {
+  std::string content(kMagic);
+  for (const Part& part : parts_of(memory)) {
+    const ByteView bytes = memory.view(part.first, part.size);
+    content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  if (auto written = write_file(path, content); !written) return written;
+  memory.kept();
+  return {};
+}
+
+}  // namespace ecs::emulator

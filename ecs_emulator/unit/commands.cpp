@@ -1,0 +1,288 @@
+// What the unit does when told over the link (docs/unit.md, "commands").
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandResult;
+using protocol::CommandState;
+using protocol::UnitError;
+
+CommandResult done(std::uint32_t value = 0, std::string text = {}) {
+  return {0, CommandState::done, UnitError::none, 1000, value, std::move(text)};
+}
+CommandResult busy(std::uint16_t per_mille = 0, std::string text = {}) {
+  return {0, CommandState::busy, UnitError::none, per_mille, 0, std::move(text)};
+}
+CommandResult refused(UnitError error, std::string text = {}) {
+  return {0, CommandState::refused, error, 0, 0, std::move(text)};
+}
+CommandResult failed(UnitError error, std::string text = {}) {
+  return {0, CommandState::failed, error, 0, 0, std::move(text)};
+}
+
+/// Why an image is refused; fits the text of a command result.
+std::string sentence_on(const ImageVerdict& verdict) {
+  const bool one_table = verdict.fault == ImageFault::bad_entry || verdict.fault == ImageFault::duplicate_table;
+  const std::string which = one_table ? fmt::format(" (table {})", verdict.table + 1) : std::string();
+  return fmt::format("the image {}{}", text_of(verdict.fault), which);
+}
+
+}  // namespace
+
+protocol::UnitError Unit::read_memory(Address address, std::span<std::uint8_t> out) {
+  const auto size = static_cast<std::uint32_t>(out.size());
+  if (!memory_.exists(address, size)) return UnitError::address_unknown;
+  const ByteView bytes = memory_.view(address, size);
+  std::copy(bytes.begin(), bytes.end(), out.begin());
+  return UnitError::none;
+}
+
+protocol::UnitError Unit::may_write(Address address, std::uint32_t bytes) {
+  if (!powered_) return UnitError::unit_fault;
+  if (mode_ != UnitMode::integration) return UnitError::not_in_integration_mode;
+  if (!memory_.exists(address, bytes)) return UnitError::address_unknown;
+  return memory_.writable(address, bytes) ? UnitError::none : UnitError::address_protected;
+}
+
+protocol::UnitError Unit::write_memory(Address address, std::span<const std::uint8_t> bytes) {
+  const auto size = static_cast<std::uint32_t>(bytes.size());
+  if (const UnitError error = may_write(address, size); error != UnitError::none) return error;
+  memory_.write(address, bytes);
+  if (user_software_) user_software_->host_wrote(address, size);
+  watch_supply();
+  return UnitError::none;
+}
+
+protocol::CommandResult Unit::begin(const Command& command) {
+  if (!powered_) return refused(UnitError::unit_fault, "no power");
+  silent_s_ = 0.0;
+  if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
+  if (command.code == CommandCode::stop) return stop();
+  if (command.code == CommandCode::enter_integration) {
+    if (mode_ != UnitMode::integration) enter_integration();
+    return done();
+  }
+  if (mode_ != UnitMode::integration)
+    return refused(UnitError::not_in_integration_mode, fmt::format("the unit is {}", name_of(mode_)));
+  result_ = begin_in_integration(command);
+  watch_supply();
+  if (!powered_) return refused(UnitError::unit_fault, "no power");
+  return result_;
+}
+
+protocol::CommandResult Unit::begin_in_integration(const Command& command) {
+  switch (command.code) {
+    case CommandCode::enter_compensation:
+      entering_compensation_ = true;
+      return busy();
+    case CommandCode::set_axis_position:
+    case CommandCode::output_compensation:
+    case CommandCode::test_datum:
+    case CommandCode::record_datum:
+      return begin_on_axis(command);
+    case CommandCode::output_off:
+      isolate();
+      return done();
+    case CommandCode::begin_staging:
+      return begin_staging(command.copy_active);
+    case CommandCode::commit_staged:
+      return commit(command.length, command.crc);
+    case CommandCode::abandon_staged:
+      staging_ = false;
+      return done();
+    case CommandCode::run_user_software:
+      return run_user_software(command.address, command.argument);
+    case CommandCode::run_ram_test: {
+      const auto failing = test_axis_memory(memory_);
+      ram_test_ = failing ? protocol::TestOutcome::failed : protocol::TestOutcome::passed;
+      ram_test_address_ = failing.value_or(0);
+      return done(failing.value_or(protocol::kUnused));
+    }
+    case CommandCode::clear_fault:
+      fault_ = Fault::none;
+      fault_axis_.reset();
+      fault_address_ = 0;
+      return done();
+    case CommandCode::reset_unit:
+      restart_ = true;
+      return done();
+    default:
+      return refused(UnitError::unknown_command);
+  }
+}
+
+protocol::CommandResult Unit::begin_on_axis(const Command& command) {
+  if (!present(command.axis)) return refused(UnitError::axis_absent);
+  const std::size_t i = index_of(command.axis);
+  if (command.code == CommandCode::set_axis_position) {
+    if (!(std::abs(command.position_mm) <= kLargestPosition_mm))
+      return refused(UnitError::bad_argument,
+                     fmt::format("expected a position within ±{:.0f} mm", kLargestPosition_mm));
+    origins_[i].counts = modules_[i].counts();
+    origins_[i].position_mm = command.position_mm;
+    return done();
+  }
+  if (command.code == CommandCode::output_compensation) return output(command);
+  isolate();
+  if (command.code == CommandCode::test_datum) {
+    datum_test_ = DatumTest{command.axis, {}, 0.0};
+    origins_[i].referenced = false;
+    return busy(0, "reference the axis now");
+  }
+  recorder_.emplace(command.axis, parameters_.loop_period_us, parameters_.axes[i].position_scale_um_per_count);
+  return busy();
+}
+
+protocol::CommandResult Unit::output(const Command& command) {
+  const std::size_t i = index_of(command.axis);
+  const AxisParameters& axis = parameters_.axes[i];
+  if (!(std::abs(command.output_um) <= axis.output_limit_um))
+    return refused(UnitError::bad_argument,
+                   fmt::format("expected within the output limit of {} um", axis.output_limit_um));
+  const double counts = command.output_um * axis.output_scale_counts_per_um * axis.compensation_polarity;
+  if (std::abs(counts) > kMostDacCounts)
+    return refused(UnitError::bad_argument, "beyond the range of the D/A converter: check the output scale");
+  isolate();
+  drives_[i] = {static_cast<std::int32_t>(std::lround(counts)), command.relay_on};
+  return done();
+}
+
+protocol::CommandResult Unit::begin_staging(bool copy_active) {
+  const Address bank = inactive_bank(memory_);
+  const std::uint32_t size = bank_bytes(memory_.modules());
+  const auto active = active_image(memory_);
+  if (copy_active && !active) return refused(UnitError::no_staging, "no active map to copy");
+  if (copy_active) {
+    const ByteView from = memory_.view(active->first, size);
+    memory_.write(bank, std::vector<std::uint8_t>(from.begin(), from.end()));
+  } else {
+    memory_.write(bank, std::vector<std::uint8_t>(size, 0));
+  }
+  staging_ = true;
+  return done(bank);
+}
+
+protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
+  if (!staging_) return refused(UnitError::no_staging, "begin staging first");
+  const Address bank = inactive_bank(memory_);
+  const std::uint32_t size = bank_bytes(memory_.modules());
+  if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank holds {} bytes", size));
+  if (crc32_of(memory_.view(bank, length)) != crc) return refused(UnitError::check_mismatch);
+  const ImageVerdict verdict = check_image(memory_.view(bank, length));
+  if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
+  if (verdict.total_bytes != length)
+    return refused(UnitError::image_refused, fmt::format("the image has {} bytes", verdict.total_bytes));
+  const ImageView image(memory_.view(bank, length));
+  const auto parameters = image.parameters();
+  if (!parameters || parameters->memory_modules > memory_.modules())
+    return refused(UnitError::image_refused, fmt::format("this rack has {} memory module(s)", memory_.modules()));
+  const auto active = active_image(memory_);
+  const ByteView records = memory_.view(kCommitRecords.first, kCommitRecords.size);
+  const Address slot = kCommitRecords.first + next_commit_slot(records) * kCommitSlotBytes;
+  std::array<std::uint8_t, kCommitSlotBytes> bytes{};
+  encode_commit({active ? active->commit.sequence + 1 : 1, bank == kBankA.first ? 0u : 1u, length, image.check()},
+                bytes);
+  memory_.write(slot, bytes);
+  staging_ = false;
+  isolate();
+  reload_parameters();
+  for (Origin& origin : origins_) origin.referenced = false;
+  tick_ = {};
+  map_test_ = {Fault::none, bank, std::nullopt, image.check(), verdict.check_found};
+  if (on_commit_ && !memory_.power_failed()) on_commit_();
+  const auto now_active = active_image(memory_);
+  return now_active && now_active->first == bank ? done(now_active->commit.sequence)
+                                                 : failed(UnitError::unit_fault, "the commit record does not hold");
+}
+
+protocol::CommandResult Unit::run_user_software(Address start, std::uint32_t argument) {
+  if (!UserSoftware::may_start_at(start))
+    return refused(UnitError::bad_argument, fmt::format("programs start at an even address from 0x{:06X} to 0x{:06X}",
+                                                        kUserPrograms, kSystemRam.first + kSystemRam.size - 2));
+  user_software_.emplace(memory_, start, argument);
+  user_software_since_ = ticks_;
+  return busy();
+}
+
+/// One period of the program's time.
+protocol::CommandResult Unit::user_software_step() {
+  MachineInputs inputs;
+  inputs.periods = static_cast<std::uint32_t>(ticks_ - user_software_since_);
+  for (const Axis a : kAllAxes) {
+    if (!present(a)) continue;
+    inputs.position_um[index_of(a)] = static_cast<std::int32_t>(std::lround(position_mm(a) * 1000.0));
+    inputs.present |= 1u << index_of(a);
+  }
+  user_software_->step(inputs, period_s());
+  if (user_software_->end() == UserEnd::running) return busy();
+  user_software_->keep_registers();
+  const CommandResult result =
+      user_software_->end() == UserEnd::returned
+          ? done(user_software_->registers().d[0], fmt::format("{} instructions", user_software_->instructions()))
+          : failed(user_software_->end() == UserEnd::too_long ? UnitError::time_out : UnitError::unit_fault,
+                   user_software_->why());
+  if (user_software_->end() != UserEnd::returned)
+    raise(Fault::user_software, std::nullopt, user_software_->registers().pc);
+  user_software_.reset();
+  return result;
+}
+
+protocol::CommandResult Unit::stop() {
+  const bool running = datum_test_ || recorder_ || entering_compensation_ || user_software_;
+  if (user_software_) user_software_->keep_registers();
+  user_software_.reset();
+  datum_test_.reset();
+  recorder_.reset();
+  entering_compensation_ = false;
+  if (!running) return done();
+  result_ = failed(UnitError::stopped);
+  return done();
+}
+
+protocol::CommandResult Unit::progress() { return result_; }
+
+/// One period in integration mode: the command under way, if any.
+void Unit::command_step() {
+  if (entering_compensation_) {
+    entering_compensation_ = false;
+    enter_compensation();
+    result_ = fault_ == Fault::none ? done(0, "reference the machine now")
+                                    : failed(UnitError::unit_fault, std::string(text_of(fault_).meaning));
+  } else if (user_software_) {
+    result_ = user_software_step();
+  } else if (recorder_) {
+    recorder_->take(modules_[index_of(recorder_->axis())], memory_);
+    result_ = recorder_->finished() ? done(kDatumRecordAddress) : busy(recorder_->per_mille());
+    if (recorder_->finished()) recorder_.reset();
+  } else if (datum_test_) {
+    DatumTest& test = *datum_test_;
+    const std::size_t i = index_of(test.axis);
+    test.watch.step(parameters_.axes[i].datum, modules_[i], mm_per_count(test.axis), period_s());
+    test.waited_s += period_s();
+    watches_[i] = test.watch;
+    if (test.watch.done()) {
+      origins_[i] = {std::llround(test.watch.state().datum_travelled_mm / mm_per_count(test.axis)),
+                     marker_position_mm(parameters_.axes[i].datum), true};
+      result_ = done(0, fmt::format("{} referenced", letter_of(test.axis)));
+    } else if (test.watch.final_failure() != DatumFailure::none) {
+      result_ = failed(UnitError::unit_fault, fmt::format("{}", name_of(test.watch.final_failure())));
+    } else if (test.waited_s > kDatumTest_s) {
+      result_ = failed(UnitError::time_out, "the axis was not referenced");
+    } else {
+      result_ = busy(0, std::string(name_of(test.watch.state().stage)));
+      return;
+    }
+    datum_test_.reset();
+  }
+}
+
+}  // namespace ecs::emulator

@@ -1,0 +1,89 @@
+#include "ecs_emulator/unit/memory.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace ecs::emulator {
+namespace {
+
+constexpr std::uint8_t kErasedEprom = 0xFF;
+constexpr std::uint32_t kIdentificationAt = 0x400;
+constexpr std::string_view kIdentification =
+    "ECS UNIT FIRMWARE 1.0 VIRTUAL WORKSHOP\n"
+    "EPROM 000000-00FFFF RAM 040000-04FFFF AXIS MEMORY 100000 AND 200000\n";
+
+/// Reset vectors of the 68000 and the identification.
+void burn(std::vector<std::uint8_t>& eprom) {
+  std::fill(eprom.begin(), eprom.end(), kErasedEprom);
+  store_big<std::uint32_t>(eprom, 0, kSystemRam.first + kSystemRam.size);
+  store_big<std::uint32_t>(eprom, 4, kIdentificationAt);
+  std::copy(kIdentification.begin(), kIdentification.end(), eprom.begin() + kIdentificationAt);
+}
+
+bool battery_backed(Address address) { return address >= kCommitRecords.first; }
+
+}  // namespace
+
+UnitMemory::UnitMemory(std::uint8_t modules) : modules_(modules) {
+  for (std::size_t r = 0; r < kRegions.size(); ++r) {
+    const bool bank = kRegions[r].first == kBankA.first || kRegions[r].first == kBankB.first;
+    bytes_[r].assign(bank ? bank_bytes(modules) : kRegions[r].size, 0);
+  }
+  power_up();
+}
+
+void UnitMemory::power_up() {
+  burn(bytes_[0]);
+  std::fill(bytes_[1].begin(), bytes_[1].end(), std::uint8_t{0});
+}
+
+std::optional<std::size_t> UnitMemory::region_of(Address first, std::uint32_t size) const {
+  for (std::size_t r = 0; r < kRegions.size(); ++r) {
+    if (first < kRegions[r].first) continue;
+    const std::uint64_t offset = first - kRegions[r].first;
+    if (offset + size <= bytes_[r].size() && offset < bytes_[r].size()) return r;
+  }
+  return std::nullopt;
+}
+
+bool UnitMemory::exists(Address first, std::uint32_t size) const { return region_of(first, size).has_value(); }
+
+bool UnitMemory::writable(Address first, std::uint32_t size) const {
+  const auto region = region_of(first, size);
+  return region && kRegions[*region].writable;
+}
+
+ByteView UnitMemory::view(Address first, std::uint32_t size) const { return {at(first), size}; }
+
+const std::uint8_t* UnitMemory::at(Address address) const {
+  const std::size_t region = *region_of(address, 1);
+  return bytes_[region].data() + (address - kRegions[region].first);
+}
+std::uint8_t* UnitMemory::at(Address address) {
+  const std::size_t region = *region_of(address, 1);
+  return bytes_[region].data() + (address - kRegions[region].first);
+}
+
+void UnitMemory::write(Address address, std::uint8_t value) {
+  if (battery_backed(address)) {
+    power_failed_ = power_failed_ || (writes_left_ && *writes_left_ == 0);
+    if (power_failed_) return;
+    if (writes_left_) --*writes_left_;
+    changed_ = true;
+  }
+  for (const Stuck& stuck : stuck_)
+    if (stuck.address == address) value = static_cast<std::uint8_t>((value & ~stuck.mask) | stuck.value);
+  *at(address) = value;
+}
+
+void UnitMemory::write(Address first, ByteView bytes) {
+  for (std::size_t i = 0; i < bytes.size(); ++i) write(first + static_cast<Address>(i), bytes[i]);
+}
+
+void UnitMemory::stick(Address address, int bit, int level) {
+  const auto mask = static_cast<std::uint8_t>(1u << bit);
+  stuck_.push_back({address, mask, level != 0 ? mask : std::uint8_t{0}});
+  *at(address) = static_cast<std::uint8_t>((read(address) & ~mask) | stuck_.back().value);
+}
+
+}  // namespace ecs::emulator

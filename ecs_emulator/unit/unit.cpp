@@ -1,0 +1,258 @@
+#include "ecs_emulator/unit/unit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecs::emulator {
+
+Unit::Unit(const UnitSettings& settings)
+    : settings_(settings), memory_(settings.memory_modules), map_(std::make_unique<CompiledMap>()) {}
+
+void Unit::power(bool on) {
+  powered_ = on;
+  isolate();
+  if (!on) return;
+  memory_.power_back();
+  start_up();
+}
+
+/// The supply fails in the middle of a write to axis memory, if the workshop has arranged it so.
+void Unit::watch_supply() {
+  if (memory_.power_failed()) power(false);
+}
+
+void Unit::start_up() {
+  memory_.power_up();
+  mode_ = UnitMode::starting;
+  fault_ = Fault::none;
+  fault_address_ = 0;
+  fault_axis_.reset();
+  ram_test_ = protocol::TestOutcome::not_run;
+  map_test_ = {};
+  for (AxisModule& module : modules_) module.power_up();
+  origins_ = {};
+  watches_ = {};
+  tick_ = {};
+  isolate();
+  ticks_ = 0;
+  uptime_s_ = silent_s_ = 0.0;
+  overruns_ = 0;
+  watchdog_trips_ = 0;
+  staging_ = entering_compensation_ = restart_ = false;
+  datum_test_.reset();
+  recorder_.reset();
+  user_software_.reset();
+  result_ = {};
+  hung_ = false;
+  hung_s_ = 0.0;
+  reload_parameters();
+}
+
+void Unit::reload_parameters() {
+  const auto stored = stored_parameters(memory_);
+  parameters_ = stored.value_or(UnitParameters{});
+  if (stored) return;
+  for (std::size_t a = 0; a < kAxes; ++a) parameters_.axis_present[a] = settings_.axis_modules[a].has_value();
+}
+
+void Unit::note_request() {
+  silent_s_ = 0.0;
+  if (powered_ && mode_ == UnitMode::starting && settings_.link == LinkSense::automatic) enter_integration();
+}
+
+/// A host that has gone away leaves no axis under a compensation of its own.
+void Unit::watch_host() {
+  if (silent_s_ < kOutputHold_s) return;
+  for (const AxisDrive& drive : drives_)
+    if (drive.relay_closed) return isolate();
+}
+
+/// Relays off and every D/A converter to zero.
+void Unit::isolate() { drives_ = {}; }
+
+void Unit::enter_integration() {
+  isolate();
+  mode_ = UnitMode::integration;
+}
+
+void Unit::raise(Fault fault, std::optional<Axis> axis, Address address) {
+  fault_ = fault;
+  fault_axis_ = axis;
+  fault_address_ = address;
+  enter_integration();
+}
+
+void Unit::enter_compensation() {
+  isolate();
+  fault_ = Fault::none;
+  fault_address_ = 0;
+  fault_axis_.reset();
+  staging_ = false;
+  const auto failing = test_axis_memory(memory_);
+  ram_test_ = failing ? protocol::TestOutcome::failed : protocol::TestOutcome::passed;
+  ram_test_address_ = failing.value_or(0);
+  if (failing) return raise(Fault::ram_test, std::nullopt, *failing);
+  reload_parameters();
+  map_test_ = test_map(memory_, settings_.axis_modules, *map_);
+  if (map_test_.fault != Fault::none) return raise(map_test_.fault, map_test_.axis, map_test_.address);
+  watches_ = {};
+  for (Origin& origin : origins_) origin.referenced = false;
+  mode_ = UnitMode::datuming;
+}
+
+double Unit::mm_per_count(Axis axis) const {
+  return parameters_.axes[index_of(axis)].position_scale_um_per_count * 1e-3;
+}
+
+double Unit::position_mm(Axis axis) const {
+  const Origin& origin = origins_[index_of(axis)];
+  return origin.position_mm +
+         static_cast<double>(modules_[index_of(axis)].counts() - origin.counts) * mm_per_count(axis);
+}
+
+bool Unit::present(Axis axis) const {
+  return parameters_.axis_present[index_of(axis)] && settings_.axis_modules[index_of(axis)];
+}
+
+double Unit::output_um(Axis axis) const {
+  const AxisParameters& its = parameters_.axes[index_of(axis)];
+  return drives_[index_of(axis)].dac_counts / its.output_scale_counts_per_um * its.compensation_polarity;
+}
+
+Drives Unit::tick(const Signals& signals) {
+  if (!powered_) return {};
+  if (restart_) start_up();
+  for (std::size_t a = 0; a < kAxes; ++a) modules_[a].take(signals[a]);
+  uptime_s_ += period_s();
+  silent_s_ += period_s();
+  if (hung_) {
+    hang_step();
+    return drives_;
+  }
+  ++ticks_;
+  switch (mode_) {
+    case UnitMode::starting:
+      wait_for_link();
+      break;
+    case UnitMode::integration:
+      watch_host();
+      command_step();
+      break;
+    case UnitMode::datuming:
+      datum_step();
+      break;
+    case UnitMode::compensating:
+      compensate_step();
+      break;
+    case UnitMode::halted:
+      break;
+  }
+  return drives_;
+}
+
+bool Unit::quiet() const {
+  if (!powered_ || mode_ == UnitMode::halted) return true;
+  if (hung_ || mode_ == UnitMode::starting || restart_) return false;
+  if (mode_ == UnitMode::datuming)
+    return std::none_of(watches_.begin(), watches_.end(), [](const DatumWatch& watch) { return watch.counting(); });
+  if (mode_ == UnitMode::compensating)
+    return std::all_of(at_limit_s_.begin(), at_limit_s_.end(), [](double seconds) { return seconds == 0.0; });
+  const bool driven =
+      std::any_of(drives_.begin(), drives_.end(), [](const AxisDrive& drive) { return drive.relay_closed; });
+  return !driven && !entering_compensation_ && result_.state != protocol::CommandState::busy;
+}
+
+void Unit::hang_step() {
+  hung_s_ += period_s();
+  if (hung_s_ < kWatchdog_s || mode_ == UnitMode::halted) return;
+  ++watchdog_trips_;
+  raise(Fault::watchdog);
+  mode_ = UnitMode::halted;
+}
+
+void Unit::wait_for_link() {
+  if (settings_.link == LinkSense::integrate) return enter_integration();
+  if (settings_.link == LinkSense::compensate || uptime_s_ >= kLinkWait_s) enter_compensation();
+}
+
+bool Unit::transducers_sound() {
+  for (const Axis a : kAllAxes) {
+    const AxisModule& module = modules_[index_of(a)];
+    if (!present(a)) continue;
+    if (!module.transducer_ok()) {
+      raise(Fault::axis_module, a);
+      return false;
+    }
+    if (std::abs(static_cast<double>(module.step()) * mm_per_count(a)) > kFastest_mm_s * period_s()) {
+      raise(Fault::position_jump, a);
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The work of this period is not done when it ends.
+bool Unit::late() {
+  const bool late = extra_us_ > parameters_.loop_period_us;
+  if (slow_periods_ > 0 && --slow_periods_ == 0) extra_us_ = 0.0;
+  late_in_a_row_ = late ? late_in_a_row_ + 1 : 0;
+  overruns_ += late ? 1u : 0u;
+  return late;
+}
+
+void Unit::datum_step() {
+  if (!transducers_sound()) return;
+  bool all_done = true;
+  for (const Axis a : kAllAxes) {
+    if (!present(a)) continue;
+    const DatumParameters& datum = parameters_.axes[index_of(a)].datum;
+    DatumWatch& watch = watches_[index_of(a)];
+    watch.step(datum, modules_[index_of(a)], mm_per_count(a), period_s());
+    if (watch.final_failure() != DatumFailure::none) return raise(Fault::datum_sequence, a);
+    all_done = all_done && watch.done();
+    Origin& origin = origins_[index_of(a)];
+    if (!watch.done() || origin.referenced) continue;
+    origin.counts = std::llround(watch.state().datum_travelled_mm / mm_per_count(a));
+    origin.position_mm = marker_position_mm(datum);
+    origin.referenced = true;
+  }
+  if (all_done) begin_compensating();
+}
+
+void Unit::begin_compensating() {
+  PerAxis<std::int64_t> counts{};
+  Vector3 position{};
+  PerAxis<Approach> approach{};
+  for (const Axis a : kAllAxes) {
+    const std::size_t i = index_of(a);
+    counts[i] = modules_[i].counts();
+    position[i] = position_mm(a);
+    const double speed = modules_[i].speed() * mm_per_count(a);
+    approach[i] = speed == 0.0 ? watches_[i].state().direction : (speed > 0.0 ? Approach::forward : Approach::reverse);
+  }
+  start(tick_, counts, position, approach);
+  at_limit_s_ = {};
+  late_in_a_row_ = 0;
+  mode_ = UnitMode::compensating;
+  compensate_step();
+}
+
+void Unit::compensate_step() {
+  if (late()) {  // the output of the period before holds
+    if (late_in_a_row_ >= kMostLatePeriods) raise(Fault::loop_overrun);
+    return;
+  }
+  if (!transducers_sound()) return;
+  PerAxis<std::int64_t> counts{};
+  for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
+  ecs::tick(*map_, tick_, counts);
+  for (const Axis a : kAllAxes) {
+    const std::size_t i = index_of(a);
+    if (!present(a)) continue;
+    at_limit_s_[i] = tick_.at_limit[i] ? at_limit_s_[i] + period_s() : 0.0;
+    if (at_limit_s_[i] > kOutputLimit_s) return raise(Fault::compensation_output, a);
+    drives_[i] = {tick_.dac_counts[i], true};
+  }
+}
+
+}  // namespace ecs::emulator

@@ -1,0 +1,182 @@
+// The E.C.S. unit: firmware around core/, as the thesis describes it (5.3) and docs/unit.md says in detail.
+// Does not live here: the line it answers on (protocol/server/server.hpp), the machine it stands at
+// (ecs_emulator/machine/machine_tool.hpp).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/tick.hpp"
+#include "ecs_emulator/machine/simulation.hpp"
+#include "ecs_emulator/unit/datum_recorder.hpp"
+#include "ecs_emulator/unit/datum_watch.hpp"
+#include "ecs_emulator/unit/memory.hpp"
+#include "ecs_emulator/unit/self_test.hpp"
+#include "ecs_emulator/unit/user_software.hpp"
+#include "protocol/server/register_server.hpp"
+
+namespace ecs::emulator {
+
+/// How the unit decides at power-up whether a host is connected.
+enum class LinkSense : std::uint8_t {
+  automatic,   ///< a valid request within kLinkWait_s
+  integrate,   ///< always integration mode
+  compensate,  ///< always compensation mode
+};
+
+inline constexpr double kLinkWait_s = 0.5;
+/// So many periods in a row that are not finished in time isolate the unit; fewer are counted.
+inline constexpr int kMostLatePeriods = 3;
+/// Longest time at the output limit before `compensation_output`.
+inline constexpr double kOutputLimit_s = 1.0;
+/// No axis moves faster: 120 m/min.
+inline constexpr double kFastest_mm_s = 2000.0;
+/// The watchdog isolates a processor that does not serve it for so long.
+inline constexpr double kWatchdog_s = 0.1;
+/// Longest wait of the command `test_datum`.
+inline constexpr double kDatumTest_s = 600.0;
+/// An output that the host has set with its relay closed holds no longer than this without a request.
+inline constexpr double kOutputHold_s = 60.0;
+/// Largest position that the host can set: no machine is longer than a kilometre.
+inline constexpr double kLargestPosition_mm = 1e6;
+/// Range of the D/A converter.
+inline constexpr double kMostDacCounts = 32767.0;
+
+struct UnitSettings {
+  std::string serial_number = "EMULATOR-1";
+  std::uint8_t memory_modules = 1;
+  AxisModules axis_modules{Transducer::encoder, Transducer::encoder, Transducer::encoder};
+  LinkSense link = LinkSense::automatic;
+};
+
+class Unit final : public protocol::UnitPort, public Compensator {
+ public:
+  /// A rack with power off.
+  explicit Unit(const UnitSettings& settings);
+
+  void power(bool on);
+  [[nodiscard]] bool powered() const { return powered_; }
+  /// A valid request came over the link.
+  void note_request();
+  void sense_link(LinkSense link) { settings_.link = link; }
+  /// Called when a new map has become the active one, before the host is told.
+  void on_commit(std::function<void()> keep) { on_commit_ = std::move(keep); }
+
+  [[nodiscard]] Drives tick(const Signals& signals) override;
+  [[nodiscard]] double period_s() const override { return parameters_.loop_period_us * 1e-6; }
+  [[nodiscard]] bool quiet() const override;
+
+  [[nodiscard]] UnitMemory& memory() { return memory_; }
+  [[nodiscard]] const UnitSettings& settings() const { return settings_; }
+  [[nodiscard]] UnitMode mode() const { return mode_; }
+  [[nodiscard]] Fault fault() const { return fault_; }
+
+  // what can be wrong with the processor
+  /// The work of a period takes longer. @param periods  so many; 0: from now on
+  void slow_down(double extra_us_per_period, std::uint64_t periods = 0) {
+    extra_us_ = extra_us_per_period;
+    slow_periods_ = periods;
+  }
+  void hang() { hung_ = true; }
+
+  // protocol::UnitPort
+  [[nodiscard]] protocol::Identity identity() override;
+  [[nodiscard]] protocol::UnitStatus status() override;
+  [[nodiscard]] protocol::MonitorSample monitor() override;
+  [[nodiscard]] protocol::UnitError read_memory(Address address, std::span<std::uint8_t> out) override;
+  [[nodiscard]] protocol::UnitError may_write(Address address, std::uint32_t bytes) override;
+  [[nodiscard]] protocol::UnitError write_memory(Address address, std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] protocol::CommandResult begin(const protocol::Command& command) override;
+  [[nodiscard]] protocol::CommandResult progress() override;
+
+ private:
+  /// The counter's origin of one axis.
+  struct Origin {
+    std::int64_t counts = 0;
+    double position_mm = 0.0;
+    bool referenced = false;
+  };
+  struct DatumTest {
+    Axis axis = Axis::X;
+    DatumWatch watch;
+    double waited_s = 0.0;
+  };
+
+  // modes
+  void start_up();
+  void enter_integration();
+  void enter_compensation();
+  void raise(Fault fault, std::optional<Axis> axis = std::nullopt, Address address = 0);
+  void isolate();
+  void watch_supply();
+  void watch_host();
+  void hang_step();
+  void wait_for_link();
+  void datum_step();
+  void begin_compensating();
+  void compensate_step();
+  [[nodiscard]] bool late();
+  [[nodiscard]] bool transducers_sound();
+  void command_step();
+  void reload_parameters();
+  [[nodiscard]] double mm_per_count(Axis axis) const;
+  [[nodiscard]] double position_mm(Axis axis) const;
+  [[nodiscard]] bool present(Axis axis) const;
+  /// What the D/A converter asks of the axis [um].
+  [[nodiscard]] double output_um(Axis axis) const;
+
+  // commands (commands.cpp)
+  [[nodiscard]] protocol::CommandResult begin_in_integration(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult begin_on_axis(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult begin_staging(bool copy_active);
+  [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
+  [[nodiscard]] protocol::CommandResult user_software_step();
+  [[nodiscard]] protocol::CommandResult stop();
+
+  UnitSettings settings_;
+  UnitMemory memory_;
+  std::unique_ptr<CompiledMap> map_;
+  UnitParameters parameters_{};
+  bool powered_ = false;
+  UnitMode mode_ = UnitMode::starting;
+  Fault fault_ = Fault::none;
+  Address fault_address_ = 0;
+  std::optional<Axis> fault_axis_;
+  protocol::TestOutcome ram_test_ = protocol::TestOutcome::not_run;
+  Address ram_test_address_ = 0;
+  TestVerdict map_test_{};
+  PerAxis<AxisModule> modules_{};
+  PerAxis<Origin> origins_{};
+  PerAxis<DatumWatch> watches_{};
+  PerAxis<double> at_limit_s_{};
+  TickState tick_{};
+  Drives drives_{};
+  std::uint64_t ticks_ = 0;
+  double uptime_s_ = 0.0;
+  double silent_s_ = 0.0;  ///< since the last request of the host
+  std::uint32_t overruns_ = 0;
+  std::uint16_t watchdog_trips_ = 0;
+  std::uint32_t samples_ = 0;
+
+  bool staging_ = false;
+  bool entering_compensation_ = false;  ///< the command is given, the tests come with the next period
+  bool restart_ = false;
+  std::optional<DatumTest> datum_test_;
+  std::optional<DatumRecorder> recorder_;
+  std::optional<UserSoftware> user_software_;
+  std::uint64_t user_software_since_ = 0;  ///< tick
+  protocol::CommandResult result_;
+
+  std::function<void()> on_commit_;
+  double extra_us_ = 0.0;
+  std::uint64_t slow_periods_ = 0;
+  int late_in_a_row_ = 0;
+  bool hung_ = false;
+  double hung_s_ = 0.0;
+};
+
+}  // namespace ecs::emulator

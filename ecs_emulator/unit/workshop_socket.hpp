@@ -1,0 +1,70 @@
+// The workshop's door: a Unix socket with one JSON object a line, requests in, answers out.
+// Does not live here: what the requests mean (ecs_emulator/workshop/workshop.hpp).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <poll.h>
+
+#include "base/result.hpp"
+
+namespace ecs::emulator {
+
+/// An open file descriptor.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int opened) : fd_(opened) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor();
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_ = -1;
+};
+
+/// Answers a request; may send progress lines before.
+using WorkshopHandler =
+    std::function<std::string(const std::string& request, const std::function<void(const std::string&)>& told)>;
+
+class WorkshopSocket {
+ public:
+  /// A socket file that nobody listens on any more is replaced; one that is in use is an `output` problem.
+  [[nodiscard]] static Result<WorkshopSocket> listen_at(const std::filesystem::path& path);
+  WorkshopSocket(WorkshopSocket&&) noexcept = default;
+  WorkshopSocket& operator=(WorkshopSocket&&) noexcept = default;
+  ~WorkshopSocket();  ///< removes the socket file
+
+  [[nodiscard]] std::vector<pollfd> poll_fds() const;
+  /// Does all there is to do without waiting; requests are answered in the order of their arrival, one at a time.
+  void serve_ready(const WorkshopHandler& handler);
+  /// While a request is carried out: whoever sent it has closed the line and waits for no answer.
+  [[nodiscard]] bool visitor_left() const;
+
+ private:
+  struct Visitor {
+    Descriptor line;
+    std::string received;
+    bool gone = false;
+  };
+  WorkshopSocket(Descriptor listener, std::filesystem::path path);
+  void let_in();
+  void hear(Visitor& visitor);
+  void answer(Visitor& visitor, const WorkshopHandler& handler);
+
+  Descriptor listener_;
+  std::filesystem::path path_;
+  std::vector<Visitor> visitors_;
+  int served_ = -1;  ///< line of the visitor whose request is carried out
+};
+
+/// The client's side: one request, its answer. Progress lines go to `told`. `link` problem if nobody answers.
+[[nodiscard]] Result<std::string> ask_workshop(const std::filesystem::path& socket, const std::string& request,
+                                               const std::function<void(const std::string&)>& told = {});
+
+}  // namespace ecs::emulator

@@ -1,0 +1,19 @@
+// The requests `measure` and `capture` of the workshop. For .cpp files of this room only: heavy.
+// Does not live here: their arguments (ecs_emulator/instruments/measurement_request.hpp), the other requests
+// (workshop.cpp).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "ecs_emulator/machine/arguments.hpp"
+#include "ecs_emulator/workshop/workshop.hpp"
+
+namespace ecs::emulator {
+
+/// The readings go into the files under `output`, or back as `csv` where there is none.
+[[nodiscard]] Result<nlohmann::json> measure_machine(const Workshop& workshop, Arguments& arguments,
+                                                     const std::function<void(const std::string&)>& told);
+[[nodiscard]] Result<nlohmann::json> capture_machine(const Workshop& workshop, Arguments& arguments);
+
+}  // namespace ecs::emulator

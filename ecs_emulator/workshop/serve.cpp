@@ -1,0 +1,228 @@
+#include "ecs_emulator/workshop/serve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+
+#include "ecs_emulator/unit/battery.hpp"
+#include "ecs_emulator/unit/battery_lock.hpp"
+#include "ecs_emulator/unit/workshop_socket.hpp"
+#include "ecs_emulator/workshop/workshop.hpp"
+#include "protocol/server/server.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kSlice{10};          ///< of real time, while nobody works
+constexpr double kMostCatchUp_s = 0.25;                  ///< lost time beyond this is not made up for
+constexpr std::chrono::milliseconds kBatteryDelay{500};  ///< a changed memory is on disc at the latest after so long
+
+Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
+  if (options.tcp) return protocol::ModbusServer::on_tcp({*options.tcp, options.unit, 8});
+  const bool paced = options.pace_baud > 0;
+  return protocol::ModbusServer::on_pty(
+      {options.pty.value_or(std::filesystem::path()), paced ? options.pace_baud : 115'200, paced, options.unit});
+}
+
+/// The unit on the line: it notices the host before it answers.
+class Socket final : public protocol::RegisterHandler {
+ public:
+  explicit Socket(Unit& unit) : unit_(unit), face_(unit) {}
+  tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
+    if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
+    unit_.note_request();
+    return face_.read(first, count);
+  }
+  tl::expected<void, protocol::ModbusException> write(std::uint16_t first,
+                                                      std::span<const std::uint16_t> values) override {
+    if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
+    unit_.note_request();
+    return face_.write(first, values);
+  }
+  /// A unit without power does not answer, also when it loses it in the middle of a request.
+  [[nodiscard]] bool silent() const override { return !unit_.powered(); }
+
+ private:
+  Unit& unit_;
+  protocol::UnitFace face_;
+};
+
+/// The running workshop.
+class Room {
+ public:
+  Room(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
+       protocol::ModbusServer line, std::optional<WorkshopSocket> door, const volatile std::sig_atomic_t& stop)
+      : simulation_(std::move(simulation)),
+        unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
+        socket_(unit_),
+        line_(std::move(line)),
+        door_(std::move(door)),
+        battery_(options.memory),
+        real_time_(options.real_time),
+        stop_(stop),
+        workshop_{&simulation_, &unit_, &line_.faults()} {
+    simulation_.attach(&unit_);
+    simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
+    unit_.on_commit([this] { keep_memory(); });
+  }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  Result<void> switch_on() {
+    if (!battery_.empty()) {
+      if (auto restored = restore(unit_.memory(), battery_); !restored) return restored;
+      if (auto kept = keep(unit_.memory(), battery_); !kept)
+        return kept;  // a file that cannot be written shows at once
+    }
+    unit_.power(true);
+    simulation_.idle_tick();
+    last_ = Clock::now();
+    return {};
+  }
+  Result<void> run() {
+    if (real_time_) simulation_.run_in_real_time();
+    while (stop_ == 0) {
+      if (simulation_.real_time())
+        simulation_.idle_tick();
+      else
+        wait();
+      (void)serve_line();
+      if (door_) door_->serve_ready([this](const auto& request, const auto& told) { return act(request, told); });
+      if (!simulation_.real_time()) catch_up();
+      if (unit_.memory().changed() && Clock::now() - kept_ > kBatteryDelay) keep_memory();
+    }
+    if (unit_.memory().changed()) keep_memory();
+    if (battery_problem_) return tl::unexpected(*battery_problem_);
+    return {};
+  }
+
+ private:
+  static AxisModules axis_modules(const Simulation& simulation) {
+    AxisModules modules{};
+    for (const Axis a : kAllAxes)
+      if (simulation.machine().has(a)) modules[index_of(a)] = simulation.machine().axis(a).facts().transducer;
+    return modules;
+  }
+
+  void wait() {
+    std::vector<pollfd> fds = line_.poll_fds();
+    if (door_)
+      for (const pollfd& fd : door_->poll_fds()) fds.push_back(fd);
+    auto until = Clock::now() + kSlice;
+    if (const auto deadline = line_.next_deadline()) until = std::min(until, *deadline);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    ::poll(fds.data(), fds.size(), static_cast<int>(std::max<std::int64_t>(0, left.count())));
+  }
+
+  /// Answers what waits on the line. False once the process is to end.
+  bool serve_line() {
+    line_.serve_ready(socket_, std::chrono::milliseconds(0));
+    return stop_ == 0;
+  }
+
+  std::string act(const std::string& request, const std::function<void(const std::string&)>& told) {
+    std::string answer = perform(workshop_, request, told);
+    last_ = Clock::now();
+    return answer;
+  }
+
+  /// Nobody works: the unit runs in real time.
+  void catch_up() {
+    const auto now = Clock::now();
+    owed_s_ = std::min(owed_s_ + std::chrono::duration<double>(now - last_).count(), kMostCatchUp_s);
+    last_ = now;
+    while (owed_s_ >= simulation_.period_s()) {
+      simulation_.idle_tick();
+      owed_s_ -= simulation_.period_s();
+    }
+  }
+
+  void keep_memory() {
+    kept_ = Clock::now();
+    if (battery_.empty()) {
+      unit_.memory().kept();
+      return;
+    }
+    if (auto written = keep(unit_.memory(), battery_); !written)
+      battery_problem_ = written.error();
+    else
+      battery_problem_.reset();
+  }
+
+  Simulation simulation_;
+  Unit unit_;
+  Socket socket_;
+  protocol::ModbusServer line_;
+  std::optional<WorkshopSocket> door_;
+  std::filesystem::path battery_;
+  bool real_time_ = false;
+  std::optional<Problem> battery_problem_;
+  const volatile std::sig_atomic_t& stop_;
+  Workshop workshop_;
+  Clock::time_point last_{};
+  Clock::time_point kept_{};
+  double owed_s_ = 0.0;
+};
+
+std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
+                       const std::string& serial_number) {
+  nlohmann::json line{{"pty", nullptr}, {"tcp", nullptr}, {"workshop", nullptr}};
+  if (const auto* serial = std::get_if<protocol::SerialLine>(&address.line)) line["pty"] = serial->device;
+  if (const auto* peer = std::get_if<protocol::TcpPeer>(&address.line))
+    line["tcp"] = fmt::format("{}:{}", peer->host, peer->port);
+  if (!options.workshop.empty()) line["workshop"] = options.workshop.string();
+  line["link"] = protocol::to_text(address);
+  line["serial_number"] = serial_number;
+  line["unit"] = options.unit;
+  return line.dump();
+}
+
+}  // namespace
+
+Result<Simulation> simulation_for(const std::filesystem::path& machine, const std::filesystem::path& errors,
+                                  std::optional<std::uint64_t> seed, const std::string& serial_number) {
+  auto description = load_workshop_machine(machine);
+  if (!description) return tl::unexpected(description.error());
+  if (!serial_number.empty()) description->settings.serial_number = serial_number;
+  const std::filesystem::path file = errors.empty() ? description->settings.errors : errors;
+  auto true_errors = file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file);
+  if (!true_errors) return tl::unexpected(true_errors.error());
+  if (auto fit = true_errors->judged_for(description->machine); !fit) return tl::unexpected(fit.error());
+  return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
+}
+
+Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t& stop,
+                   const std::function<void(const std::string&)>& ready) {
+  auto simulation = simulation_for(options.machine, options.errors, options.seed, options.serial_number);
+  if (!simulation) return tl::unexpected(simulation.error());
+  if (options.memory_modules < 1 || options.memory_modules > kMostModules)
+    return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));
+  const std::string serial_number = simulation->description().settings.serial_number;
+  // What another process may hold is claimed before anything of it can be spoilt: battery, door, then the line's link.
+  std::optional<BatteryLock> battery;
+  if (!options.memory.empty()) {
+    auto lock = BatteryLock::take(options.memory);
+    if (!lock) return tl::unexpected(lock.error());
+    battery.emplace(std::move(*lock));
+  }
+  std::optional<WorkshopSocket> door;
+  if (!options.workshop.empty()) {
+    auto listening = WorkshopSocket::listen_at(options.workshop);
+    if (!listening) return tl::unexpected(listening.error());
+    door.emplace(std::move(*listening));
+  }
+  auto line = open_line(options);
+  if (!line) return tl::unexpected(line.error());
+  const protocol::LinkAddress address = line->address();
+  Room room(std::move(*simulation), options, serial_number, std::move(*line), std::move(door), stop);
+  if (auto on = room.switch_on(); !on) return on;
+  ready(ready_line(address, options, serial_number));
+  return room.run();
+}
+
+}  // namespace ecs::emulator

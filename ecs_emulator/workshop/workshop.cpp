@@ -1,0 +1,246 @@
+#include "ecs_emulator/workshop/workshop.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "ecs_emulator/machine/arguments.hpp"
+#include "ecs_emulator/workshop/faults.hpp"
+#include "ecs_emulator/workshop/measure.hpp"
+#include "ecs_emulator/workshop/program.hpp"
+#include "ecs_emulator/workshop/referencing.hpp"
+#include "ecs_emulator/workshop/survey.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Json = nlohmann::json;
+using Told = std::function<void(const std::string&)>;
+using Answer = Result<Json>;
+
+tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "given up before its end"); }
+tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
+
+Json by_axis(const MachineTool& machine, const Vector3& values) {
+  Json object = Json::object();
+  for (const Axis a : kAllAxes)
+    if (machine.has(a)) object[std::string(1, letter_of(a))] = values[index_of(a)];
+  return object;
+}
+
+Json rack_in(const Unit& unit) {
+  Json rack = Json::array();
+  for (const RackModule& module : rack_of(unit.settings().memory_modules, unit.settings().axis_modules))
+    rack.push_back({{"module", module.name}, {"slot", module.first_slot}, {"slots", module.slots}});
+  return rack;
+}
+
+Json state_of(const Workshop& workshop) {
+  const MachineTool& machine = workshop.simulation->machine();
+  Json state{{"command_mm", by_axis(machine, machine.command_mm())},
+             {"position_mm", by_axis(machine, machine.state().position_mm)},
+             {"time_s", machine.time_s()},
+             {"unit", nullptr}};
+  if (workshop.unit != nullptr)
+    state["unit"] = {{"powered", workshop.unit->powered()},
+                     {"mode", name_of(workshop.unit->mode())},
+                     {"fault", text_of(workshop.unit->fault()).name},
+                     {"rack", rack_in(*workshop.unit)}};
+  for (const auto& [sensor, degC] : workshop.simulation->sensors_degC(machine.time_s())) {
+    if (!state.contains("sensors_degC")) state["sensors_degC"] = Json::object();
+    state["sensors_degC"][sensor] = degC;
+  }
+  if (workshop.simulation->heat().has_air()) {
+    const Air air = workshop.simulation->air();
+    state["air"] = {{"degC", air.temperature_degC}, {"hPa", air.pressure_hPa}, {"humidity_pct", air.humidity_pct}};
+  }
+  if (const auto& clock = workshop.simulation->real_time()) {
+    const RealTimeRecord& record = clock->record();
+    state["real_time"] = {{"periods", record.periods},
+                          {"missed", record.missed},
+                          {"worst_late_us", std::round(record.worst_late_us)},
+                          {"fifo", record.fifo}};
+  }
+  return state;
+}
+
+Answer show(const Workshop& workshop, Arguments& arguments) {
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  return state_of(workshop);
+}
+
+Answer jog(const Workshop& workshop, Arguments& arguments) {
+  const auto place = arguments.coordinates(nullptr);
+  const double feed = arguments.number_or("feed", 0.0);
+  Simulation& simulation = *workshop.simulation;
+  Vector3 target_mm = simulation.machine().command_mm();
+  for (const Axis a : kAllAxes) {
+    if (!place[index_of(a)]) continue;
+    if (!simulation.machine().has(a)) arguments.complain(fmt::format("this machine has no {}", letter_of(a)));
+    target_mm[index_of(a)] = *place[index_of(a)];
+    const auto [low_mm, high_mm] = simulation.machine().travel_mm()[index_of(a)];
+    if (!(*place[index_of(a)] >= low_mm - kOvertravel_mm && *place[index_of(a)] <= high_mm + kOvertravel_mm))
+      arguments.complain(fmt::format("{}: expected within its travel {} … {} mm, give or take {} mm, got {}",
+                                     letter_of(a), low_mm, high_mm, kOvertravel_mm, *place[index_of(a)]));
+  }
+  if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
+    arguments.complain(
+        fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (!simulation.move_to(target_mm, feed)) return given_up();
+  return state_of(workshop);
+}
+
+/// After the last axis the unit gets as long as it needs to make up its mind.
+bool wait_for_unit(const Workshop& workshop) {
+  const double end_s = workshop.simulation->machine().time_s() + kDatumGiveUp_s + 1.0;
+  while (workshop.unit->mode() == UnitMode::datuming && !workshop.unit->quiet() &&
+         workshop.simulation->machine().time_s() < end_s)
+    if (!workshop.simulation->run_for(0.1)) return false;
+  return true;
+}
+
+Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
+  std::vector<Axis> axes;
+  for (const std::string& name : arguments.words("axes")) {
+    const auto axis = name.size() == 1 ? axis_of(name.front()) : std::nullopt;
+    if (axis && workshop.simulation->machine().has(*axis))
+      axes.push_back(*axis);
+    else
+      arguments.complain(fmt::format("axes: expected an axis of this machine, got \"{}\"", name));
+  }
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (axes.empty())
+    for (const Axis a : kAllAxes)
+      if (workshop.simulation->machine().has(a)) axes.push_back(a);
+  if (auto referenced = reference(*workshop.simulation, axes); !referenced) return tl::unexpected(referenced.error());
+  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return given_up();
+  return state_of(workshop);
+}
+
+Json point_of(const MachineTool& machine, const SurveyPoint& point) {
+  return {{"position_mm", by_axis(machine, point.position_mm)},
+          {"error_um", by_axis(machine, point.error_um)},
+          {"length_um", point.length_um()}};
+}
+
+Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
+  SurveyPlan plan;
+  plan.step_mm = arguments.number_or("step", plan.step_mm);
+  if (!(plan.step_mm > 0.0)) arguments.complain("step: expected above 0 mm");
+  plan.scatter = arguments.flag("with_scatter");
+  const auto approach = arguments.integer("approach", -1, 1).value_or(1);
+  if (approach == 0) arguments.complain("approach: expected 1 or -1");
+  plan.approach = approach < 0 ? Approach::reverse : Approach::forward;
+  const std::string output = arguments.word("output");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  const auto found = survey(*workshop.simulation, plan);
+  if (!found) return tl::unexpected(found.error());
+  const MachineTool& machine = workshop.simulation->machine();
+  if (!output.empty()) {
+    std::string text = "x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,length_um\n";
+    for (const SurveyPoint& p : found->grid)
+      text +=
+          fmt::format("{},{},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", shortest(p.position_mm[0]), shortest(p.position_mm[1]),
+                      shortest(p.position_mm[2]), p.error_um[0], p.error_um[1], p.error_um[2], p.length_um());
+    if (auto written = write_file(output, text); !written) return tl::unexpected(written.error());
+  }
+  Json corners = Json::array();
+  for (const SurveyPoint& corner : found->corners) corners.push_back(point_of(machine, corner));
+  return Json{{"approach", approach},
+              {"with_scatter", plan.scatter},
+              {"corners", {{"worst", point_of(machine, worst(found->corners))}, {"all", corners}}},
+              {"grid",
+               {{"points", found->grid.size()},
+                {"worst", point_of(machine, worst(found->grid))},
+                {"rms_um", rms_um(found->grid)}}}};
+}
+
+Answer power(const Workshop& workshop, Arguments& arguments) {
+  const std::string state = arguments.word("state");
+  if (workshop.unit == nullptr) arguments.complain("no unit stands here");
+  if (state != "on" && state != "off" && state != "cycle")
+    arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (state != "on") workshop.unit->power(false);
+  if (state == "cycle") workshop.simulation->come_to_rest();
+  if (state != "off" && !(state == "on" && workshop.unit->powered())) workshop.unit->power(true);
+  workshop.simulation->idle_tick();
+  return state_of(workshop);
+}
+
+Answer wait(const Workshop& workshop, Arguments& arguments) {
+  const double seconds = arguments.number_or("seconds", 0.0);
+  if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (!workshop.simulation->dwell(seconds)) return given_up();
+  return state_of(workshop);
+}
+
+Answer tick(const Workshop& workshop, Arguments& arguments) {
+  const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
+  if (!workshop.simulation->run_for(seconds)) return given_up();
+  return state_of(workshop);
+}
+
+Answer load(const Workshop& workshop, Arguments& arguments) {
+  const double load_kg = arguments.number("kg").value_or(-1.0);
+  if (!(load_kg >= 0.0 && load_kg <= 1e6)) arguments.complain("kg: expected 0 to 1000000");
+  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  workshop.simulation->machine().load(load_kg);
+  return state_of(workshop);
+}
+
+Answer fault(const Workshop& workshop, Arguments& arguments) {
+  if (auto provoked = provoke(workshop, arguments); !provoked) return tl::unexpected(provoked.error());
+  return state_of(workshop);
+}
+
+Answer act(const Workshop& workshop, const Json& request, const Told& told) {
+  if (!request.is_object() || !request.contains("action") || !request["action"].is_string())
+    return wrong("expected an object with an \"action\"");
+  const auto action = request["action"].get<std::string>();
+  Arguments arguments(request);
+  workshop.simulation->come_to_rest();
+  if (action == "state") return show(workshop, arguments);
+  if (action == "jog") return jog(workshop, arguments);
+  if (action == "reference") return reference_machine(workshop, arguments);
+  if (action == "measure") return measure_machine(workshop, arguments, told);
+  if (action == "capture") return capture_machine(workshop, arguments);
+  if (action == "run") return run_part_program(workshop, arguments, told);
+  if (action == "mdi") return run_block(workshop, arguments);
+  if (action == "survey") return survey_machine(workshop, arguments);
+  if (action == "power") return power(workshop, arguments);
+  if (action == "wait") return wait(workshop, arguments);
+  if (action == "tick") return tick(workshop, arguments);
+  if (action == "load") return load(workshop, arguments);
+  if (action == "fault") return fault(workshop, arguments);
+  return wrong(
+      fmt::format("action: expected state, jog, reference, measure, capture, run, mdi, survey, power, wait, tick, load "
+                  "or fault, got \"{}\"",
+                  action));
+}
+
+}  // namespace
+
+std::string perform(const Workshop& workshop, const std::string& request, const Told& told) {
+  const Json parsed = Json::parse(request, nullptr, false);
+  const Answer answer =
+      parsed.is_discarded() ? Answer(wrong("expected one JSON object on one line")) : act(workshop, parsed, told);
+  if (!answer) {
+    const Json failure{{"ok", false},
+                       {"exit", static_cast<int>(answer.error().kind) + 1},
+                       {"error", {{"message", to_text(answer.error())}}}};
+    return failure.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+  Json line = *answer;
+  line["ok"] = true;
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace ecs::emulator

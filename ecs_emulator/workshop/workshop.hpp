@@ -1,0 +1,28 @@
+// What a person in the workshop can do, as requests and answers of one JSON object each (docs/emulator.md lists them).
+// Does not live here: the socket they come through (serve.hpp), the command line (main.cpp).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "ecs_emulator/machine/simulation.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "protocol/line/faults.hpp"
+
+namespace ecs::emulator {
+
+/// The room and everything in it that a person can touch. Nothing is owned.
+struct Workshop {
+  Simulation* simulation = nullptr;
+  Unit* unit = nullptr;                  ///< null: no unit stands here
+  protocol::LineFaults* line = nullptr;  ///< null: no line
+};
+
+/// Carries out one request, `{"action": "jog", …}`.
+/// @param told  progress of long actions, one JSON object a line: {"progress": 0.25}
+/// @return one line: {"ok": true, …}, or {"ok": false, "exit": n, "error": {"message": …}}; n as in docs/design.md
+[[nodiscard]] std::string perform(const Workshop& workshop, const std::string& request,
+                                  const std::function<void(const std::string&)>& told = {});
+
+}  // namespace ecs::emulator

@@ -1,0 +1,80 @@
+// Any table of numbers as measurements, by a mapping of its columns that the user gives.
+// Does not live here: files whose format is known (import.hpp), keeping a mapping for the next file (app/).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "laser/measurement_set.hpp"
+#include "laser/units.hpp"
+
+namespace ecs::laser {
+
+struct ImportOptions;
+
+/// One field and where it comes from: `FIELD=COLUMN[unit]*factor+offset`.
+struct ColumnRule {
+  std::string field;  ///< a column of the measurement CSV, EX … EC, forwardN, reverseN, date_time, or any name to keep
+  int column = 0;     ///< from 1; 0: by heading
+  std::string heading;  ///< the column's heading, if it is not given by number
+  std::optional<Unit> unit;
+  double factor = 1.0;  ///< after the unit
+  double offset = 0.0;
+  friend bool operator==(const ColumnRule& a, const ColumnRule& b) {
+    return a.field == b.field && a.column == b.column && a.heading == b.heading && a.factor == b.factor &&
+           a.offset == b.offset;
+  }
+};
+
+/// What the readings of the table are.
+enum class TableValues {
+  errors,            ///< actual − target
+  actual_positions,  ///< the error is the position less its target
+  compensations      ///< −error
+};
+
+struct ColumnMapping {
+  std::vector<ColumnRule> rules;
+  bool motion_approach = false;  ///< `approach=motion`: from the order of the targets
+  bool motion_run = false;       ///< `run=motion`: there and back is one run
+  int skip_lines = 0;            ///< before the heading row, or the first row if there is no heading
+  int most_rows = 0;             ///< 0: all
+  char delimiter = '\0';         ///< '\0': found by itself; ' ' stands for any blanks
+  char decimal = '\0';           ///< '\0': point or comma, as the delimiter allows
+  TableValues values = TableValues::errors;
+};
+
+/// Reads "x_mm=1[in],reading=3*0.001,run=2,approach=4". Commas part the rules; a heading with commas, blanks or
+/// brackets stands in double quotes. Every wrong rule is named.
+[[nodiscard]] Result<std::vector<ColumnRule>> column_rules(std::string_view text);
+
+/// The rules of a mapping with `approach=motion` and `run=motion` set apart.
+[[nodiscard]] Result<ColumnMapping> column_mapping(std::string_view text);
+
+/// Reads the table. The moving axis: column `axis`, the option, or the one position that is mapped; the sense: the
+/// field's name (EX …), column `sense`, the option, or the moving axis's own. A row gives a reading for each of
+/// `reading`, EX … EC, forwardN and reverseN that is mapped and not empty. Lines beginning with '#', '!' or '%' are
+/// comments. Every bad row is reported with line and column.
+[[nodiscard]] Result<MeasurementSet> parse_columns(std::string_view text, const std::string& file_name,
+                                                   const ColumnMapping& mapping, const ImportOptions& options);
+
+/// How a table looks, for the explanation of a file that nothing else reads.
+struct TableShape {
+  char delimiter = ',';
+  std::size_t columns = 0;
+  std::size_t rows = 0;               ///< rows of numbers
+  int first_row_line = 0;             ///< from 1
+  std::vector<std::string> headings;  ///< of the line before the first row, if it has as many cells
+  std::string first_row;
+};
+
+/// The longest stretch of rows with the same number of cells, at least half of them numbers; nothing if there is none.
+[[nodiscard]] std::optional<TableShape> table_shape(std::string_view text);
+
+/// The cells of a row; double quotes protect delimiters, blanks round cells go.
+[[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line, char delimiter);
+
+}  // namespace ecs::laser

@@ -1,0 +1,174 @@
+#include "laser/import/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "laser/csv_columns.hpp"
+#include "laser/findings.hpp"
+#include "laser/import/time.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMm = 1000.0;
+
+/// The kind of unit that a field may have; nothing: none.
+std::optional<UnitKind> kind_of(const Field& field) {
+  if (field.role == Role::position) return UnitKind::length;
+  if (is_sensor_column(field.rule.field)) return UnitKind::temperature;
+  if (field.rule.field == "pressure_hPa") return UnitKind::pressure;
+  if (field.rule.field == "time_s") return UnitKind::time;
+  return std::nullopt;
+}
+
+std::optional<Approach> approach_in(std::string_view cell) {
+  static const std::map<std::string, Approach, std::less<>> kWords{
+      {"1", Approach::forward},        {"+1", Approach::forward},      {"+", Approach::forward},
+      {"f", Approach::forward},        {"fwd", Approach::forward},     {"forward", Approach::forward},
+      {"up", Approach::forward},       {"pos", Approach::forward},     {"-1", Approach::reverse},
+      {"-", Approach::reverse},        {"r", Approach::reverse},       {"b", Approach::reverse},
+      {"rev", Approach::reverse},      {"reverse", Approach::reverse}, {"bwd", Approach::reverse},
+      {"backward", Approach::reverse}, {"down", Approach::reverse},    {"neg", Approach::reverse},
+      {"0", Approach::unknown},        {"", Approach::unknown}};
+  const auto found = kWords.find(lower(cell));
+  return found == kWords.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// The cell in the unit used inside, before the rule's own factor and offset.
+double converted(const ColumnRule& rule, double value) {
+  return rule.unit ? value * rule.unit->factor + rule.unit->offset : value;
+}
+
+std::string unit_fault(const Field& field, std::string_view shown, bool fits) {
+  if (fits) return {};
+  return fmt::format("columns: {}: {} is no unit of it", field.rule.field, shown);
+}
+
+}  // namespace
+
+std::optional<Pass> pass_named(std::string_view field) {
+  for (const auto& [word, approach] : {std::pair<std::string_view, Approach>{"forward", Approach::forward},
+                                       std::pair<std::string_view, Approach>{"reverse", Approach::reverse}}) {
+    if (!field.starts_with(word)) continue;
+    const std::string_view number = field.substr(word.size());
+    if (number.empty()) return Pass{approach, 1};
+    const auto run = integer_in(number);
+    if (run && *run >= 1 && *run <= 1'000'000) return Pass{approach, static_cast<int>(*run)};
+  }
+  return std::nullopt;
+}
+
+Role role_of(std::string_view name) {
+  if (std::find(kPositionColumns.begin(), kPositionColumns.end(), name) != kPositionColumns.end())
+    return Role::position;
+  if (name == "reading") return Role::error;
+  if (sense_named(name)) return Role::own_sense;
+  if (pass_named(name)) return Role::pass;
+  if (name == "axis") return Role::axis;
+  if (name == "sense") return Role::sense;
+  if (name == "approach") return Role::approach;
+  return name == "date_time" ? Role::date_time : Role::other;
+}
+
+bool is_value(Role role) { return role == Role::error || role == Role::own_sense || role == Role::pass; }
+
+bool has_role(const std::vector<Field>& fields, Role role) {
+  return std::any_of(fields.begin(), fields.end(), [&](const Field& field) { return field.role == role; });
+}
+
+std::optional<double> cell_number(const Plan& plan, std::string_view cell) {
+  if (plan.decimal == '.') return number_in(cell);
+  return number_or_comma(cell);
+}
+
+std::string set_error(Reading& reading, const Plan& plan, const Field& field, double cell) {
+  const ColumnRule& rule = field.rule;
+  const bool angle = is_rotation(reading.sense);
+  if (rule.unit)
+    if (const std::string fault =
+            unit_fault(field, rule.unit->name, rule.unit->kind == (angle ? UnitKind::angle : UnitKind::length));
+        !fault.empty())
+      return fault;
+  if (plan.values == TableValues::actual_positions) {
+    if (index_of(reading.axis) != static_cast<std::size_t>(reading.sense))
+      return "values are positions: expected a sense along the moving axis";
+    reading.error = (converted(rule, cell) * rule.factor + rule.offset - target_mm(reading)) * kUmPerMm;
+    return {};
+  }
+  const double inside = converted(rule, cell) * (rule.unit && !angle ? kUmPerMm : 1.0);
+  reading.error = (inside * rule.factor + rule.offset) * (plan.values == TableValues::compensations ? -1.0 : 1.0);
+  return {};
+}
+
+std::string set_common(Reading& reading, const Plan& plan, const Field& field, std::string_view cell) {
+  const auto expected = [&](std::string_view what) {
+    return fmt::format("{}: expected {}, found {}", field.rule.field, what, in_quotes(cell));
+  };
+  if (field.role == Role::axis) {
+    const auto axis = cell.size() == 1 ? axis_of(lower(cell) == cell ? static_cast<char>(cell[0] - 'a' + 'A') : cell[0])
+                                       : std::nullopt;
+    if (!axis) return expected("X, Y or Z");
+    reading.axis = *axis;
+    return {};
+  }
+  if (field.role == Role::sense) {
+    const auto sense = sense_named(cell);
+    if (!sense) return expected("EX, EY, EZ, EA, EB or EC");
+    reading.sense = *sense;
+    return {};
+  }
+  if (field.role == Role::approach) {
+    const auto approach = approach_in(cell);
+    if (!approach) return expected("1, -1, 0, forward or reverse");
+    reading.approach = *approach;
+    return {};
+  }
+  if (field.role == Role::date_time) {
+    const auto seconds = seconds_in(cell);
+    if (!seconds) return expected("a date and time (2024-05-06 09:10:11) or a time of day");
+    reading.time_s = *seconds;
+    return {};
+  }
+  if (cell.empty() && field.role == Role::other) return {};
+  const auto number = cell_number(plan, cell);
+  if (!number && is_known_column(field.rule.field)) return expected("a finite number");
+  if (!number) {
+    reading.text_extras[field.rule.field] = std::string(cell);
+    return {};
+  }
+  const double value = converted(field.rule, *number) * field.rule.factor + field.rule.offset;
+  if (!std::isfinite(value)) return expected("a number that stays finite");
+  if (!is_known_column(field.rule.field)) {
+    reading.extras[field.rule.field] = value;
+    return {};
+  }
+  return set_cell(reading, field.rule.field, shortest(value));
+}
+
+std::string plan_fault(const Plan& plan) {
+  if (std::none_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return is_value(f.role); }))
+    return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN or reverseN, found none";
+  if (!has_role(plan.fields, Role::axis) && !plan.axis)
+    return "columns: the table does not say which axis moved: give the axis X, Y or Z, or map its column";
+  if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
+      std::none_of(plan.fields.begin(), plan.fields.end(), [&](const Field& f) {
+        return f.rule.field == kPositionColumns[index_of(*plan.axis)] || f.rule.field == "time_s";
+      }))
+    return fmt::format("columns: expected {} (the target of the moving axis), found none",
+                       kPositionColumns[index_of(*plan.axis)]);
+  for (const Field& field : plan.fields) {
+    if (!field.rule.unit || is_value(field.role)) continue;
+    const auto kind = kind_of(field);
+    if (const std::string fault = unit_fault(field, field.rule.unit->name, kind && *kind == field.rule.unit->kind);
+        !fault.empty())
+      return fault;
+  }
+  return {};
+}
+
+}  // namespace ecs::laser

@@ -1,0 +1,62 @@
+// What each mapped column of a table is, and how one cell of it enters a reading.
+// Does not live here: rows and files (columns_reader.cpp), the mapping as it is typed (columns.cpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "laser/import/columns.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::laser {
+
+/// "forward3" is forward, run 3; "forward" is run 1.
+struct Pass {
+  Approach approach = Approach::unknown;
+  int run = 1;
+};
+
+/// Nothing for other fields.
+[[nodiscard]] std::optional<Pass> pass_named(std::string_view field);
+
+/// What a field does with its cell.
+enum class Role { position, error, own_sense, pass, axis, sense, approach, date_time, other };
+
+struct Field {
+  ColumnRule rule;
+  Role role = Role::other;
+  std::size_t index = 0;  ///< of the column, from 0
+};
+
+[[nodiscard]] Role role_of(std::string_view field);
+
+/// The field gives a reading.
+[[nodiscard]] bool is_value(Role role);
+
+[[nodiscard]] bool has_role(const std::vector<Field>& fields, Role role);
+
+/// Everything about the table that is the same for all rows.
+struct Plan {
+  std::vector<Field> fields;
+  std::optional<Axis> axis;
+  std::optional<Sense> sense;
+  TableValues values = TableValues::errors;
+  char decimal = '\0';
+};
+
+/// What is wrong with the mapping as a whole, or nothing.
+[[nodiscard]] std::string plan_fault(const Plan& plan);
+
+/// A cell as a number, decimal comma as the plan allows.
+[[nodiscard]] std::optional<double> cell_number(const Plan& plan, std::string_view cell);
+
+/// Sets the error of a reading whose axis, sense and position are known; what is wrong, or nothing.
+[[nodiscard]] std::string set_error(Reading& reading, const Plan& plan, const Field& field, double cell);
+
+/// What a field does to the reading that all readings of its row begin with; what is wrong, or nothing.
+/// @pre !is_value(field.role)
+[[nodiscard]] std::string set_common(Reading& reading, const Plan& plan, const Field& field, std::string_view cell);
+
+}  // namespace ecs::laser

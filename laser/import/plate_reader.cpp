@@ -1,0 +1,85 @@
+// Hole positions of a drilled plate from a coordinate measuring machine (SDSS plug plates).
+// Does not live here: the fit of a plate.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "laser/findings.hpp"
+#include "laser/import/readers.hpp"
+#include "laser/import/renishaw_file.hpp"
+#include "laser/units.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMm = 1000.0;
+constexpr std::size_t kColumns = 9;  ///< measured X Y, nominal X Y, error X Y, measured and nominal diameter, roundness
+constexpr double kPrinted_mm = 0.0016;  ///< three numbers rounded to 1 um each
+
+std::vector<double> row_in(std::string_view line) {
+  std::vector<double> numbers;
+  for (const std::string_view word : words_of(line)) {
+    const auto number = number_or_comma(word);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Reading reading_of(const std::vector<double>& row, Axis axis, double parked_z_mm, int line) {
+  const std::size_t i = index_of(axis);
+  Reading reading;
+  reading.line = line;
+  reading.axis = axis;
+  reading.sense = static_cast<Sense>(i);
+  reading.position_mm = {row[2], row[3], parked_z_mm};
+  reading.error = row[4 + i] * kUmPerMm;
+  reading.extras = {{"diameter_mm", row[6]}, {"nominal_diameter_mm", row[7]}, {"roundness_mm", row[8]}};
+  return reading;
+}
+
+}  // namespace
+
+Result<MeasurementSet> parse_plate(std::string_view text, const std::string& file_name, const ImportOptions& options) {
+  MeasurementSet set;
+  set.source = file_name;
+  Findings findings(file_name);
+  bool in_table = false;
+  int differing = 0;
+  const auto lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string_view line = trimmed(lines[i]);
+    const int number = static_cast<int>(i) + 1;
+    const std::size_t colon = line.find(':');
+    if (line.empty()) continue;
+    if (!in_table && lower(line).find("nom x") != std::string::npos) {
+      in_table = true;
+    } else if (!in_table && colon != std::string_view::npos) {
+      set.metadata.push_back(
+          {std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))});
+    } else if (in_table) {
+      const auto row = row_in(line);
+      if (row.size() != kColumns) {
+        findings.add(number, 1,
+                     fmt::format("expected nine numbers as the heading names them, found {}", in_quotes(line)));
+        continue;
+      }
+      if (std::abs(row[0] - row[2] - row[4]) > kPrinted_mm || std::abs(row[1] - row[3] - row[5]) > kPrinted_mm)
+        ++differing;
+      for (const Axis axis : {Axis::X, Axis::Y})
+        set.readings.push_back(reading_of(row, axis, options.parked_mm[index_of(Axis::Z)], number));
+    }
+  }
+  if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected holes below the heading, found none");
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  set.notes.push_back("each hole is a reading of X in EX and of Y in EY at its nominal place; approach unknown");
+  set.notes.push_back("the errors hold how the plate lay on the measuring machine: shift and rotation too");
+  if (differing > 0)
+    set.notes.push_back(
+        fmt::format("in {} rows the error is not measured less nominal; the error column is taken", differing));
+  number_rows(set);
+  return set;
+}
+
+}  // namespace ecs::laser

@@ -1,0 +1,151 @@
+// Renishaw .rtx dynamic captures as measurement sets. Does not live here: run files (renishaw_reader.cpp).
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "laser/findings.hpp"
+#include "laser/import/readers.hpp"
+#include "laser/import/renishaw_file.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr std::size_t kSampleBytes = 8;
+
+struct DynamicHead {
+  std::vector<MetadataEntry> entries;
+  std::size_t data_at = 0;  ///< first byte of the samples
+};
+
+/// Lines up to and with `Data:`; nothing if that line or the end of the head is missing.
+std::optional<DynamicHead> head_in(std::string_view bytes) {
+  DynamicHead head;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t end = bytes.find('\n', at);
+    if (end == std::string_view::npos) return std::nullopt;
+    const std::string_view line = trimmed(bytes.substr(at, end - at));
+    at = end + 1;
+    if (lower(line) == "data:") {
+      head.data_at = at;
+      return head;
+    }
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos || line.ends_with("::")) continue;
+    const auto value = decoded(line.substr(colon + 1), "", Encoding::automatic);
+    const auto key = decoded(line.substr(0, colon), "", Encoding::automatic);
+    if (key) head.entries.push_back({std::string(trimmed(key->text)), value ? std::string(trimmed(value->text)) : ""});
+  }
+  return std::nullopt;
+}
+
+double sample_at(std::string_view bytes, std::size_t at) {
+  std::uint64_t bits = 0;
+  for (std::size_t k = kSampleBytes; k-- > 0;) bits = (bits << 8u) | static_cast<unsigned char>(bytes[at + k]);
+  return std::bit_cast<double>(bits);
+}
+
+struct Capture {
+  std::size_t count = 0;
+  double rate_Hz = 0.0;
+  std::optional<double> feed_mm_min;
+  bool angular = false;
+};
+
+std::optional<double> number_of(const DynamicHead& head, std::string_view key) {
+  const auto text = value_of(head.entries, key);
+  const auto numbers = text ? numbers_of(*text) : std::vector<double>{};
+  return numbers.empty() ? std::nullopt : std::optional(numbers.front());
+}
+
+Result<Capture> capture_of(const DynamicHead& head, std::string_view bytes, const std::string& file_name,
+                           const ImportOptions& options, std::vector<std::string>& notes) {
+  Findings findings(file_name);
+  Capture capture;
+  const auto count = number_of(head, "Sample no");
+  if (!count || *count < 1.0 || *count > 1e12 || *count != std::floor(*count))
+    findings.add(0, 0, "Sample no: expected a whole number above 0");
+  const auto actual = number_of(head, "Actual sample rate");
+  const auto rate = actual && *actual > 0.0 ? actual : number_of(head, "Sample rate");
+  if (!rate || *rate <= 0.0) findings.add(0, 0, "Actual sample rate: expected a number of Hz above 0");
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  const std::size_t held = (bytes.size() - head.data_at) / kSampleBytes;
+  capture.count = static_cast<std::size_t>(*count);
+  capture.rate_Hz = *rate;
+  if (held < capture.count) {
+    if (!options.accept_truncated || held == 0)
+      return problem_at(file_name, 0, 0,
+                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is cut short (it can be "
+                                    "taken as it is, if so asked)",
+                                    capture.count, held));
+    notes.push_back(fmt::format("cut short: {} of {} samples", held, capture.count));
+    capture.count = held;
+  }
+  const std::string type = lower(value_of(head.entries, "File Type").value_or(""));
+  capture.angular = type.find("ang") != std::string::npos || type == "rta";
+  capture.feed_mm_min = number_of(head, "Velocity");
+  return capture;
+}
+
+std::optional<Axis> axis_named(const DynamicHead& head) {
+  const auto text = value_of(head.entries, "Axis");
+  return text && text->size() == 1
+             ? axis_of(lower(*text) == *text ? static_cast<char>(text->front() - 'a' + 'A') : text->front())
+             : std::nullopt;
+}
+
+Result<Sense> sense_of_capture(const Capture& capture, const ImportOptions& options, Axis axis,
+                               const std::string& file_name) {
+  if (options.sense && is_rotation(*options.sense)) return *options.sense;
+  if (!capture.angular) return positioning_sense(options, axis, file_name);
+  return tl::unexpected(
+      Problem{ProblemKind::usage, "an angular capture: give the sense EA, EB or EC", file_name, 0, 0, {}});
+}
+
+}  // namespace
+
+Result<MeasurementSet> parse_renishaw_dynamic(std::string_view bytes, const std::string& file_name,
+                                              const ImportOptions& options) {
+  const auto head = head_in(bytes);
+  if (!head) return problem_at(file_name, 0, 0, "expected a head that ends with a line Data:, found none");
+  MeasurementSet set;
+  set.source = file_name;
+  set.metadata = head->entries;
+  const auto capture = capture_of(*head, bytes, file_name, options, set.notes);
+  if (!capture) return tl::unexpected(capture.error());
+  ImportOptions known = options;
+  if (!known.axis) known.axis = axis_named(*head);
+  const auto axis = axis_wanted(known, file_name);
+  if (!axis) return tl::unexpected(axis.error());
+  const auto sense = sense_of_capture(*capture, options, *axis, file_name);
+  if (!sense) return tl::unexpected(sense.error());
+  constexpr double kUmPerMm = 1000.0;  // and um/m per mrad
+  const std::size_t most = std::max<std::size_t>(1, options.most_samples);
+  const std::size_t step = (capture->count + most - 1) / most;
+  for (std::size_t i = 0; i < capture->count; i += step) {
+    const double value = sample_at(bytes, head->data_at + i * kSampleBytes) * kUmPerMm;
+    if (!std::isfinite(value))
+      return problem_at(file_name, 0, 0, fmt::format("Data: expected a finite number as sample {}, found none", i + 1));
+    Reading reading;
+    reading.axis = *axis;
+    reading.sense = *sense;
+    reading.position_mm = options.parked_mm;
+    reading.error = value;
+    reading.time_s = static_cast<double>(i) / capture->rate_Hz;
+    set.readings.push_back(std::move(reading));
+  }
+  if (step > 1) set.notes.push_back(fmt::format("every {}. of {} samples is kept", step, capture->count));
+  if (capture->feed_mm_min)
+    set.notes.push_back(
+        fmt::format("Velocity {} stands in the head without a unit: not used as feed", *capture->feed_mm_min));
+  set.notes.push_back("readings are displacements from the origin of the capture, not deviations from targets");
+  number_rows(set);
+  return set;
+}
+
+}  // namespace ecs::laser

@@ -1,0 +1,217 @@
+// Renishaw run files as measurement sets. Does not live here: their syntax (renishaw_file.hpp).
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "laser/findings.hpp"
+#include "laser/import/readers.hpp"
+#include "laser/import/renishaw_file.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMPerMrad = 1000.0;
+constexpr double kHPaPerKPa = 10.0;
+constexpr double kNoSensor_degC = -10.0;  ///< what a missing material sensor reads
+
+/// The letter X, Y or Z that is no part of a longer word ("X", "x axis", "Axis Y", "Z1"); 0 if there is none.
+char axis_letter_in(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto letter = [&](std::size_t k) { return std::isalpha(static_cast<unsigned char>(text[k])) != 0; };
+    const bool alone = (i == 0 || !letter(i - 1)) && (i + 1 == text.size() || !letter(i + 1));
+    const char upper = static_cast<char>(std::toupper(static_cast<unsigned char>(text[i])));
+    if (alone && upper >= 'X' && upper <= 'Z') return upper;
+  }
+  return '\0';
+}
+
+Problem usage(const std::string& file_name, std::string message) {
+  return Problem{ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
+}
+
+Result<Axis> axis_of_file(const RunFile& file, const std::string& file_name, const ImportOptions& options,
+                          std::vector<std::string>& notes) {
+  const std::string text = value_of(file.user_text, "Axis").value_or("");
+  const char own = axis_letter_in(text);
+  if (options.axis && own != '\0' && letter_of(*options.axis) != own)
+    notes.push_back(fmt::format("the file says axis {}, taken as {} as asked", own, letter_of(*options.axis)));
+  if (options.axis) return *options.axis;
+  if (own != '\0') return static_cast<Axis>(own - 'X');
+  return tl::unexpected(
+      usage(file_name, fmt::format("the file does not say which linear axis moved (USER-TEXT Axis: {}): "
+                                   "give the axis X, Y or Z",
+                                   in_quotes(text))));
+}
+
+enum class Kind { linear, angular, straightness };
+
+Result<Kind> kind_of(const RunFile& file, const std::string& file_name) {
+  std::string type = lower(value_of(file.header, "File type").value_or(""));
+  const std::size_t dot = file_name.rfind('.');
+  if (type != "rtl" && type != "rta" && type != "rts" && dot != std::string::npos)
+    type = lower(file_name.substr(dot + 1));
+  if (type == "rtl") return Kind::linear;
+  if (type == "rta") return Kind::angular;
+  if (type == "rts") return Kind::straightness;
+  return problem_at(file_name, 0, 0,
+                    "HEADER File type: expected rtl, rta or rts, found neither it nor such an extension");
+}
+
+Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, const ImportOptions& options) {
+  const Sense positioning = static_cast<Sense>(index_of(axis));
+  if (kind == Kind::linear) {
+    if (options.sense.value_or(positioning) == positioning) return positioning;
+    return tl::unexpected(usage(file_name, fmt::format("a linear run along {} holds {}, not {}", letter_of(axis),
+                                                       ecs::name_of(positioning), ecs::name_of(*options.sense))));
+  }
+  const std::string_view choice = kind == Kind::angular ? "EA, EB or EC" : "EX, EY or EZ across the axis";
+  if (!options.sense)
+    return tl::unexpected(
+        usage(file_name, fmt::format("the file does not say the sense of its readings: give {}", choice)));
+  const bool fits = kind == Kind::angular ? is_rotation(*options.sense)
+                                          : !is_rotation(*options.sense) && *options.sense != positioning;
+  if (fits) return *options.sense;
+  return tl::unexpected(
+      usage(file_name, fmt::format("expected the sense {}, found {}", choice, ecs::name_of(*options.sense))));
+}
+
+/// Even passes of a file flagged unidirectional that hold nothing but zeros.
+bool has_filled_passes(const RunFile& file) {
+  const bool unidirectional = file.flags.size() > 1 && file.flags[1] == 1;
+  const auto backward = [](const RunPoint& point) { return point.run % 2 == 0; };
+  return unidirectional && std::any_of(file.points.begin(), file.points.end(), backward) &&
+         std::all_of(file.points.begin(), file.points.end(),
+                     [&](const RunPoint& point) { return !backward(point) || point.deviation == 0.0; });
+}
+
+struct StartAndEnd {
+  double start = 0.0;
+  double end = 0.0;
+  [[nodiscard]] double at(double share) const { return start + share * (end - start); }
+};
+
+std::optional<StartAndEnd> start_and_end(const RunFile& file, std::string_view key, double factor) {
+  const auto text = value_of(file.environment, key);
+  if (!text) return std::nullopt;
+  const auto numbers = numbers_of(*text);
+  if (numbers.empty()) return std::nullopt;
+  return StartAndEnd{numbers[0] * factor, (numbers.size() > 1 ? numbers[1] : numbers[0]) * factor};
+}
+
+/// A material sensor; one that was not there at the start or at the end has the other value throughout.
+std::optional<StartAndEnd> material_of(const RunFile& file, std::string_view key) {
+  auto value = start_and_end(file, key, 1.0);
+  if (!value) return std::nullopt;
+  if (value->start == kNoSensor_degC) value->start = value->end;
+  if (value->end == kNoSensor_degC) value->end = value->start;
+  return value->start == kNoSensor_degC ? std::nullopt : value;
+}
+
+/// Air pressure is kPa by a flag of 1 or by its size; a size that fits hPa is taken as hPa, any other is not used.
+std::optional<StartAndEnd> pressure_of(const RunFile& file, std::vector<std::string>& notes) {
+  const auto raw = start_and_end(file, "Air press", 1.0);
+  if (!raw) return std::nullopt;
+  if (raw->start > 40.0 && raw->start < 120.0) return StartAndEnd{raw->start * kHPaPerKPa, raw->end * kHPaPerKPa};
+  if (raw->start > 400.0 && raw->start < 1200.0) {
+    notes.push_back("Air press taken as hPa by its size");
+    return raw;
+  }
+  notes.push_back("Air press is neither kPa nor hPa by its size: not used");
+  return std::nullopt;
+}
+
+struct Environment {
+  std::optional<StartAndEnd> air, pressure, humidity;
+  std::vector<std::pair<std::string, StartAndEnd>> material;
+  [[nodiscard]] bool empty() const { return !air && !pressure && !humidity && material.empty(); }
+};
+
+Environment environment_of(const RunFile& file, std::vector<std::string>& notes) {
+  Environment environment{
+      start_and_end(file, "Air temp", 1.0), pressure_of(file, notes), start_and_end(file, "Air humid", 1.0), {}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kMaterial{
+      {{"Mat temp 1", "t_material_degC"}, {"Mat temp 2", "t_material2_degC"}, {"Mat temp 3", "t_material3_degC"}}};
+  for (const auto& [key, column] : kMaterial) {
+    if (const auto value = material_of(file, key)) environment.material.emplace_back(column, *value);
+  }
+  return environment;
+}
+
+void set_environment(Reading& reading, const Environment& environment, double share) {
+  if (environment.air) reading.sensors_degC["t_air_degC"] = environment.air->at(share);
+  for (const auto& [column, value] : environment.material) reading.sensors_degC[column] = value.at(share);
+  if (environment.pressure) reading.pressure_hPa = environment.pressure->at(share);
+  if (environment.humidity) reading.humidity_pct = environment.humidity->at(share);
+}
+
+void spread(MeasurementSet& set, const Environment& environment, bool over_all) {
+  if (environment.empty() || set.readings.empty()) return;
+  const std::size_t last = set.readings.size() - 1;
+  for (std::size_t i = 0; i <= last; ++i)
+    if (over_all || i == 0 || i == last)
+      set_environment(set.readings[i], environment,
+                      last == 0 ? 0.0 : static_cast<double>(i) / static_cast<double>(last));
+  if (over_all)
+    set.notes.push_back(
+        "air and material values go linearly from start to end over the readings: the file has only these two");
+}
+
+/// Keys in the spelling of most versions, whatever case this one used.
+std::string usual_spelling(const std::string& key) {
+  constexpr std::array<std::string_view, 20> kKeys{"File type",  "Owner",      "Version no", "Filetype",  "Machine",
+                                                   "Serial No",  "Date",       "By",         "Axis",      "Location",
+                                                   "TITLE",      "Air temp",   "Air press",  "Air humid", "Mat temp 1",
+                                                   "Mat temp 2", "Mat temp 3", "Env factor", "Exp coeff", "Date Time"};
+  for (const std::string_view usual : kKeys)
+    if (lower(usual) == lower(key)) return std::string(usual);
+  return key;
+}
+
+void add_metadata(MeasurementSet& set, const RunFile& file) {
+  for (const auto* const entries : {&file.header, &file.user_text, &file.equipment, &file.environment})
+    for (const MetadataEntry& entry : *entries) set.metadata.push_back({usual_spelling(entry.key), entry.value});
+}
+
+}  // namespace
+
+Result<MeasurementSet> parse_renishaw_run(std::string_view text, const std::string& file_name,
+                                          const ImportOptions& options) {
+  const auto file = run_file_in(text, file_name, options.accept_truncated);
+  if (!file) return tl::unexpected(file.error());
+  MeasurementSet set;
+  set.source = file_name;
+  const auto kind = kind_of(*file, file_name);
+  if (!kind) return tl::unexpected(kind.error());
+  const auto axis = axis_of_file(*file, file_name, options, set.notes);
+  if (!axis) return tl::unexpected(axis.error());
+  const auto sense = sense_of_file(*kind, *axis, file_name, options);
+  if (!sense) return tl::unexpected(sense.error());
+  add_metadata(set, *file);
+  const bool descending = file->targets.back() < file->targets.front();
+  const bool filled = has_filled_passes(*file);
+  const double factor = *kind == Kind::angular ? kUmPerMPerMrad : 1.0;
+  for (const RunPoint& point : file->points) {
+    const bool along_list = point.run % 2 == 1;
+    if (filled && !along_list) continue;
+    Reading reading;
+    reading.line = point.line;
+    reading.axis = *axis;
+    reading.sense = *sense;
+    reading.position_mm = position_at(options, *axis, file->targets[static_cast<std::size_t>(point.target) - 1]);
+    reading.error = point.deviation * factor;
+    reading.approach = along_list != descending ? Approach::forward : Approach::reverse;
+    reading.run = (point.run + 1) / 2;
+    set.readings.push_back(std::move(reading));
+  }
+  if (descending) set.notes.push_back("targets descend: odd passes approach in reverse");
+  if (filled) set.notes.push_back("flagged unidirectional: backward passes full of zeros are left out");
+  if (!file->has_end) set.notes.push_back("no EOF section");
+  spread(set, environment_of(*file, set.notes), options.spread_environment);
+  number_rows(set);
+  return set;
+}
+
+}  // namespace ecs::laser

@@ -1,0 +1,327 @@
+#include "laser/map/build.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "laser/analysis/process.hpp"
+#include "laser/map/sources.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kSameLine_mm = 0.5;  ///< parked positions closer than this are the same measurement line
+
+/// Squareness as the contract measures it: C0Y = E_X along Y, B0Z = E_X along Z, A0Z = E_Y along Z; also the other way
+/// round, with the axes exchanged.
+std::array<Wanted, 2> squares_for(Component c) {
+  if (c == Component::C0Y) return {{{Axis::Y, Sense::EX}, {Axis::X, Sense::EY}}};
+  if (c == Component::B0Z) return {{{Axis::Z, Sense::EX}, {Axis::X, Sense::EZ}}};
+  return {{{Axis::Z, Sense::EY}, {Axis::Y, Sense::EZ}}};
+}
+
+/// The translation whose change along a parallel line shows a rotation (thesis 6.3.2.3): any but along the turning
+/// axis.
+std::vector<Wanted> translations_for(Component rotation) {
+  std::vector<Wanted> wanted;
+  for (const Axis direction : kAllAxes)
+    if (direction != direction_of(sense_of(rotation)))
+      wanted.push_back({moving_axis(rotation), static_cast<Sense>(direction)});
+  return wanted;
+}
+
+/// Measurements are in ISO signs. The equations printed in the thesis take rotations about X and Z, and the squareness
+/// of Y and of Z to Y, with the other sign.
+double printed_sign(Component c) {
+  const bool flipped = is_squareness(c) ? c != Component::B0Z : sense_of(c) == Sense::EA || sense_of(c) == Sense::EC;
+  return flipped ? -1.0 : 1.0;
+}
+
+/// Range of the means of a curve.
+double band_of(const Curve& curve) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const CurvePoint& p : curve.points)
+    for (const std::optional<double>& value : {p.forward, p.reverse}) {
+      if (!value) continue;
+      lowest = std::min(lowest, *value);
+      highest = std::max(highest, *value);
+    }
+  return highest - lowest;
+}
+
+class Builder {
+ public:
+  Builder(const MapRecipe& recipe, const UnitParameters& parameters)
+      : recipe_(recipe), needed_(components_needed(parameters)) {
+    built_.parameters = parameters;
+  }
+
+  Result<BuiltMap> build() {
+    const auto chain = chain_of(built_.parameters);
+    if (!chain) return problem(ProblemKind::refused, "the parameters describe no machine: run `ecs params check`");
+    std::vector<Problem> problems;
+    for (const ComponentRecipe& one : recipe_.components)
+      if (auto done = add(one); !done) problems.push_back(std::move(done.error()));
+    if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+    if (auto filled = fill_header(); !filled) return tl::unexpected(std::move(filled.error()));
+    std::stable_sort(built_.map.tables.begin(), built_.map.tables.end(), [](const MapTable& a, const MapTable& b) {
+      if (a.component != b.component) return a.component < b.component;
+      return static_cast<int>(a.approach) > static_cast<int>(b.approach);
+    });
+    return std::move(built_);
+  }
+
+ private:
+  Result<void> add(const ComponentRecipe& one) {
+    if (!needed_.contains(one.component))
+      return tl::unexpected(
+          refusal({}, one.component,
+                  fmt::format("a {} machine does not use it in this scope: leave it out of the recipe",
+                              configuration_of(built_.parameters))));
+    outcome_ = ComponentOutcome{};
+    outcome_.component = one.component;
+    const auto done = is_squareness(one.component) ? add_squareness(one) : add_curve(one);
+    if (done) built_.outcomes.push_back(outcome_);
+    return done;
+  }
+
+  /// The curve of one file, its source and numbers kept.
+  Result<Curve> curve_from(const std::filesystem::path& path, const ComponentRecipe& one,
+                           const std::vector<Wanted>& wanted) {
+    auto found = files_.curve(path, one.component, wanted, one.exclude_runs);
+    if (!found) return tl::unexpected(found.error());
+    outcome_.band = std::max(outcome_.band, found->band);
+    outcome_.readings += found->readings;
+    built_.map.header.sources.push_back(std::move(found->source));
+    return std::move(found->curve);
+  }
+
+  // --- curves --------------------------------------------------------------------------------------------------------
+
+  Result<void> add_curve(const ComponentRecipe& one) {
+    auto measured = one.files.size() == 2
+                        ? rotation_curve(one)
+                        : curve_from(one.files.front(), one, {{moving_axis(one.component), sense_of(one.component)}});
+    if (!measured) return tl::unexpected(measured.error());
+    if (!is_angular(one.component))
+      if (auto off = off_line(*measured)) return tl::unexpected(refusal(one.files.front(), one.component, *off));
+    auto processed = process(*measured, one);
+    if (!processed) return tl::unexpected(refusal(one.files.front(), one.component, processed.error().message));
+    put_tables(*processed, one.component);
+    return {};
+  }
+
+  Result<Curve> rotation_curve(const ComponentRecipe& one) {
+    const auto first = curve_from(one.files[0], one, translations_for(one.component));
+    if (!first) return first;
+    const auto second = curve_from(one.files[1], one, {{first->axis, first->sense}});
+    if (!second) return second;
+    auto rotation = rotation_from(*first, *second);
+    if (!rotation) return tl::unexpected(refusal(one.files[1], one.component, rotation.error().message));
+    if (rotation->sense != sense_of(one.component))
+      return tl::unexpected(
+          refusal(one.files[1], one.component,
+                  fmt::format("the two lines differ so that they show {}, not {}",
+                              name_of(curve_of(rotation->sense, rotation->axis)), name_of(one.component))));
+    outcome_.band = band_of(*rotation);
+    note_step(one.component, fmt::format("from two runs of {} along {} on parallel lines", name_of(first->sense),
+                                         letter_of(first->axis)));
+    return rotation;
+  }
+
+  /// Why a translation curve was not measured where the parameters' lever arms begin.
+  std::optional<std::string> off_line(const Curve& curve) const {
+    const Vector3& line = built_.parameters.measurement_lines_mm[index_of(curve.axis)];
+    for (const Axis a : kAllAxes) {
+      if (a == curve.axis || !built_.parameters.axis_present[index_of(a)]) continue;
+      const double parked_mm = curve.parked_mm[index_of(a)];
+      if (std::abs(parked_mm - line[index_of(a)]) > kSameLine_mm)
+        return fmt::format(
+            "measured at {} {}, but the parameters' measurement line of {} is at {} {}: the angular terms would "
+            "be counted from the wrong line; measure there or set axis.{}.measurement_line_mm",
+            letter_of(a), parked_mm, letter_of(curve.axis), letter_of(a), line[index_of(a)], letter_of(curve.axis));
+    }
+    return std::nullopt;
+  }
+
+  /// Slope, smoothing, datum, grid: in this order, each step named in the header.
+  Result<Curve> process(Curve curve, const ComponentRecipe& one) {
+    const SlopeMethod method = one.slope.value_or(default_slope(one.component));
+    if (method != SlopeMethod::none) {
+      auto level = levelled(curve, method);
+      if (!level) return tl::unexpected(level.error());
+      outcome_.slope_um_per_m = level->removed.slope_per_m;
+      note_step(one.component, fmt::format("slope {:.2f} {}/m removed by {}", level->removed.slope_per_m,
+                                           unit_of(one.component), name_of(method)));
+      curve = std::move(level->curve);
+    }
+    if (one.smoothing_mm > 0.0) {
+      Smoothing how;
+      how.window_mm = one.smoothing_mm;
+      auto smooth = smoothed(curve, how);
+      if (!smooth) return tl::unexpected(smooth.error());
+      note_smoothing(*smooth, one);
+      curve = std::move(smooth->curve);
+    }
+    const auto zero_mm = zero_position_mm(one.component);
+    if (!zero_mm) return tl::unexpected(zero_mm.error());
+    auto zero = zeroed_at(curve, *zero_mm);
+    if (!zero) return tl::unexpected(zero.error());
+    return on_grid(std::move(zero->curve), one);
+  }
+
+  /// Where a curve is zero. Translations: at the datum. A rotation: where its axis stood while the axes it levers were
+  /// measured, for what it did there is inside their curves and squareness already.
+  [[nodiscard]] Result<double> zero_position_mm(Component component) const {
+    const std::size_t b = index_of(moving_axis(component));
+    const auto terms = terms_of(built_.parameters);
+    if (!terms) return problem(ProblemKind::refused, "the parameters describe no machine");
+    std::optional<double> zero_mm;
+    for (const Term& term : *terms) {
+      if (term.component != component || !term.uses_coordinate) continue;
+      const double line_mm = built_.parameters.measurement_lines_mm[index_of(term.lever)][b];
+      if (zero_mm && std::abs(*zero_mm - line_mm) > kSameLine_mm)
+        return problem(
+            ProblemKind::refused,
+            fmt::format("it acts over two levers whose axes were measured at {0} {1} and {0} {2}: the angle cannot "
+                        "be zero at both; measure them with {0} at one position",
+                        letter_of(moving_axis(component)), *zero_mm, line_mm));
+      zero_mm = line_mm;
+    }
+    return zero_mm.value_or(built_.parameters.axes[b].datum.reference_position_mm);
+  }
+
+  void note_smoothing(const Smoothed& smooth, const ComponentRecipe& one) {
+    outcome_.smoothed_rms = smooth.removed_rms;
+    note_step(one.component, fmt::format("smoothed by a local quadratic over {} mm, {:.2f} {} rms taken away",
+                                         one.smoothing_mm, smooth.removed_rms, unit_of(one.component)));
+    if (smooth.taken == Taken::signal)
+      outcome_.notes.push_back(
+          fmt::format("smoothing over {} mm takes form of the curve away as well (F {:.1f}): use a "
+                      "narrower window",
+                      one.smoothing_mm, smooth.F.value_or(0.0)));
+  }
+
+  static Result<Curve> on_grid(Curve curve, const ComponentRecipe& one) {
+    if (!one.increment_mm) return curve;
+    const double first_mm = curve.points.front().position_mm;
+    const double length_mm = curve.points.back().position_mm - first_mm;
+    const Grid grid{first_mm, *one.increment_mm,
+                    static_cast<int>(std::floor(length_mm / *one.increment_mm + 1e-9)) + 1};
+    return resampled(curve, grid, Beyond::refuse);
+  }
+
+  void put_tables(const Curve& curve, Component component) {
+    MapTable forward{component, Approach::forward, {}, {}};
+    MapTable reverse{component, Approach::reverse, {}, {}};
+    const bool both = curve.approach_known && std::any_of(curve.points.begin(), curve.points.end(),
+                                                          [](const CurvePoint& p) { return p.forward && p.reverse; });
+    const double sign = unit_sign(component);
+    for (const CurvePoint& p : curve.points) {
+      if (both) {
+        add_point(forward, p.position_mm, p.forward, sign);
+        add_point(reverse, p.position_mm, p.reverse, sign);
+      } else {
+        add_point(forward, p.position_mm, mean_of(p), sign);
+      }
+    }
+    if (!both) {
+      forward.approach = Approach::unknown;
+      outcome_.notes.push_back("measured from one side: the same table serves both approaches");
+    }
+    outcome_.points = forward.position_mm.size();
+    built_.map.tables.push_back(std::move(forward));
+    if (both) built_.map.tables.push_back(std::move(reverse));
+  }
+
+  /// Sign in which the unit's equations take this component; said in the header where it is not the measured one.
+  double unit_sign(Component component) {
+    const bool printed = built_.parameters.convention == Convention::as_printed;
+    const double sign = printed ? printed_sign(component) : 1.0;
+    if (sign < 0.0) note_step(component, "in the sign of the equations printed in the thesis");
+    return sign;
+  }
+
+  void add_point(MapTable& table, double position_mm, std::optional<double> error, double sign) {
+    if (!error) return;
+    table.position_mm.push_back(position_mm);
+    table.compensation.push_back(0.0 - sign * *error);
+    outcome_.largest = std::max(outcome_.largest, std::abs(*error));
+  }
+
+  // --- squareness ----------------------------------------------------------------------------------------------------
+
+  Result<void> add_squareness(const ComponentRecipe& one) {
+    const auto squares = squares_for(one.component);
+    const auto curve = curve_from(one.files.front(), one, {squares.begin(), squares.end()});
+    if (!curve) return tl::unexpected(curve.error());
+    const auto square = squareness_of(*curve);
+    if (!square) return tl::unexpected(refusal(one.files.front(), one.component, square.error().message));
+    UnitParameters& p = built_.parameters;
+    double& value = one.component == Component::C0Y   ? p.C0Y_um_per_m
+                    : one.component == Component::B0Z ? p.B0Z_um_per_m
+                                                      : p.A0Z_um_per_m;
+    value = unit_sign(one.component) * square->um_per_m;
+    outcome_.largest = std::abs(square->um_per_m);
+    outcome_.slope_um_per_m = square->indicator_slope_um_per_m;
+    outcome_.points = curve->points.size();
+    note_step(one.component, fmt::format("{:.2f} um/m, in the parameters", value));
+    return {};
+  }
+
+  // --- header --------------------------------------------------------------------------------------------------------
+
+  void note_step(Component component, const std::string& what) {
+    built_.map.header.processing.push_back(fmt::format("{} {}", name_of(component), what));
+  }
+
+  Result<void> fill_header() {
+    MapHeader& header = built_.map.header;
+    header.customer = recipe_.customer;
+    header.engineer = recipe_.engineer;
+    header.date = recipe_.date;
+    header.configuration = configuration_of(built_.parameters);
+    header.declared_zero = recipe_.declared_zero;
+    auto machine = only_one(recipe_.machine, files_.machines(), "machine");
+    if (!machine) return tl::unexpected(machine.error());
+    auto serial_number = only_one(recipe_.serial_number, files_.serial_numbers(), "serial_number");
+    if (!serial_number) return tl::unexpected(serial_number.error());
+    header.machine = std::move(*machine);
+    header.serial_number = std::move(*serial_number);
+    return {};
+  }
+
+  /// What the recipe states, else the one name that all files agree on.
+  static Result<std::string> only_one(const std::string& stated, const std::map<std::string, std::string>& seen,
+                                      std::string_view key) {
+    if (!stated.empty()) return stated;
+    if (seen.size() > 1)
+      return problem(
+          ProblemKind::refused,
+          fmt::format("the files come from more than one machine: {} is {} in {} and {} in {}; leave the wrong "
+                      "file out, or state {} in the recipe",
+                      key, seen.begin()->first, seen.begin()->second, seen.rbegin()->first, seen.rbegin()->second,
+                      key));
+    return seen.empty() ? std::string() : seen.begin()->first;
+  }
+
+  const MapRecipe& recipe_;
+  ComponentSet needed_;
+  BuiltMap built_;
+  ComponentOutcome outcome_;
+  MeasuredFiles files_;
+};
+
+}  // namespace
+
+Result<BuiltMap> build_map(const MapRecipe& recipe, const UnitParameters& parameters) {
+  return Builder(recipe, parameters).build();
+}
+
+}  // namespace ecs::laser

@@ -1,0 +1,220 @@
+#include "laser/map/csv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/plain_text.hpp"
+#include "base/text.hpp"
+#include "laser/csv_line.hpp"
+#include "laser/findings.hpp"
+#include "laser/text_decoding.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr std::array<std::string_view, 5> kColumns{"axis", "sense", "approach", "p_mm", "value_um"};
+constexpr double kLargest_um = 32'000.0;
+
+struct Point {
+  double position_mm;
+  double compensation;
+  int line;
+};
+using TableKey = std::pair<Component, Approach>;
+
+struct Order {  // by component, forward before reverse
+  bool operator()(const TableKey& a, const TableKey& b) const {
+    if (a.first != b.first) return a.first < b.first;
+    return static_cast<int>(a.second) > static_cast<int>(b.second);
+  }
+};
+using Points = std::map<TableKey, std::vector<Point>, Order>;
+
+/// Place of each column in the rows; nothing and a finding if the header row is not ours.
+std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int line, Findings& findings) {
+  std::array<std::size_t, 5> place;
+  place.fill(row.fields.size());
+  for (std::size_t i = 0; i < row.fields.size(); ++i) {
+    const CsvField& field = row.fields[i];
+    const auto known = std::find(kColumns.begin(), kColumns.end(), field.text);
+    if (known == kColumns.end()) {
+      findings.add(
+          line, field.column,
+          fmt::format("header: expected axis, sense, approach, p_mm, value_um, found {}", in_quotes(field.text)));
+    } else if (place[static_cast<std::size_t>(known - kColumns.begin())] != row.fields.size()) {
+      findings.add(line, field.column, fmt::format("header: column {} stands twice", field.text));
+    } else {
+      place[static_cast<std::size_t>(known - kColumns.begin())] = i;
+    }
+  }
+  for (std::size_t k = 0; k < kColumns.size(); ++k)
+    if (place[k] == row.fields.size()) findings.add(line, 0, fmt::format("header: column {} is missing", kColumns[k]));
+  if (!findings.empty()) return std::nullopt;
+  return place;
+}
+
+/// One row into the points; what is wrong with it into the findings.
+void take_row(const CsvLine& row, const std::array<std::size_t, 5>& place, int line, Points& points,
+              Findings& findings) {
+  const auto wrong = [&](std::size_t k, std::string_view expected) {
+    const CsvField& field = row.fields[place[k]];
+    findings.add(line, field.column,
+                 fmt::format("{}: expected {}, found {}", kColumns[k], expected, in_quotes(field.text)));
+  };
+  const auto text = [&](std::size_t k) -> const std::string& { return row.fields[place[k]].text; };
+  const auto axis = text(0).size() == 1 ? axis_of(text(0)[0]) : std::nullopt;
+  const auto sense = sense_named(text(1));
+  const auto approach = integer_in(text(2));
+  const auto position_mm = number_in(text(3));
+  const auto value = number_in(text(4));
+  const bool approach_known = approach && *approach >= -1 && *approach <= 1;
+  const bool value_possible = value && std::abs(*value) <= kLargest_um;
+  if (!axis) wrong(0, "X, Y or Z");
+  if (!sense) wrong(1, "EX, EY, EZ, EA, EB or EC");
+  if (!approach_known) wrong(2, "1, -1 or 0 (both)");
+  if (!position_mm) wrong(3, "a position in mm");
+  if (!value_possible) wrong(4, "a compensation in um (um/m for angles) within ±32000");
+  if (!axis || !sense || !approach_known || !position_mm || !value_possible) return;
+  points[{curve_of(*sense, *axis), static_cast<Approach>(*approach)}].push_back({*position_mm, *value, line});
+}
+
+MapTable table_from(const TableKey& key, std::vector<Point> points, Findings& findings) {
+  std::stable_sort(points.begin(), points.end(),
+                   [](const Point& a, const Point& b) { return a.position_mm < b.position_mm; });
+  MapTable table{key.first, key.second, {}, {}};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0 && points[i].position_mm == points[i - 1].position_mm)
+      findings.add(points[i].line, 0,
+                   fmt::format("{} has position {} mm twice (also in line {})", name_of(key.first),
+                               points[i].position_mm, points[i - 1].line));
+    table.position_mm.push_back(points[i].position_mm);
+    table.compensation.push_back(points[i].compensation);
+  }
+  return table;
+}
+
+void refuse_mixed_approaches(const Points& points, Findings& findings) {
+  for (const auto& [key, rows] : points) {
+    if (key.second != Approach::unknown) continue;
+    const bool also_one =
+        points.contains({key.first, Approach::forward}) || points.contains({key.first, Approach::reverse});
+    if (also_one)
+      findings.add(
+          rows.front().line, 0,
+          fmt::format("{} has rows for approach 0 (both) beside rows for 1 or -1: keep one kind", name_of(key.first)));
+  }
+}
+
+/// `rows: N` of a header line; it belongs to the file, not to the map.
+std::optional<long long> rows_stated(std::string_view header_line) {
+  if (!header_line.starts_with("rows:")) return std::nullopt;
+  return integer_in(header_line.substr(5));
+}
+
+/// What is left of a file that lost its end.
+void refuse_cut_file(long long stated, long long found, bool whole_line, Findings& findings) {
+  if (stated != found)
+    findings.add(0, 0,
+                 fmt::format("the header says {} rows, the file has {}: was it cut short? If you added or removed rows "
+                             "yourself, correct or delete the line \"# rows\"",
+                             stated, found));
+  else if (!whole_line)
+    findings.add(0, 0, "the last row does not end with a line end: the file was cut short");
+}
+
+/// The text of a map from whatever editor saved it. What is not text is left to the readers of lines, but for a NUL.
+Result<std::string> as_utf8(std::string_view bytes, const std::string& file_name) {
+  const bool plain = std::none_of(bytes.begin(), bytes.end(), [](char c) { return c == '\0' || (c & 0x80) != 0; });
+  if (plain) return std::string(bytes);
+  auto text = decoded(bytes, file_name);
+  if (text) return std::move(text->text);
+  if (utf16_order(bytes)) return tl::unexpected(std::move(text.error()));
+  if (auto why = why_no_text(bytes, file_name)) return tl::unexpected(std::move(*why));
+  return std::string(bytes);
+}
+
+}  // namespace
+
+std::string to_map_csv(const ErrorMap& map) {
+  std::string text;
+  const std::string header = header_text(map.header);
+  for (const std::string_view line : lines_of(header)) text += fmt::format("# {}\n", line);
+  std::size_t rows = 0;
+  for (const MapTable& table : map.tables) rows += table.position_mm.size();
+  text += fmt::format("# rows: {}\n", rows);
+  text += "axis,sense,approach,p_mm,value_um\n";
+  for (const MapTable& table : map.tables)
+    for (std::size_t i = 0; i < table.position_mm.size(); ++i)
+      text +=
+          fmt::format("{},{},{},{},{}\n", letter_of(moving_axis(table.component)), name_of(sense_of(table.component)),
+                      static_cast<int>(table.approach), table.position_mm[i], table.compensation[i]);
+  return text;
+}
+
+Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_name) {
+  const auto plain = as_utf8(bytes, file_name);
+  if (!plain) return tl::unexpected(plain.error());
+  std::string_view text = *plain;
+  Findings findings(file_name);
+  std::string header;
+  std::optional<std::array<std::size_t, 5>> place;
+  Points points;
+  std::optional<long long> stated_rows;
+  long long rows_found = 0;
+  int line = 0;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  for (const std::string_view row : lines_of(text)) {
+    ++line;
+    const std::string_view content = trimmed(row);
+    if (content.starts_with('#')) {
+      const std::string_view entry = trimmed(content.substr(1));
+      if (const auto stated = rows_stated(entry))
+        stated_rows = stated;
+      else
+        header += entry;
+    } else if (!content.empty()) {
+      const CsvLine fields = csv_fields(row);
+      if (!fields.fault.empty()) {
+        findings.add(line, fields.fault_column, fields.fault);
+      } else if (!place) {
+        place = columns_in(fields, line, findings);
+        if (!place) return tl::unexpected(findings.as_problem());
+      } else if (fields.fields.size() != kColumns.size()) {
+        findings.add(line, 1, fmt::format("expected {} fields, found {}", kColumns.size(), fields.fields.size()));
+      } else {
+        ++rows_found;
+        take_row(fields, *place, line, points, findings);
+      }
+    }
+    header += '\n';  // header lines keep the numbers of their lines in the file
+  }
+  if (!place)
+    findings.add(0, 0, "no map: expected a header row axis,sense,approach,p_mm,value_um");
+  else if (points.empty() && findings.empty())
+    findings.add(0, 0, "the map has no rows");
+  refuse_mixed_approaches(points, findings);
+  if (stated_rows && findings.empty()) refuse_cut_file(*stated_rows, rows_found, text.ends_with('\n'), findings);
+
+  ErrorMap map;
+  for (auto& [key, rows] : points) map.tables.push_back(table_from(key, std::move(rows), findings));
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  auto parsed = parse_header(header, file_name);
+  if (!parsed) return tl::unexpected(std::move(parsed.error()));
+  map.header = std::move(*parsed);
+  return map;
+}
+
+Result<ErrorMap> read_map_csv(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_map_csv(*text, path.string());
+}
+
+}  // namespace ecs::laser

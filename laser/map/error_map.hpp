@@ -1,0 +1,82 @@
+// The error map as the host holds it: tables of compensation with the header that says where they come from.
+// Does not live here: its text form (csv.hpp), its bytes (image.hpp), how it is made (build.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/component.hpp"
+#include "core/parameters.hpp"
+
+namespace ecs::laser {
+
+/// One table: compensation = −error, um (um/m for angles), linear between points, end values hold beyond the ends.
+struct MapTable {
+  Component component = Component::EXX;   ///< one of the 18 curves
+  Approach approach = Approach::unknown;  ///< unknown: one table for both approaches
+  std::vector<double> position_mm;        ///< machine coordinates of the moving axis, ascending
+  std::vector<double> compensation;       ///< as many
+  friend bool operator==(const MapTable&, const MapTable&) = default;
+};
+
+struct SourceFile {
+  std::string component;  ///< "EXX", or "C0Y" for a squareness
+  std::string name;
+  std::string sha256;  ///< of the file's bytes
+  friend bool operator==(const SourceFile&, const SourceFile&) = default;
+};
+
+/// A component that was not measured and is taken as zero, on somebody's word.
+struct DeclaredZero {
+  Component component = Component::EXX;
+  std::string reason;
+  friend bool operator==(const DeclaredZero&, const DeclaredZero&) = default;
+};
+
+/// Thesis 5.3: the file header that travels with the map and can be read back from the unit.
+struct MapHeader {
+  std::string customer;
+  std::string machine;
+  std::string serial_number;
+  std::string date;  ///< ISO 8601
+  std::string engineer;
+  std::string configuration;  ///< chain string that the map was made for
+  std::vector<SourceFile> sources;
+  std::vector<DeclaredZero> declared_zero;
+  std::vector<std::string> processing;  ///< one sentence per step: slope removed, smoothing, runs left out
+  friend bool operator==(const MapHeader&, const MapHeader&) = default;
+};
+
+struct ErrorMap {
+  MapHeader header;
+  std::vector<MapTable> tables;  ///< by component, forward before reverse
+  friend bool operator==(const ErrorMap&, const ErrorMap&) = default;
+};
+
+/// The table of a component for an approach: its own or the one for both; nullptr if none.
+[[nodiscard]] const MapTable* table_of(const ErrorMap& map, Component component, Approach approach);
+
+/// Compensation at a position; @pre the table is not empty.
+[[nodiscard]] double compensation_at(const MapTable& table, double position_mm);
+
+/// The header as lines `key: value`, as the unit stores it and the CSV shows it behind `# `; and back.
+/// Unknown keys are kept nowhere: they are reported.
+[[nodiscard]] std::string header_text(const MapHeader& header);
+[[nodiscard]] Result<MapHeader> parse_header(std::string_view text, const std::string& source_name);
+
+/// What stands against sending this map to a unit with these parameters; empty: nothing. Objections: a missing
+/// component (named with what it is) or approach, a squareness that nobody measured, another chain, a component
+/// declared zero that has values, a translation beyond the output limit, a table of one point, tables that do not reach
+/// the reference position, forward and reverse of different extent. Worth knowing: components the scope does not use, a
+/// value that jumps.
+struct MapFinding {
+  bool objection = true;  ///< false: worth knowing, no reason to refuse
+  std::string message;
+};
+[[nodiscard]] std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters);
+
+/// "X axis roll error", "squareness of Y to X": what a component is, in words.
+[[nodiscard]] std::string description_of(Component component);
+
+}  // namespace ecs::laser

@@ -1,0 +1,113 @@
+// The header of a map as text.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "laser/findings.hpp"
+#include "laser/map/error_map.hpp"
+
+namespace ecs::laser {
+namespace {
+
+/// One line, whatever was typed: line ends become blanks.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
+void put(std::string& text, std::string_view key, const std::string& value) {
+  if (!value.empty()) text += fmt::format("{}: {}\n", key, one_line(value));
+}
+
+/// `code rest of the line`
+struct Coded {
+  std::string_view code;
+  std::string_view rest;
+};
+Coded coded(std::string_view value) {
+  const std::size_t blank = value.find(' ');
+  if (blank == std::string_view::npos) return {value, {}};
+  return {value.substr(0, blank), trimmed(value.substr(blank))};
+}
+
+std::string take_source(MapHeader& header, std::string_view value) {
+  const Coded entry = coded(value);
+  const std::size_t mark = entry.rest.rfind(" sha256=");
+  if (!component_of(entry.code) || mark == std::string_view::npos)
+    return fmt::format("source: expected CODE FILE sha256=…, found {}", in_quotes(value));
+  header.sources.push_back({std::string(entry.code), std::string(trimmed(entry.rest.substr(0, mark))),
+                            std::string(trimmed(entry.rest.substr(mark + 8)))});
+  return {};
+}
+
+std::string take_declared_zero(MapHeader& header, std::string_view value) {
+  const Coded entry = coded(value);
+  const auto component = component_of(entry.code);
+  if (!component || entry.rest.empty())
+    return fmt::format("declared_zero: expected CODE and a reason, found {}", in_quotes(value));
+  header.declared_zero.push_back({*component, std::string(entry.rest)});
+  return {};
+}
+
+std::string take(MapHeader& header, std::string_view key, std::string_view value) {
+  if (key == "customer")
+    header.customer = value;
+  else if (key == "machine")
+    header.machine = value;
+  else if (key == "serial_number")
+    header.serial_number = value;
+  else if (key == "date")
+    header.date = value;
+  else if (key == "engineer")
+    header.engineer = value;
+  else if (key == "configuration")
+    header.configuration = value;
+  else if (key == "processing")
+    header.processing.emplace_back(value);
+  else if (key == "source")
+    return take_source(header, value);
+  else if (key == "declared_zero")
+    return take_declared_zero(header, value);
+  else
+    return fmt::format("header: no such key {}", in_quotes(key));
+  return {};
+}
+
+}  // namespace
+
+std::string header_text(const MapHeader& header) {
+  std::string text;
+  put(text, "customer", header.customer);
+  put(text, "machine", header.machine);
+  put(text, "serial_number", header.serial_number);
+  put(text, "date", header.date);
+  put(text, "engineer", header.engineer);
+  put(text, "configuration", header.configuration);
+  for (const SourceFile& s : header.sources)
+    put(text, "source", fmt::format("{} {} sha256={}", s.component, s.name, s.sha256));
+  for (const DeclaredZero& z : header.declared_zero)
+    put(text, "declared_zero", fmt::format("{} {}", name_of(z.component), z.reason));
+  for (const std::string& step : header.processing) put(text, "processing", step);
+  return text;
+}
+
+Result<MapHeader> parse_header(std::string_view text, const std::string& source_name) {
+  MapHeader header;
+  Findings findings(source_name);
+  int line = 0;
+  for (const std::string_view row : lines_of(text)) {
+    ++line;
+    if (trimmed(row).empty()) continue;
+    const std::size_t colon = row.find(':');
+    const std::string fault = colon == std::string_view::npos
+                                  ? fmt::format("header: expected key: value, found {}", in_quotes(row))
+                                  : take(header, trimmed(row.substr(0, colon)), trimmed(row.substr(colon + 1)));
+    if (!fault.empty()) findings.add(line, 1, fault);
+  }
+  if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  return header;
+}
+
+}  // namespace ecs::laser

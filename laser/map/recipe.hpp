@@ -1,0 +1,66 @@
+// What a map is made of and how: the files of each component and what is done to their readings.
+// Does not live here: doing it (build.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/component.hpp"
+#include "core/parameters.hpp"
+#include "laser/analysis/process.hpp"
+#include "laser/map/error_map.hpp"
+
+namespace ecs::laser {
+
+/// The word of a method in recipes and on command lines.
+[[nodiscard]] std::string_view name_of(SlopeMethod method);
+[[nodiscard]] std::optional<SlopeMethod> slope_method_named(std::string_view word);
+
+/// Least squares for straightness and squareness, none for the rest.
+[[nodiscard]] SlopeMethod default_slope(Component component);
+
+/// One component of the map.
+struct ComponentRecipe {
+  Component component = Component::EXX;
+  /// One file; for a rotation found from two linear runs at two offsets (thesis 6.3.2.3), two.
+  std::vector<std::filesystem::path> files;
+  std::optional<SlopeMethod> slope;  ///< absent: default_slope()
+  double smoothing_mm = 0.0;         ///< window of the local quadratic; 0: none
+  std::vector<int> exclude_runs;
+  std::optional<double> increment_mm;  ///< of the tables; absent: the spacing of the targets
+};
+
+struct MapRecipe {
+  std::string customer;
+  std::string engineer;
+  std::string date;
+  std::string machine;                      ///< empty: from the files
+  std::string serial_number;                ///< empty: from the files
+  std::vector<ComponentRecipe> components;  ///< curves and squareness values
+  std::vector<DeclaredZero> declared_zero;
+};
+
+/// Reads a recipe (docs/maps.md):
+///   customer, engineer, date, machine, serial_number
+///   [[component]] code, files (relative to the recipe), slope, smoothing_mm, exclude_runs, increment_mm
+///   [[declared_zero]] code, reason
+/// Refuses unknown keys, unknown codes, a component named twice or both measured and declared zero.
+[[nodiscard]] Result<MapRecipe> parse_map_recipe(std::string_view text, const std::string& file_name,
+                                                 const std::filesystem::path& folder);
+[[nodiscard]] Result<MapRecipe> read_map_recipe(const std::filesystem::path& path);
+
+/// The recipe that the files themselves suggest for a unit with these parameters: each file by its axis and sense; a
+/// rotation without a file of its own from two linear runs on parallel lines, if there are such; straightness by
+/// least squares; no smoothing. Files that serve nothing are named in `unused`, with the reason.
+struct SuggestedRecipe {
+  MapRecipe recipe;
+  std::vector<std::string> unused;
+};
+[[nodiscard]] Result<SuggestedRecipe> suggest_recipe(const std::vector<std::filesystem::path>& files,
+                                                     const UnitParameters& parameters);
+
+}  // namespace ecs::laser

@@ -1,0 +1,81 @@
+#include "laser/units.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "base/text.hpp"
+
+namespace ecs::laser {
+namespace {
+
+constexpr double kUmPerMPerDegree = 1e6 * std::numbers::pi / 180.0;
+constexpr double kZero_K = 273.15;
+
+constexpr std::array<Unit, 37> kUnits{{
+    {"mm", UnitKind::length, 1.0},
+    {"um", UnitKind::length, 1e-3},
+    {"\xC2\xB5m", UnitKind::length, 1e-3},  // micro sign
+    {"\xCE\xBCm", UnitKind::length, 1e-3},  // Greek mu
+    {"nm", UnitKind::length, 1e-6},
+    {"cm", UnitKind::length, 10.0},
+    {"m", UnitKind::length, 1000.0},
+    {"in", UnitKind::length, 25.4},
+    {"inch", UnitKind::length, 25.4},
+    {"mil", UnitKind::length, 0.0254},
+    {"thou", UnitKind::length, 0.0254},
+    {"uin", UnitKind::length, 25.4e-6},
+    {"um/m", UnitKind::angle, 1.0},
+    {"urad", UnitKind::angle, 1.0},
+    {"mm/m", UnitKind::angle, 1000.0},
+    {"mrad", UnitKind::angle, 1000.0},
+    {"rad", UnitKind::angle, 1e6},
+    {"deg", UnitKind::angle, kUmPerMPerDegree},
+    {"arcmin", UnitKind::angle, kUmPerMPerDegree / 60.0},
+    {"arcsec", UnitKind::angle, kUmPerMPerDegree / 3600.0},
+    {"degC", UnitKind::temperature, 1.0},
+    {"C", UnitKind::temperature, 1.0},
+    {"degF", UnitKind::temperature, 5.0 / 9.0, -160.0 / 9.0},
+    {"F", UnitKind::temperature, 5.0 / 9.0, -160.0 / 9.0},
+    {"K", UnitKind::temperature, 1.0, -kZero_K},
+    {"hPa", UnitKind::pressure, 1.0},
+    {"mbar", UnitKind::pressure, 1.0},
+    {"Pa", UnitKind::pressure, 0.01},
+    {"kPa", UnitKind::pressure, 10.0},
+    {"bar", UnitKind::pressure, 1000.0},
+    {"mmHg", UnitKind::pressure, 1.33322387415},
+    {"inHg", UnitKind::pressure, 33.86388640341},
+    {"s", UnitKind::time, 1.0},
+    {"ms", UnitKind::time, 1e-3},
+    {"us", UnitKind::time, 1e-6},
+    {"min", UnitKind::time, 60.0},
+    {"h", UnitKind::time, 3600.0},
+}};
+
+}  // namespace
+
+std::optional<Unit> unit_named(std::string_view name) {
+  const auto* const found =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& unit) { return lower(unit.name) == lower(name); });
+  return found == kUnits.end() ? std::nullopt : std::optional(*found);
+}
+
+std::string unit_names() {
+  std::string names;
+  for (const Unit& unit : kUnits)
+    if (static_cast<unsigned char>(unit.name.front()) < 0x80) names.append(names.empty() ? "" : " ").append(unit.name);
+  return names;
+}
+
+std::optional<double> number_or_comma(std::string_view text) {
+  if (const auto plain = number_in(text)) return plain;
+  const std::size_t comma = text.find(',');
+  if (comma == std::string_view::npos || text.find(',', comma + 1) != std::string_view::npos ||
+      text.find('.') != std::string_view::npos)
+    return std::nullopt;
+  std::string with_point(text);
+  with_point[comma] = '.';
+  return number_in(with_point);
+}
+
+}  // namespace ecs::laser

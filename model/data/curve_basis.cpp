@@ -1,0 +1,78 @@
+#include "model/data/curve_basis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecs::model {
+namespace {
+
+/// Share of the positions that smooth functions may take.
+constexpr double kMostOfPositions = 0.6;
+/// On so few positions a curve is free at every one: nothing faster can be told from it there.
+constexpr double kFewPositions = 5.0;
+
+/// Functions that so many different positions can hold; mean and slope take two.
+std::size_t most_functions(double positions) {
+  if (positions < 3.0) return 0;
+  if (positions <= kFewPositions) return static_cast<std::size_t>(positions) - 2;
+  return static_cast<std::size_t>(std::min(positions - 3.0, kMostOfPositions * positions));
+}
+
+}  // namespace
+
+double smooth_shape(std::size_t order, double place) {
+  const double u = 2.0 * place - 1.0;
+  double before = 1.0, now = u;  // Legendre polynomials, by their three-term recurrence
+  for (std::size_t n = 1; n <= order; ++n) {
+    const double k = static_cast<double>(n);
+    const double next = ((2.0 * k + 1.0) * u * now - k * before) / (k + 1.0);
+    before = now;
+    now = next;
+  }
+  return std::sqrt(2.0 * static_cast<double>(order) + 3.0) * now;
+}
+
+std::vector<double> distinct(std::vector<double> values, double tolerance) {
+  std::sort(values.begin(), values.end());
+  std::vector<double> kept;
+  for (const double v : values)
+    if (kept.empty() || v - kept.back() > tolerance) kept.push_back(v);
+  return kept;
+}
+
+CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most) {
+  if (positions_mm.empty()) return;
+  const auto [least, greatest] = std::minmax_element(positions_mm.begin(), positions_mm.end());
+  least_mm_ = *least;
+  greatest_mm_ = *greatest;
+  const double n = static_cast<double>(positions_mm.size());
+  for (const double p : positions_mm) centre_mm_ += p / n;
+  const double width = greatest_mm_ - least_mm_;
+  if (width <= 0.0) return;
+  const std::size_t room = most_functions(static_cast<double>(distinct(positions_mm, 1e-6 * width).size()));
+  for (std::size_t k = 0; k < std::min(most, room); ++k) {
+    double sum = 0.0, sum_pf = 0.0, sum_pp = 0.0;
+    for (const double p : positions_mm) {
+      const double f = smooth_shape(k + 1, place_of(p));
+      sum += f;
+      sum_pf += (p - centre_mm_) * f;
+      sum_pp += (p - centre_mm_) * (p - centre_mm_);
+    }
+    mean_.push_back(sum / n);
+    slope_.push_back(sum_pf / sum_pp);
+  }
+}
+
+double CurveBasis::place_of(double position_mm) const {
+  const double width = greatest_mm_ - least_mm_;
+  return width <= 0.0 ? 0.0 : std::clamp((position_mm - least_mm_) / width, 0.0, 1.0);
+}
+
+double CurveBasis::half_width_mm() const { return std::max(0.5 * (greatest_mm_ - least_mm_), 1e-9); }
+
+double CurveBasis::value(std::size_t k, double position_mm) const {
+  const double p = std::clamp(position_mm, least_mm_, greatest_mm_);
+  return smooth_shape(k + 1, place_of(p)) - mean_[k] - slope_[k] * (p - centre_mm_);
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,42 @@
+// Smooth curves over a travel: Legendre polynomials in the order of their roughness, with mean and slope over the
+// measured positions removed.
+// Does not live here: how many of them a fit may use (model/effects/regressors.hpp).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace ecs::model {
+
+/// Polynomial of degree order + 1 (order 1, 2, …; as many zero crossings) at `place` in 0 … 1. Root mean square 1.
+[[nodiscard]] double smooth_shape(std::size_t order, double place);
+
+class CurveBasis {
+ public:
+  CurveBasis() = default;
+  /// @param positions_mm  measured positions, one per reading, in any order
+  /// @param most          functions wanted; fewer where the positions are too few to hold them
+  CurveBasis(const std::vector<double>& positions_mm, std::size_t most);
+
+  [[nodiscard]] std::size_t size() const { return mean_.size(); }
+  /// Function k at a position; beyond the measured travel the end value holds.
+  [[nodiscard]] double value(std::size_t k, double position_mm) const;
+  [[nodiscard]] double least_mm() const { return least_mm_; }
+  [[nodiscard]] double greatest_mm() const { return greatest_mm_; }
+  [[nodiscard]] double centre_mm() const { return centre_mm_; }
+  [[nodiscard]] double half_width_mm() const;
+
+ private:
+  [[nodiscard]] double place_of(double position_mm) const;
+
+  double least_mm_ = 0.0;
+  double greatest_mm_ = 0.0;
+  double centre_mm_ = 0.0;
+  std::vector<double> mean_;   ///< of each shape over the measured positions
+  std::vector<double> slope_;  ///< of each shape, per mm
+};
+
+/// The different values, ascending, those closer than `tolerance` merged.
+[[nodiscard]] std::vector<double> distinct(std::vector<double> values, double tolerance);
+
+}  // namespace ecs::model

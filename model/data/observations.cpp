@@ -1,0 +1,167 @@
+#include "model/data/observations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include <fmt/format.h>
+
+namespace ecs::model {
+namespace {
+
+using laser::MeasurementSet;
+using laser::Reading;
+
+/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable.
+auto key_of(const Reading& r, bool by_time) {
+  const double travelled = laser::target_mm(r) * (r.approach == Approach::reverse ? -1.0 : 1.0);
+  Vector3 parked = r.position_mm;
+  parked[index_of(r.axis)] = 0.0;
+  return std::make_tuple(by_time ? *r.time_s : 0.0, r.axis, r.sense, parked, r.run, -static_cast<int>(r.approach),
+                         travelled, r.error, r.feed_mm_min, r.load_kg, r.row);
+}
+
+std::vector<std::size_t> canonical_order(const MeasurementSet& set) {
+  const bool by_time =
+      std::all_of(set.readings.begin(), set.readings.end(), [](const Reading& r) { return r.time_s.has_value(); });
+  std::vector<std::size_t> order(set.readings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return key_of(set.readings[a], by_time) < key_of(set.readings[b], by_time);
+  });
+  return order;
+}
+
+/// A column of optional cells; empty if no reading has one.
+template <class Get>
+Column column_of(const MeasurementSet& set, const std::vector<std::size_t>& order, Get get) {
+  Column column;
+  bool any = false;
+  column.reserve(order.size());
+  for (const std::size_t k : order) {
+    const std::optional<double> value = get(set.readings[k]);
+    any = any || value.has_value();
+    column.push_back(value.value_or(kNotMeasured));
+  }
+  if (!any) column.clear();
+  return column;
+}
+
+template <class Map>
+std::optional<double> found_in(const Map& map, const std::string& key) {
+  const auto found = map.find(key);
+  return found == map.end() ? std::nullopt : std::optional(found->second);
+}
+
+void from_first(Column& time_s) {
+  double first = std::numeric_limits<double>::infinity();
+  for (const double t : time_s)
+    if (t < first) first = t;
+  for (double& t : time_s) t -= first;
+}
+
+void take_machine(Observations& data, const std::optional<params::Machine>& machine) {
+  if (!machine) {
+    data.notes.emplace_back("no machine: positions count from 0, no lever arms are known");
+    return;
+  }
+  data.machine = *machine;
+  data.lines = params::measurement_lines_of(*machine);
+  for (const Axis a : kAllAxes)
+    if (machine->axes[index_of(a)]) data.datum_mm[index_of(a)] = machine->axes[index_of(a)]->datum_mm;
+  if (const auto chain = params::chain_of(*machine))
+    if (const auto terms = terms_of(*chain, Convention::iso, CurveKind::carriage)) data.terms = *terms;
+}
+
+void take_columns(Observations& data, const MeasurementSet& set, const std::vector<std::size_t>& order) {
+  data.reading = column_of(set, order, [](const Reading& r) { return std::optional(r.error); });
+  data.time_s = column_of(set, order, [](const Reading& r) { return r.time_s; });
+  from_first(data.time_s);
+  data.feed_mm_min = column_of(set, order, [](const Reading& r) { return r.feed_mm_min; });
+  data.load_kg = column_of(set, order, [](const Reading& r) { return r.load_kg; });
+  data.travel_since_reversal_mm = column_of(set, order, [](const Reading& r) { return r.travel_since_reversal_mm; });
+  data.pressure_hPa = column_of(set, order, [](const Reading& r) { return r.pressure_hPa; });
+  data.humidity_pct = column_of(set, order, [](const Reading& r) { return r.humidity_pct; });
+  for (const std::string& sensor : laser::sensor_names_of(set))
+    data.sensors_degC[sensor] =
+        column_of(set, order, [&](const Reading& r) { return found_in(r.sensors_degC, sensor); });
+  std::vector<std::string> extras;
+  for (const Reading& r : set.readings)
+    for (const auto& [name, value] : r.extras)
+      if (std::find(extras.begin(), extras.end(), name) == extras.end()) extras.push_back(name);
+  for (const std::string& extra : extras)
+    data.extras[extra] = column_of(set, order, [&](const Reading& r) { return found_in(r.extras, extra); });
+}
+
+}  // namespace
+
+Observations observations_of(const MeasurementSet& set, const Model& model,
+                             const std::optional<params::Machine>& machine) {
+  Observations data;
+  const std::vector<std::size_t> order = canonical_order(set);
+  data.file_order = order;
+  for (const std::size_t k : order) {
+    const Reading& r = set.readings[k];
+    data.row.push_back(r.row > 0 ? r.row : static_cast<int>(k) + 1);
+    data.axis.push_back(r.axis);
+    data.sense.push_back(r.sense);
+    data.run.push_back(r.run);
+    data.approach.push_back(static_cast<int>(r.approach));
+    data.position_mm.push_back(r.position_mm);
+    data.has_compensated_column = data.has_compensated_column || r.compensated.has_value();
+    data.compensated.push_back(r.compensated.value_or(model.map.has_value()));
+  }
+  data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
+  take_columns(data, set, order);
+  take_machine(data, machine);
+  data.map = model.map;
+  data.known = model.known;
+  return data;
+}
+
+namespace {
+
+template <class T>
+std::vector<T> taken(const std::vector<T>& from, const std::vector<std::size_t>& chosen) {
+  std::vector<T> part;
+  if (from.empty()) return part;
+  part.reserve(chosen.size());
+  for (const std::size_t k : chosen) part.push_back(from[k]);
+  return part;
+}
+
+}  // namespace
+
+Observations subset(const Observations& all, const std::vector<std::size_t>& chosen) {
+  Observations part;
+  part.row = taken(all.row, chosen);
+  part.file_order = taken(all.file_order, chosen);
+  part.axis = taken(all.axis, chosen);
+  part.sense = taken(all.sense, chosen);
+  part.run = taken(all.run, chosen);
+  part.approach = taken(all.approach, chosen);
+  part.position_mm = taken(all.position_mm, chosen);
+  part.compensated = taken(all.compensated, chosen);
+  part.reading = taken(all.reading, chosen);
+  part.time_s = taken(all.time_s, chosen);
+  part.feed_mm_min = taken(all.feed_mm_min, chosen);
+  part.load_kg = taken(all.load_kg, chosen);
+  part.travel_since_reversal_mm = taken(all.travel_since_reversal_mm, chosen);
+  part.pressure_hPa = taken(all.pressure_hPa, chosen);
+  part.humidity_pct = taken(all.humidity_pct, chosen);
+  for (const auto& [name, column] : all.sensors_degC) part.sensors_degC[name] = taken(column, chosen);
+  for (const auto& [name, column] : all.extras) part.extras[name] = taken(column, chosen);
+  part.has_compensated_column = all.has_compensated_column;
+  part.has_run_column = all.has_run_column;
+  part.machine = all.machine;
+  part.terms = all.terms;
+  part.lines = all.lines;
+  part.datum_mm = all.datum_mm;
+  part.map = all.map;
+  part.known = all.known;
+  part.notes = all.notes;
+  return part;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,63 @@
+// Readings as flat columns in an order that does not depend on the file's, with the facts of machine, map and known
+// components that effects need. Does not live here: what effects make of them (model/effects/regressors.hpp).
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/terms.hpp"
+#include "laser/measurement_set.hpp"
+#include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::model {
+
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// One column of numbers, kNotMeasured where a row has none. Empty: the data do not have this column at all.
+using Column = std::vector<double>;
+
+/// Readings in canonical order: by time where every row has one, else by axis, sense, parked place, run, approach and
+/// the way travelled. All columns have `size()` entries or none.
+struct Observations {
+  std::vector<int> row;                 ///< number of the data row in its file, from 1
+  std::vector<std::size_t> file_order;  ///< file_order[k] = place in `readings` of the measurement set
+  std::vector<Axis> axis;               ///< the axis being moved
+  std::vector<Sense> sense;
+  std::vector<int> run;
+  std::vector<int> approach;         ///< 1, -1, 0 unknown
+  std::vector<Vector3> position_mm;  ///< machine coordinates
+  Column reading;                    ///< um, um/m for rotations
+  Column time_s;                     ///< since the first reading
+  Column feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct;
+  std::map<std::string, Column, std::less<>> sensors_degC;  ///< by column name
+  std::map<std::string, Column, std::less<>> extras;        ///< other columns of numbers
+  std::vector<bool> compensated;  ///< the map was active (explicit or by the rule of the contract)
+  bool has_compensated_column = false;
+  bool has_run_column = false;
+
+  params::Machine machine;   ///< may be without axes: datum 0, lines 0
+  TermTable terms;           ///< empty: no chain known
+  MeasurementLines lines{};  ///< where each axis was measured [mm]
+  Vector3 datum_mm{};        ///< positions of effects count from here
+  std::optional<laser::ErrorMap> map;
+  std::vector<KnownComponent> known;
+  std::vector<std::string> notes;  ///< what was assumed, in words
+
+  [[nodiscard]] std::size_t size() const { return reading.size(); }
+  /// Coordinate from the datum [mm].
+  [[nodiscard]] double p_mm(std::size_t k, Axis a) const { return position_mm[k][index_of(a)] - datum_mm[index_of(a)]; }
+};
+
+/// @param machine  absent: datum and measurement lines at 0, no lever arms
+[[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
+                                           const std::optional<params::Machine>& machine);
+
+/// The rows `chosen` (places in canonical order, ascending), everything else the same.
+[[nodiscard]] Observations subset(const Observations& all, const std::vector<std::size_t>& chosen);
+
+}  // namespace ecs::model

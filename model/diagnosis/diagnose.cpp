@@ -1,0 +1,333 @@
+#include "model/diagnosis/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/words.hpp"
+#include "model/effects/user_start.hpp"
+#include "model/fit/compare.hpp"
+#include "model/fit/held_out.hpp"
+#include "model/fit/report.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+/// An even choice of readings, the same whatever the file's order: every reading of rare kinds is likely to stay.
+std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
+  std::vector<std::size_t> chosen;
+  std::mt19937_64 random(20261120);
+  const double step = static_cast<double>(n) / static_cast<double>(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
+    const auto k = std::min(static_cast<std::size_t>(place), n - 1);
+    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
+  }
+  return chosen;
+}
+
+/// The candidates in the order in which they are told, each with its part in the answer.
+struct Told {
+  EffectInstance effect;
+  Choice choice;
+  bool named = false;
+  std::vector<EffectInstance> rivals;
+};
+
+std::vector<Told> told_order(const Found& found, bool named) {
+  std::vector<Told> list;
+  const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
+  std::vector<const Group*> groups;
+  for (const Group& group : found.groups) groups.push_back(&group);
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group* a, const Group* b) { return a->member.gain > b->member.gain; });
+  const auto listed = [&](const EffectInstance& effect) {
+    return std::any_of(list.begin(), list.end(), [&](const Told& t) {
+      return same_place(t.effect, effect) && t.effect.sensor == effect.sensor && t.effect.approach == effect.approach;
+    });
+  };
+  for (const Group* group : groups) {
+    Told one{instance(group->member), group->member, named, {}};
+    for (const Choice& rival : group->rivals) one.rivals.push_back(instance(rival));
+    list.push_back(one);
+  }
+  const std::size_t members = list.size();
+  for (std::size_t g = 0; g < members; ++g)
+    for (const Choice& rival : groups[g]->rivals) {
+      if (listed(instance(rival))) continue;
+      Told one{instance(rival), rival, false, {list[g].effect}};
+      for (const Choice& other : groups[g]->rivals)
+        if (other.family != rival.family) one.rivals.push_back(instance(other));
+      list.push_back(one);
+    }
+  for (const Group* group : groups)
+    for (const Choice& weaker : group->weaker)
+      if (!listed(instance(weaker)) && list.size() < 12) list.push_back({instance(weaker), weaker, false, {}});
+  return list;
+}
+
+/// Columns of a told effect on all readings, at the values found.
+Columns columns_on(const Regressors& regressors, const Told& told) {
+  EffectInstance plain = told.effect;
+  const Columns all = regressors.columns(plain, told.choice.nonlinear);
+  if (all.fixed.size() > 0) return all;
+  Columns chosen;
+  std::vector<Index> kept;
+  for (const Index j : told.choice.columns)
+    if (j < all.of.cols()) kept.push_back(j);
+  chosen.of.resize(all.of.rows(), static_cast<Index>(kept.size()));
+  for (std::size_t j = 0; j < kept.size(); ++j) chosen.of.col(static_cast<Index>(j)) = all.of.col(kept[j]);
+  return chosen;
+}
+
+LinearProblem joined_with(const MatrixXd& columns, const VectorXd& target, const Columns& more) {
+  LinearProblem all{columns, target};
+  if (more.fixed.size() > 0) all.target -= more.fixed;
+  const Index had = all.columns.cols();
+  all.columns.conservativeResize(Eigen::NoChange, had + more.of.cols());
+  all.columns.rightCols(more.of.cols()) = more.of;
+  return all;
+}
+
+/// Sizes of an effect alone beside the model, as parameters without sigma.
+std::vector<ParameterEstimate> quick_parameters(const Told& told, const LinearProblem& problem,
+                                                const Whitener& whitener, const Regressors& regressors, Index first) {
+  const VectorXd sizes = least_squares(whitener(problem.columns), whitener(problem.target));
+  const Columns all = regressors.columns(told.effect, told.choice.nonlinear);
+  VectorXd every = VectorXd::Zero(all.of.cols());
+  std::size_t j = 0;
+  for (const Index column : told.choice.columns)
+    if (column < every.size()) every(column) = sizes(first + static_cast<Index>(j++));
+  std::optional<double> nonlinear;
+  if (!nonlinear_parameter_of(told.effect.id).empty()) nonlinear = told.choice.nonlinear;
+  if (!is_curve(told.effect.id)) return parameters_from(told.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
+  const VectorXd curve = all.of * every;
+  return {{"rms_um", std::string(info_of(told.effect.id).parameters.front().unit), rms_of(curve), {}, false, false}};
+}
+
+struct ReportInput {
+  const Model& model;
+  const Regressors& regressors;
+  const Base& base;
+  const Found& found;
+  const DiagnoseOptions& options;
+};
+
+Candidate candidate_of(const ReportInput& in, const Told& told, const Whitener& whitener, const Parts& parts,
+                       const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
+                       double held_out_before, bool prove) {
+  Candidate candidate;
+  candidate.effect = told.effect;
+  candidate.named = told.named;
+  const Columns columns = columns_on(in.regressors, told);
+  const LinearProblem problem = joined_with(in.base.columns, in.base.target, columns);
+  const VectorXd residual = residual_of(problem, whitener);
+  candidate.rms_after_um = rms_of(residual);
+  candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
+  const double above_noise = rms_um * rms_um - noise.pure.noise_um * noise.pure.noise_um;
+  if (above_noise > 0.0)
+    candidate.explainable_share =
+        std::clamp((rms_um * rms_um - candidate.rms_after_um * candidate.rms_after_um) / above_noise, 0.0, 1.0);
+  const double freedom = std::max<double>(1.0, static_cast<double>(told.choice.parameters));
+  candidate.p_value =
+      std::pow(10.0, -std::min(300.0, minus_log_p(told.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
+  const double least = 1.0 / (static_cast<double>(in.found.blank_scores.size()) + 1.0);  // blanks show no less
+  candidate.false_naming = std::max(least, tail_probability(in.found.blank_scores, told.choice.score()));
+  candidate.skipped = in.regressors.acting(told.effect).skipped;
+  candidate.parameters = quick_parameters(told, problem, whitener, in.regressors, in.base.columns.cols());
+  if (prove) {
+    candidate.held_out_rms_before_um = held_out_before;
+    candidate.held_out_rms_um =
+        held_out_rms(in.regressors.data(), noise, left_out, parts, problem.columns, problem.target);
+  }
+  for (const EffectInstance& rival : told.rivals) {
+    const std::string name = to_text(rival);
+    auto& list = candidate.indistinguishable_from;
+    if (name != to_text(told.effect) || rival.sensor != told.effect.sensor || rival.approach != told.effect.approach)
+      if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  }
+  return candidate;
+}
+
+void take_parameters(Candidate& candidate, const Fit& after) {
+  for (const EffectFit& effect : after.effects) {
+    if (!same_place(effect.effect, candidate.effect) || effect.effect.sensor != candidate.effect.sensor ||
+        effect.effect.approach != candidate.effect.approach)
+      continue;
+    candidate.parameters = effect.parameters;
+    candidate.effect.curve = effect.effect.curve;
+    candidate.effect.fitted = effect.effect.fitted;
+  }
+}
+
+/// A dependence that noise alone shows more often is not told.
+constexpr double kTellingChance = 1e-3;
+
+std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
+                                    const std::vector<StructureTest>& tests) {
+  std::vector<Dependence> list;
+  for (const Variable& variable : variables_of(data)) {
+    Dependence one;
+    one.variable = variable.name;
+    one.strength = share_of(variable, residual, noise.pure.noise_um);
+    for (const StructureTest& test : tests)
+      if (test.variable == variable.name) one.p_value = std::pow(10.0, -std::min(300.0, test.minus_log_p));
+    const ResidualView view =
+        residual_view(data, std::vector<double>(residual.data(), residual.data() + residual.size()),
+                      noise.pure.noise_um, variable.name, 24);
+    for (const ResidualBin& bin : view.bins) {
+      one.at.push_back(0.5 * (bin.from + bin.to));
+      one.mean_um.push_back(bin.mean_um);
+    }
+    if (one.strength > 0.01 && one.p_value < kTellingChance) list.push_back(std::move(one));
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Dependence& a, const Dependence& b) { return a.strength > b.strength; });
+  return list;
+}
+
+Diagnosis too_few(const Observations& data, const Base& base) {
+  Diagnosis diagnosis;
+  diagnosis.observations = data.size();
+  diagnosis.rms_um = diagnosis.rms_after_um = rms_of(base.residual);
+  diagnosis.noise = base.core.noise.pure;
+  diagnosis.notes.push_back(
+      fmt::format("{} readings against {} fitted parameters: too few to say whether anything is missing; measure more "
+                  "targets and repeats",
+                  data.size(), base.core.rank));
+  return diagnosis;
+}
+
+Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
+  const bool noise = noise_left(found, options);
+  if (found.solution.chosen.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
+  return noise ? Verdict::missing_effect : Verdict::unexplained_structure;
+}
+
+std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
+  std::vector<EffectInstance> all = candidate_instances(regressors.data());
+  for (const EffectInstance& candidate : model.candidates) all.push_back(with_best_start(model, candidate, regressors));
+  return all;
+}
+
+/// Why the best effects of the library do not count as an explanation.
+std::string why_not_explained(const Found& found) {
+  if (found.foreseen < kForeseen)
+    return fmt::format(
+        "the best effects of the library foresee only {:.0f} % of the residual at targets that they were not fitted to",
+        100.0 * std::max(0.0, found.foreseen));
+  const auto most =
+      std::max_element(found.after.begin(), found.after.end(),
+                       [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
+  if (most == found.after.end()) return "the best effects of the library leave structure";
+  return fmt::format(
+      "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
+      most->variable, 100.0 * found.structure_p_after);
+}
+
+Result<Diagnosis> reported(const ReportInput& in) {
+  const Observations& data = in.regressors.data();
+  Diagnosis diagnosis;
+  diagnosis.observations = data.size();
+  diagnosis.rms_um = rms_of(in.base.residual);
+  diagnosis.verdict = verdict_of(in.found, in.options);
+  diagnosis.candidates_tried = in.found.families.size();
+  diagnosis.blanks = in.found.blank_scores.size();
+
+  Model with = in.model;
+  const std::vector<Told> order = told_order(in.found, diagnosis.verdict == Verdict::missing_effect);
+  for (const Told& told : order)
+    if (told.named) with.effects.push_back(told.effect);
+  Fit after;
+  auto again = base_of(with, in.regressors, in.options.plain, &after);
+  if (!again) return tl::unexpected(again.error());
+  const NoiseModel noise = noise_of(data, again->residual, smooth_columns(data), again->core.left_out);
+  const std::vector<bool>& left_out = again->core.left_out;
+  const Whitener whitener(data, noise, left_out);
+  diagnosis.rms_after_um = after.rms_um;
+  diagnosis.noise = noise.pure;
+  diagnosis.outliers = after.outliers;
+  diagnosis.lack_of_fit =
+      lack_of_fit_of(data, in.base.residual, noise, left_out, static_cast<double>(in.base.core.rank));
+  diagnosis.lack_of_fit_after = after.lack_of_fit;
+
+  const Parts parts = parts_of(data);
+  const double held_out_before =
+      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.base.columns, in.base.target);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    Candidate candidate =
+        candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um, held_out_before, i < 4);
+    if (candidate.named) take_parameters(candidate, after);
+    for (const ParameterEstimate& parameter : candidate.parameters)
+      if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
+    candidate.because = reason_for(candidate, diagnosis, data);
+    candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals, data);
+    diagnosis.candidates.push_back(std::move(candidate));
+  }
+  if (diagnosis.verdict == Verdict::adequate) diagnosis.candidates.clear();
+  diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
+  diagnosis.notes = untried_effects(data);
+  if (diagnosis.verdict == Verdict::unexplained_structure && !in.found.solution.chosen.empty())
+    diagnosis.notes.push_back(why_not_explained(in.found));
+  for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
+  return diagnosis;
+}
+
+}  // namespace
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::missing_effect:
+      return "missing_effect";
+    default:
+      return "unexplained_structure";
+  }
+}
+
+namespace {
+
+Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
+  const Regressors regressors(data);
+  const auto base = base_of(model, regressors, options.plain, nullptr);
+  if (!base) return tl::unexpected(base.error());
+  if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + 6.0) return too_few(data, *base);
+  if (data.size() <= options.largest_search)
+    return reported(
+        {model, regressors, *base, searched(regressors, *base, all_candidates(model, regressors), options), options});
+
+  const Observations part = subset(data, even_choice(data.size(), options.largest_search));
+  const Regressors part_regressors(part);
+  const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
+  if (!part_base) return tl::unexpected(part_base.error());
+  const Found found = searched(part_regressors, *part_base, all_candidates(model, part_regressors), options);
+  auto diagnosis = reported({model, regressors, *base, found, options});
+  if (diagnosis)
+    diagnosis->notes.push_back(
+        fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}", part.size(), data.size()));
+  return diagnosis;
+}
+
+}  // namespace
+
+Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+  try {
+    return diagnosed(model, data, options);
+  } catch (const SearchStopped&) {
+    return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
+  }
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,77 @@
+// Which effect is missing from a model: every effect of the library is tried on what the model leaves, ranked by
+// evidence, proved on readings it was not fitted to and weighed against noise made for this very data set.
+// Does not live here: fitting a given model (model/fit/fit.hpp), what to measure next
+// (model/planning/next_measurement.hpp).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/fit/fit.hpp"
+
+namespace ecs::model {
+
+enum class Verdict : std::uint8_t {
+  adequate,               ///< what is left is noise
+  missing_effect,         ///< the first candidates bring the residual down to noise
+  unexplained_structure,  ///< the residual depends on something that no effect of the library explains
+};
+[[nodiscard]] std::string_view name_of(Verdict verdict);
+
+struct DiagnoseOptions {
+  std::size_t blanks = 400;                      ///< simulated data sets of noise alone
+  double false_naming_limit = 0.005;             ///< a cause is named only below this family-wise probability
+  std::size_t most_effects = 3;                  ///< that may be missing at once
+  std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all
+  bool plain = false;                            ///< no outliers
+  const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread: `refused`, soon; null: nobody stops it
+};
+
+struct Candidate {
+  EffectInstance effect;                      ///< with `fitted` values and its curve
+  std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
+  bool named = false;                         ///< part of the answer (false: a rival or a weaker explanation)
+  double rms_after_um = 0.0;                  ///< with this effect added, all readings
+  double explained = 0.0;                     ///< 1 − (rms_after/rms)²
+  double explainable_share = 0.0;  ///< of what is above noise: (rms² − rms_after²)/(rms² − noise²), 0 … 1
+  double p_value = 1.0;            ///< nominal
+  double false_naming = 1.0;       ///< chance that noise alone makes any candidate look as good
+  std::optional<double> held_out_rms_um;            ///< fitted on some runs or blocks, tested on the others
+  std::optional<double> held_out_rms_before_um;     ///< the same without the effect
+  std::size_t skipped = 0;                          ///< readings without a cell that it needs
+  std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
+  std::string because;                              ///< one sentence with the evidence
+  std::string next_measurement;                     ///< one sentence
+};
+
+struct Dependence {
+  std::string variable;         ///< "x_mm", "approach", "run", "time_s", …
+  double strength = 0.0;        ///< share of the residual variance, 0 … 1
+  double p_value = 1.0;         ///< against blanks
+  std::vector<double> at;       ///< shape: centres of bins of the variable
+  std::vector<double> mean_um;  ///< shape: mean residual there
+};
+
+struct Diagnosis {
+  std::size_t observations = 0;
+  double rms_um = 0.0;        ///< of what the model leaves
+  double rms_after_um = 0.0;  ///< with every named effect
+  PureError noise;
+  std::optional<LackOfFit> lack_of_fit;        ///< of the model as it is
+  std::optional<LackOfFit> lack_of_fit_after;  ///< with every named effect
+  Verdict verdict = Verdict::adequate;
+  std::vector<Candidate> candidates;  ///< named ones first
+  std::vector<Dependence> where;      ///< strongest first
+  std::vector<int> outliers;          ///< row numbers
+  std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
+  std::size_t candidates_tried = 0;
+  std::size_t blanks = 0;
+};
+
+[[nodiscard]] Result<Diagnosis> diagnose(const Model& model, const Observations& data,
+                                         const DiagnoseOptions& options = {});
+
+}  // namespace ecs::model

@@ -1,0 +1,194 @@
+#include "model/diagnosis/investigation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/fit/held_out.hpp"
+#include "model/fit/outliers.hpp"
+#include "model/fit/report.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+/// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well.
+constexpr double kLeastShare = 0.07;
+/// What refining a period and adding harmonics may gain on noise, which the blanks are not given.
+constexpr double kRefinement = 6.0;
+/// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be.
+constexpr double kLeastStructure = 0.08;
+constexpr double kStructureChance = 0.4;
+/// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
+constexpr double kLateShare = 0.3;
+
+MatrixXf without_absorbed(const MatrixXd& q, MatrixXf blanks) {
+  if (q.cols() == 0) return blanks;
+  const MatrixXf qf = q.cast<float>();
+  const MatrixXf products = qf.transpose() * blanks;
+  blanks.noalias() -= qf * products;
+  return blanks;
+}
+
+/// Least score that noise alone reaches with at most the given chance.
+double score_at(const std::vector<double>& blank_scores, double chance) {
+  double low = -50.0, high = 1000.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (tail_probability(blank_scores, middle) > chance ? low : high) = middle;
+  }
+  return high;
+}
+
+LinearProblem joined(const Base& base, const Search& search, const std::vector<Choice>& chosen) {
+  LinearProblem all{base.columns, base.target};
+  for (const Choice& choice : chosen) {
+    const Columns columns = search.columns_of(choice);
+    if (columns.fixed.size() > 0) all.target -= columns.fixed;
+    const Index had = all.columns.cols();
+    all.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
+    all.columns.rightCols(columns.of.cols()) = columns.of;
+  }
+  return all;
+}
+
+double chance_of_largest(const std::vector<StructureTest>& tests, const std::vector<double>& blanks) {
+  double largest = 0.0;
+  for (const StructureTest& test : tests) largest = std::max(largest, test.minus_log_p);
+  return tail_probability(blanks, largest);
+}
+
+/// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
+bool changed(const NoiseModel& a, const NoiseModel& b) {
+  for (std::size_t g = 0; g < a.groups.size(); ++g) {
+    const double ratio = b.groups[g].sigma() / std::max(a.groups[g].sigma(), 1e-300);
+    if (ratio < 0.85 || ratio > 1.15) return true;
+  }
+  return false;
+}
+
+/// Share of what is above noise that the effects predict at targets they were not fitted to, beyond what the model
+/// absorbs of both.
+double foreseen_share(const Observations& data, const Search& search, const Whitener& whitener,
+                      const std::vector<Choice>& chosen) {
+  const MatrixXd& q = search.base().q;
+  const auto beyond = [&](const MatrixXd& raw) {
+    MatrixXd white = whitener(raw);
+    white.noalias() -= q * (q.transpose() * white).eval();
+    return white;
+  };
+  LinearProblem left{MatrixXd(q.rows(), 0), search.base().y};
+  for (const Choice& choice : chosen) {
+    const Columns columns = search.columns_of(choice);
+    if (columns.fixed.size() > 0) left.target -= beyond(columns.fixed).col(0);
+    const Index had = left.columns.cols();
+    left.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
+    left.columns.rightCols(columns.of.cols()) = beyond(columns.of);
+  }
+  return foreseen_part(parts_by_target(data), left.columns, left.target, search.base().y);
+}
+
+}  // namespace
+
+double rms_of(const VectorXd& r) {
+  return r.size() == 0 ? 0.0 : std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
+}
+
+Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* told_fit) {
+  auto assembly = Assembly::of(model, regressors);
+  if (!assembly) return tl::unexpected(assembly.error());
+  Base base;
+  base.core = fitted(*assembly, regressors, {plain, true});
+  const Observations& data = regressors.data();
+  base.columns = assembly->columns();
+  base.columns.conservativeResize(static_cast<Index>(data.size()), Eigen::NoChange);
+  base.target =
+      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly->fixed(data.size());
+  base.residual = base.core.residual;
+  for (std::size_t s = 0; s < assembly->slots.size(); ++s)  // a small error of a fitted period is absorbed too
+    for (std::size_t j = 0; j < assembly->slots[s].nonlinear.size(); ++j) {
+      if (!assembly->slots[s].nonlinear_free[j] || assembly->slots[s].effect.id == EffectId::step) continue;
+      const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), assembly->slots[s].columns.cols());
+      base.columns.conservativeResize(Eigen::NoChange, base.columns.cols() + 1);
+      base.columns.rightCols(1) = assembly->slope(s, j, sizes, regressors);
+    }
+  if (told_fit != nullptr) *told_fit = told(*assembly, regressors, base.core);
+  return base;
+}
+
+VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
+  if (problem.columns.cols() == 0) return problem.target;
+  return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
+}
+
+Found searched(const Regressors& regressors, const Base& base, const std::vector<EffectInstance>& candidates,
+               const DiagnoseOptions& options) {
+  const Observations& data = regressors.data();
+  const MatrixXd smooth = smooth_columns(data);
+  Found found;
+  found.left_out = base.core.left_out;
+  found.noise = noise_of(data, base.residual, smooth, found.left_out);
+  for (int round = 0;; ++round) {
+    const Whitener whitener(data, found.noise, found.left_out);
+    const double noise_freedom = std::max(4.0, 0.6 * found.noise.pure.dof);
+    const Search search(regressors, whitener, base.columns, base.target, candidates, options.cancelled);
+    found.families = search.families();
+    const MatrixXf blanks = without_absorbed(
+        search.base().q, whitener(simulated_noise(data, found.noise, options.blanks, found.left_out)).cast<float>());
+    if (found.blank_scores.empty()) {
+      found.blank_scores = search.best_scores(blanks);
+      found.entry_score = kRefinement + std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
+    }
+    const double n = static_cast<double>(data.size());
+    found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
+    const VectorXd residual = residual_of(joined(base, search, found.solution.chosen), whitener);
+    if (round < 2) {
+      const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
+      const NoiseModel noise = noise_of(data, residual, smooth, outliers);
+      if (outliers != found.left_out || changed(found.noise, noise)) {
+        found.left_out = outliers;
+        found.noise = noise;
+        continue;
+      }
+    }
+    found.groups = groups_of(search, found.solution, found.entry_score);
+    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
+    found.solution = search.refined(found.solution.chosen);
+    const Structure structure(data, whitener, noise_freedom);
+    found.before = structure.tests(search.base());
+    found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
+    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, search, whitener, found.solution.chosen);
+    if (found.foreseen < kForeseenAlone && found.structure_p_before > kStructureChance * options.false_naming_limit) {
+      // no structure but for an effect without proof: that is noise
+      found.solution = search.solution({});
+      found.groups.clear();
+      found.foreseen = 1.0;
+    }
+    if (found.solution.chosen.empty()) {
+      found.after = found.before;
+      found.structure_p_after = found.structure_p_before;
+    } else {
+      found.after = structure.tests(found.solution.space);
+      found.structure_p_after = chance_of_largest(
+          found.after,
+          structure.largest_of_blanks(found.solution.space, without_absorbed(found.solution.space.q, blanks)));
+    }
+    return found;
+  }
+}
+
+bool noise_left(const Found& found, const DiagnoseOptions& options) {
+  if (found.foreseen < kForeseen) return false;
+  if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
+  const double n = static_cast<double>(found.left_out.size());
+  const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
+  double excess = 0.0;
+  for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
+  return excess < kLeastStructure + std::min(0.02 * explained, 0.2);
+}
+
+}  // namespace ecs::model

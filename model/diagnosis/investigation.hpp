@@ -1,0 +1,62 @@
+// The search on one choice of readings: noise, blanks, the best set of effects, what is left. Internal (Eigen).
+// Does not live here: how it is told (diagnose.cpp).
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/stepwise.hpp"
+#include "model/diagnosis/structure.hpp"
+#include "model/fit/core.hpp"
+
+namespace ecs::model {
+
+/// Least share of what is above noise that an explanation foresees at targets not fitted to.
+inline constexpr double kForeseen = 0.25;
+/// The same where nothing but the effect itself speaks against noise.
+inline constexpr double kForeseenAlone = 0.5;
+
+/// The model as it stands: what it absorbs and what it leaves.
+struct Base {
+  Eigen::MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
+  Eigen::VectorXd target;    ///< readings less the part held
+  Eigen::VectorXd residual;  ///< of the fit
+  CoreFit core;
+};
+
+/// Everything found on one choice of readings.
+struct Found {
+  Solution solution;
+  std::vector<Group> groups;
+  std::vector<Family> families;
+  std::vector<double> blank_scores;
+  std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
+  double structure_p_before = 1.0, structure_p_after = 1.0;
+  double entry_score = 0.0;
+  double foreseen = 1.0;  ///< share of what is above noise that is predicted at targets not fitted to
+  NoiseModel noise;
+  std::vector<bool> left_out;
+};
+
+/// Target less the fixed parts, and columns, of base and chosen effects.
+struct LinearProblem {
+  Eigen::MatrixXd columns;
+  Eigen::VectorXd target;
+};
+/// √(mean r²)
+[[nodiscard]] double rms_of(const Eigen::VectorXd& r);
+
+/// Fits the model with every function of its curves. @param told_fit  where the fit is told too; may be null
+[[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* told_fit);
+
+[[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
+
+[[nodiscard]] Found searched(const Regressors& regressors, const Base& base,
+                             const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);
+
+/// Whether the effects found leave nothing but noise.
+[[nodiscard]] bool noise_left(const Found& found, const DiagnoseOptions& options);
+
+}  // namespace ecs::model

@@ -1,0 +1,208 @@
+#include "model/diagnosis/ladder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.hpp"
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/search.hpp"
+#include "model/fit/core.hpp"
+#include "model/fit/held_out.hpp"
+#include "model/fit/report.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool allowed(const EffectInstance& effect, const AddRequest& request) {
+  if (effect.id != request.id) return false;
+  if (request.axis && effect.axis != request.axis) return false;
+  if (request.sense && effect.sense != request.sense) return false;
+  if (request.code && effect.code != request.code) return false;
+  if (request.approach && effect.approach != *request.approach) return false;
+  return request.sensor.empty() || effect.sensor == request.sensor;
+}
+
+/// Instances the request allows: those that the data show, else the one that it spells out.
+std::vector<EffectInstance> places_for(const Model& model, const Observations& data, const AddRequest& request) {
+  std::vector<EffectInstance> list;
+  for (const EffectInstance& effect : candidate_instances(data))
+    if (allowed(effect, request)) list.push_back(effect);
+  for (const EffectInstance& effect : model.candidates)
+    if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
+  if (!list.empty() || request.id == EffectId::user) return list;
+  if (request.axis && (request.sense || request.code)) {
+    EffectInstance effect;
+    effect.id = request.id;
+    effect.axis = request.axis;
+    effect.sense = request.sense;
+    effect.code = request.code;
+    effect.approach = request.approach.value_or(ApproachMode::both);
+    effect.sensor = request.sensor;
+    list.push_back(effect);
+  }
+  return list;
+}
+
+struct State {
+  Assembly assembly;
+  CoreFit core;
+};
+
+Result<State> state_of(const Model& model, const Regressors& regressors) {
+  auto assembly = Assembly::of(model, regressors);
+  if (!assembly) return tl::unexpected(assembly.error());
+  State state{std::move(*assembly), {}};
+  state.core = fitted(state.assembly, regressors, {});
+  return state;
+}
+
+double rms_of(const VectorXd& r) { return std::sqrt(r.squaredNorm() / std::max(1.0, static_cast<double>(r.size()))); }
+
+/// The best of the places by score, as an instance with its nonlinear value.
+std::optional<EffectInstance> best_place(const State& state, const Regressors& regressors,
+                                         const std::vector<EffectInstance>& places) {
+  const Observations& data = regressors.data();
+  const Whitener whitener(data, state.core.noise, state.core.left_out);
+  const VectorXd y = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
+  std::vector<EffectInstance> library, user;
+  for (const EffectInstance& place : places) (place.id == EffectId::user ? user : library).push_back(place);
+  if (library.empty()) return user.empty() ? std::nullopt : std::optional(user.front());
+  const Search search(regressors, whitener, state.assembly.columns(), y - state.assembly.fixed(data.size()), library);
+  const auto found = search.expand(search.base(), library.size());
+  if (found.empty()) return library.front();
+  return effect_of(search.families()[found.front().family].effect, found.front());
+}
+
+/// Nonlinear parameters and columns that are not used are held from here on.
+void hold_nonlinear(EffectInstance& effect, const EffectFit& fit) {
+  const std::string name(nonlinear_parameter_of(effect.id));
+  for (const ParameterEstimate& parameter : fit.parameters)
+    if (parameter.name == name) effect.parameters[name] = parameter.value;
+}
+
+}  // namespace
+
+Result<AddRequest> parse_add_request(std::string_view text) {
+  const auto parts = split(text, ':');
+  AddRequest request;
+  const auto id = effect_named(parts.front());
+  if (!id) {
+    std::vector<std::string> names;
+    for (const EffectInfo& info : effect_library()) names.emplace_back(info.name);
+    const std::string like = nearest_word(parts.front(), names);
+    return problem(ProblemKind::usage,
+                   fmt::format("no effect \"{}\"; {}", parts.front(),
+                               like.empty() ? fmt::format("expected one of {}", fmt::join(names, ", "))
+                                            : fmt::format("did you mean \"{}\"?", like)));
+  }
+  request.id = *id;
+  if (*id == EffectId::user) {
+    if (parts.size() > 1) request.name = std::string(text.substr(text.find(':') + 1));
+    return request;
+  }
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::string_view part = parts[i];
+    if (part.empty()) continue;
+    const auto sense = sense_named(part);
+    const auto code = component_of(part);
+    if (part.size() == 1 && axis_of(part.front()))
+      request.axis = axis_of(part.front());
+    else if (sense)
+      request.sense = sense;
+    else if (code)
+      request.code = code;
+    else
+      return problem(ProblemKind::usage,
+                     fmt::format("expected EFFECT[:axis[:sense or code]], such as cyclic:X:EX, got \"{}\"", text));
+  }
+  return request;
+}
+
+Result<Added> add_effect(const Model& model, const Observations& data, const AddRequest& request,
+                         const std::string& data_name) {
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to fit");
+  const Regressors regressors(data);
+  auto before = state_of(model, regressors);
+  if (!before) return tl::unexpected(before.error());
+  const auto places = places_for(model, data, request);
+  if (places.empty())
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: these data cannot show it there (which axes, senses and columns "
+                               "they have says `model diagnose`)",
+                               name_of(request.id)));
+  auto effect = best_place(*before, regressors, places);
+  if (!effect) return problem(ProblemKind::usage, fmt::format("{}: no place to add it", name_of(request.id)));
+  Added added;
+  added.model = model;
+  added.model.effects.push_back(*effect);
+  auto after = state_of(added.model, regressors);
+  if (!after) return tl::unexpected(after.error());
+  const Fit fit = told(after->assembly, regressors, after->core);
+  added.model = with_values(added.model, fit);
+  hold_nonlinear(added.model.effects.back(), fit.effects.back());
+  added.effect = fit.effects.back();
+  added.rms_before_um = rms_of(before->core.residual);
+  added.rms_after_um = fit.rms_um;
+  added.noise_um = fit.noise.noise_um;
+  const MatrixXd columns = after->assembly.columns();
+  const VectorXd target = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) -
+                          after->assembly.fixed(data.size());
+  added.step = {to_text(*effect),
+                data_name,
+                added.rms_before_um,
+                fit.rms_um,
+                fit.peak_um,
+                fit.noise.noise_um,
+                held_out_rms(data, after->core.noise, after->core.left_out, parts_of(data), columns, target)};
+  added.model.history.push_back(added.step);
+  return added;
+}
+
+Result<Model> undo(const Model& model) {
+  if (model.history.empty() || model.effects.empty())
+    return problem(ProblemKind::refused, "nothing to undo: no effect was added to this model");
+  const std::string last = model.history.back().effect;
+  Model before = model;
+  for (std::size_t i = before.effects.size(); i-- > 0;) {
+    if (to_text(before.effects[i]) != last) continue;
+    before.undone.push_back(before.effects[i]);
+    before.effects.erase(before.effects.begin() + static_cast<std::ptrdiff_t>(i));
+    before.history.pop_back();
+    return before;
+  }
+  return problem(ProblemKind::refused,
+                 fmt::format("nothing to undo: the last step added {}, which the model no longer has", last));
+}
+
+Result<WhatIf> what_if(const Model& model, const Observations& data) {
+  auto fitted_model = fit(model, data);
+  if (!fitted_model) return tl::unexpected(fitted_model.error());
+  WhatIf what;
+  std::vector<double> left(data.reading);
+  double now = 0.0, after = 0.0;
+  for (const EffectFit& effect : fitted_model->effects) {
+    const EffectInfo& info = info_of(effect.effect.id);
+    const bool carried = info.carrier == Carrier::error_map || info.carrier == Carrier::parameters;
+    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, std::string(info.how)});
+    if (!carried) continue;
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
+  }
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    now += data.reading[k] * data.reading[k];
+    after += left[k] * left[k];
+    what.peak_after_um = std::max(what.peak_after_um, std::abs(left[k]));
+  }
+  const double n = std::max(1.0, static_cast<double>(left.size()));
+  what.rms_now_um = std::sqrt(now / n);
+  what.rms_after_um = std::sqrt(after / n);
+  return what;
+}
+
+}  // namespace ecs::model

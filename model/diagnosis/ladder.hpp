@@ -1,0 +1,67 @@
+// Adding effects one by one and watching the error fall; taking them back; what is left after compensation; the map
+// that a model compiles to. Does not live here: which effect to add (diagnose.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "laser/map/error_map.hpp"
+#include "model/fit/fit.hpp"
+
+namespace ecs::model {
+
+/// What `ecs model add` was told; absent parts come from the best fit.
+struct AddRequest {
+  EffectId id = EffectId::offset;
+  std::optional<Axis> axis;
+  std::optional<Sense> sense;
+  std::optional<Component> code;
+  std::optional<ApproachMode> approach;
+  std::string sensor;
+  std::string name;  ///< of a user effect
+};
+/// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
+[[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);
+
+struct Added {
+  Model model;  ///< with the effect, its nonlinear parameters held, its history one step longer
+  EffectFit effect;
+  double rms_before_um = 0.0;
+  double rms_after_um = 0.0;
+  double noise_um = 0.0;
+  LadderStep step;
+};
+/// Refits the model with the effect in the place that fits best among those the request allows.
+[[nodiscard]] Result<Added> add_effect(const Model& model, const Observations& data, const AddRequest& request,
+                                       const std::string& data_name);
+
+/// The model without its last added effect; refused where nothing was added.
+[[nodiscard]] Result<Model> undo(const Model& model);
+
+/// What is left of the modelled error once the unit compensates all that it can.
+struct WhatIf {
+  double rms_now_um = 0.0;    ///< of the readings
+  double rms_after_um = 0.0;  ///< predicted, noise included
+  double peak_after_um = 0.0;
+  struct Share {
+    std::string effect;
+    double rms_um = 0.0;
+    bool carried = false;
+    std::string how;
+  };
+  std::vector<Share> shares;
+};
+[[nodiscard]] Result<WhatIf> what_if(const Model& model, const Observations& data);
+
+/// The error map of a model, and what stays out of it.
+struct CompiledModel {
+  laser::ErrorMap map;
+  std::vector<std::string> carried;
+  std::vector<std::string> not_carried;  ///< with the reason
+  ComponentValues squareness{};          ///< C0Y, B0Z, A0Z for the unit's parameters, um/m
+};
+/// @param fitted  a model with values
+[[nodiscard]] Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm);
+
+}  // namespace ecs::model

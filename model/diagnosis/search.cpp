@@ -1,0 +1,308 @@
+#include "model/diagnosis/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/gains.hpp"
+#include "model/effects/user_start.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Price of a period that the targets cannot follow: it takes on any slower shape.
+constexpr double kUnseenPeriod = 8.0;
+/// Different values of a user's parameter that fit a data set by chance.
+constexpr double kUserTrials = 12.0;
+constexpr std::size_t kMostBankColumns = 10'000;
+
+MatrixXd without(const MatrixXd& q, MatrixXd columns) {
+  if (q.cols() == 0) return columns;
+  columns.noalias() -= q * (q.transpose() * columns);
+  columns.noalias() -= q * (q.transpose() * columns);
+  return columns;
+}
+
+double mean_step(const Observations& data, const Family& family) {
+  std::vector<double> p;
+  for (const std::size_t k : family.acting.rows) p.push_back(data.p_mm(k, *family.effect.axis));
+  p = distinct(std::move(p), 1e-6);
+  return p.size() < 2 ? 0.0 : (p.back() - p.front()) / static_cast<double>(p.size() - 1);
+}
+
+/// Least and greatest value of the nonlinear parameter that is tried; 0 and 0: none.
+std::pair<double, double> range_of(const Family& family) {
+  std::vector<double> tried = family.grid;
+  tried.insert(tried.end(), family.facts.begin(), family.facts.end());
+  if (tried.empty()) return {0.0, 0.0};
+  const auto [least, greatest] = std::minmax_element(tried.begin(), tried.end());
+  return {*least, *greatest};
+}
+
+}  // namespace
+
+void absorb(Space& space, const MatrixXd& white_columns) {
+  const VectorXd before = white_columns.colwise().squaredNorm();
+  const MatrixXd left = without(space.q, white_columns);
+  MatrixXd fresh(left.rows(), left.cols());
+  Index count = 0;
+  for (Index j = 0; j < left.cols(); ++j) {
+    VectorXd v = left.col(j);
+    const auto taken = fresh.leftCols(count);
+    for (int twice = 0; twice < 2 && count > 0; ++twice) v.noalias() -= taken * (taken.transpose() * v).eval();
+    const double square = v.squaredNorm();
+    if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
+    v /= std::sqrt(square);
+    fresh.col(count++) = v;
+    space.y -= v * v.dot(space.y);
+  }
+  if (count == 0) return;
+  const Index had = space.q.cols();
+  space.q.conservativeResize(space.y.size(), had + count);
+  space.q.rightCols(count) = fresh.leftCols(count);
+}
+
+Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
+               const std::vector<EffectInstance>& candidates, const std::atomic<bool>* cancelled)
+    : regressors_(regressors), whitener_(whitener), cancelled_(cancelled) {
+  base_.y = whitener(residual);
+  base_.q.resize(base_.y.size(), 0);
+  absorb(base_, whitener(base));
+  const Observations& data = regressors.data();
+  for (const Axis a : kAllAxes) {
+    std::vector<double> p;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.axis[k] == a) p.push_back(data.p_mm(k, a));
+    targets_[index_of(a)] = distinct(std::move(p), 1e-4).size();
+  }
+  build_families(candidates);
+  build_bank();
+}
+
+void Search::build_families(const std::vector<EffectInstance>& candidates) {
+  std::size_t scans = 0;
+  for (const EffectInstance& effect : candidates) scans += effect.id == EffectId::cyclic ? 1 : 0;
+  const std::size_t most = kMostBankColumns / 2 / std::max<std::size_t>(scans, 1);
+  for (const EffectInstance& effect : candidates) {
+    Family family;
+    family.effect = effect;
+    family.acting = regressors_.acting(effect);
+    if (family.acting.rows.size() < 2) continue;
+    const Grid grid = grid_of(regressors_, effect, family.acting, std::min<std::size_t>(most, 1500));
+    family.grid = grid.values;
+    family.facts = grid.facts;
+    if (family.grid.empty() && family.facts.empty()) continue;
+    const bool searched = !nonlinear_parameter_of(effect.id).empty();
+    // periods are also chosen among three approaches and one or two harmonics
+    const double ways = effect.id == EffectId::cyclic ? 3.0 : 1.0;
+    family.search_cost = searched ? 2.0 * std::log(std::max(2.0, ways * grid.independent)) : 0.0;
+    family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(grid.facts.size())) : 0.0;
+    if (effect.id == EffectId::cyclic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
+    family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
+    if (effect.id == EffectId::user)
+      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data())) *
+                           (family.ln_readings + 2.0 * std::log(kUserTrials));
+    if (effect.id == EffectId::cosine) family.least = 0.0;
+    if (effect.id == EffectId::air_refraction) {
+      family.least = -0.2;
+      family.greatest = 2.2;
+    }
+    if (effect.id == EffectId::dead_path) {
+      family.least = -11.0;
+      family.greatest = 11.0;
+    }
+    if (effect.id >= EffectId::map_polarity && effect.id <= EffectId::map_direction_swap) {
+      const Columns columns = regressors_.columns(effect, family.grid.front(), family.acting);
+      if (columns.fixed.squaredNorm() + columns.of.squaredNorm() <= 0.0) continue;
+    }
+    families_.push_back(std::move(family));
+  }
+}
+
+double Search::cost_of(const Family& family, double nonlinear, std::size_t linear) const {
+  double cost = family.ln_readings * static_cast<double>(linear);
+  if (family.effect.id == EffectId::user) return cost + family.search_cost;
+  if (family.grid.size() + family.facts.size() <= 1) return cost;
+  if (nonlinear < family.shortest_seen) cost += kUnseenPeriod;
+  bool fact = false;
+  for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
+  return cost + (fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost);
+}
+
+Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  choice.family = f;
+  choice.nonlinear = nonlinear;
+  if (family.grid.size() + family.facts.size() > 1) ++choice.parameters;
+  return choice;
+}
+
+Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) const {
+  if (has_places(f)) return choice_in(view_of(space, f), f, nonlinear);
+  const Family& family = families_[f];
+  const Columns columns = regressors_.columns(family.effect, nonlinear, family.acting);
+  const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
+  Choice choice;
+  if (columns.fixed.size() > 0) {
+    const VectorXd white = whitener_(columns.fixed);
+    const VectorXd left = without(space.q, white);
+    choice.gain =
+        left.squaredNorm() <= kAbsorbed * white.squaredNorm() ? -1.0 : 2.0 * left.dot(space.y) - left.squaredNorm();
+    choice.cost = cost(0);
+  } else {
+    const MatrixXd white = whitener_(columns.of);
+    const VectorXd original = white.colwise().squaredNorm();
+    const MatrixXd left = without(space.q, white);
+    choice = best_choice(family, banks_[f].variants, left.transpose() * left, left.transpose() * space.y, original,
+                         kAbsorbed, cost);
+  }
+  return completed(choice, f, nonlinear);
+}
+
+Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  const bool places = has_places(f);
+  const View view = places ? view_of(space, f) : View{};
+  const auto exactly = [&](double v) { return places ? choice_in(view, f, v) : choice_at(space, f, v); };
+  Choice best = exactly(nonlinear);
+  if (nonlinear_parameter_of(family.effect.id).empty() || family.grid.size() + family.facts.size() <= 1 ||
+      family.effect.id == EffectId::step)
+    return best;
+  // neighbours on the grid bound the search; periods are searched in frequency
+  const bool inverse = family.effect.id == EffectId::cyclic;
+  const auto to = [&](double v) { return inverse ? 1.0 / v : v; };
+  double width = 0.0;
+  if (inverse) {
+    double least = 1e300, greatest = -1e300;
+    for (const std::size_t k : family.acting.rows) {
+      const double p = regressors_.data().p_mm(k, *family.effect.axis);
+      least = std::min(least, p);
+      greatest = std::max(greatest, p);
+    }
+    width = 0.4 / std::max(greatest - least, 1e-9);
+  } else {
+    width = 1e300;
+    for (const double value : family.grid)
+      if (value != nonlinear) width = std::min(width, std::abs(value - nonlinear));
+    width *= 1.2;
+  }
+  const double centre = to(nonlinear);
+  // Shorter time constants than those tried pass for a constant; longer periods than those tried for a curve, shorter
+  // ones for anything. However often it is refined, a value stays among those that were tried.
+  const auto [shortest, longest] = range_of(family);
+  const double floor = inverse ? std::min(centre, 0.8 / longest) : shortest;
+  const double ceiling = inverse ? std::max(centre, 1.25 / shortest) : std::numeric_limits<double>::max();
+  const auto at = [&](double v) { return exactly(to(v)); };
+  constexpr double kGolden = 0.6180339887498949;
+  double low = std::max(floor, centre - width), high = std::min(ceiling, centre + width);
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  Choice at_a = at(a), at_b = at(b);
+  for (int i = 0; i < 14; ++i) {
+    if (at_a.gain > at_b.gain) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = at(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = at(b);
+    }
+    for (const Choice* c : {&at_a, &at_b})
+      if (c->score() > best.score()) best = *c;
+  }
+  return best;
+}
+
+Columns Search::columns_of(const Choice& choice) const {
+  const Family& family = families_[choice.family];
+  Columns all = regressors_.columns(family.effect, choice.nonlinear, family.acting);
+  if (all.fixed.size() > 0) return all;
+  Columns chosen;
+  chosen.of.resize(all.of.rows(), static_cast<Index>(choice.columns.size()));
+  for (std::size_t j = 0; j < choice.columns.size(); ++j)
+    chosen.of.col(static_cast<Index>(j)) = all.of.col(choice.columns[j]);
+  return chosen;
+}
+
+Solution Search::solution(const std::vector<Choice>& chosen) const {
+  Solution solution;
+  solution.chosen = chosen;
+  solution.space = base_;
+  solution.chi2_before = base_.chi2();
+  for (Choice& choice : solution.chosen) {
+    const Columns columns = columns_of(choice);
+    const double before = solution.space.chi2();
+    if (columns.fixed.size() > 0) {
+      const VectorXd white = whitener_(columns.fixed);
+      solution.space.y -= without(solution.space.q, white);
+    } else {
+      absorb(solution.space, whitener_(columns.of));
+    }
+    choice.gain = before - solution.space.chi2();
+    solution.cost += choice.cost;
+  }
+  return solution;
+}
+
+Solution Search::refined(const std::vector<Choice>& chosen) const {
+  Solution best = solution(chosen);
+  const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
+    const EffectId id = families_[c.family].effect.id;
+    return is_curve(id) || !nonlinear_parameter_of(id).empty();
+  });
+  if (chosen.size() < 2 || !movable) return best;
+  for (int round = 0; round < 3; ++round) {
+    const double before = best.score();
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      std::vector<Choice> others = best.chosen;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      const Solution rest = solution(others);
+      Choice again = refined_choice(rest.space, best.chosen[i].family, best.chosen[i].nonlinear);
+      if (again.gain <= 0.0) continue;
+      std::vector<Choice> all = others;
+      all.insert(all.begin() + static_cast<std::ptrdiff_t>(i), again);
+      Solution tried = solution(all);
+      if (tried.score() > best.score()) best = std::move(tried);
+    }
+    if (best.score() - before < 0.5) break;
+  }
+  return best;
+}
+
+EffectInstance effect_of(EffectInstance effect, const Choice& choice) {
+  const std::string nonlinear(nonlinear_parameter_of(effect.id));
+  if (!nonlinear.empty()) effect.fitted[nonlinear] = choice.nonlinear;
+  const auto uses = [&](Index column) {
+    return std::find(choice.columns.begin(), choice.columns.end(), column) != choice.columns.end();
+  };
+  if (effect.id == EffectId::cyclic && !uses(2)) effect.parameters["amplitude2_um"] = 0.0;
+  const auto hold = [&](Index column, const char* name) {
+    if (!uses(column)) effect.parameters[name] = 0.0;
+  };
+  if (effect.id == EffectId::sag) {
+    hold(0, "k2");
+    hold(1, "k3");
+  }
+  if (effect.id == EffectId::warm_up) {
+    hold(0, "c_um");
+    hold(1, "c_um_per_m");
+  }
+  if (effect.id == EffectId::load) {
+    hold(0, "um_per_kg");
+    hold(1, "um_per_kg_m");
+  }
+  return effect;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,179 @@
+// The search for missing effects in the whitened space of a data set: what every candidate gains beyond what the model
+// absorbs, at what cost in free parameters. Internal to this room (Eigen).
+// Does not live here: which effects there are (candidates.hpp), the verdict (diagnose.cpp).
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/effects/regressors.hpp"
+#include "model/fit/noise.hpp"
+
+namespace ecs::model {
+
+/// A whitened problem: what has been absorbed, and what is left.
+struct Space {
+  Eigen::MatrixXd q;  ///< orthonormal (readings × rank)
+  Eigen::VectorXd y;  ///< whitened readings, absorbed part removed
+  [[nodiscard]] double chi2() const { return y.squaredNorm(); }
+};
+
+/// Adds whitened columns to what is absorbed; columns that are (nearly) absorbed already do not count.
+void absorb(Space& space, const Eigen::MatrixXd& white_columns);
+
+/// A candidate with the values that its nonlinear parameter is tried at.
+struct Family {
+  EffectInstance effect;
+  Acting acting;
+  std::vector<double> grid;               ///< nonlinear parameter; one value 0 where there is none
+  std::vector<double> facts;              ///< of them those that the machine's facts suggest
+  double search_cost = 0.0;               ///< price of the freedom to choose among the grid
+  double fact_cost = 0.0;                 ///< price of choosing among the facts
+  double ln_readings = 0.0;               ///< price of one free coefficient
+  double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
+  std::optional<double> least, greatest;  ///< physical range of the single coefficient
+};
+
+/// One family at its best.
+struct Choice {
+  std::size_t family = 0;
+  double nonlinear = 0.0;
+  std::vector<Eigen::Index> columns;  ///< which of the effect's columns are used
+  double gain = 0.0;                  ///< fall of χ²
+  double cost = 0.0;
+  std::size_t parameters = 0;  ///< free ones, the nonlinear included
+  [[nodiscard]] double score() const { return gain - cost; }
+};
+
+/// A set of effects added to the model.
+struct Solution {
+  std::vector<Choice> chosen;
+  Space space;
+  double chi2_before = 0.0;
+  double cost = 0.0;
+  [[nodiscard]] double score() const { return chi2_before - space.chi2() - cost; }
+};
+
+/// Thrown by a Search whose flag is set; diagnose() turns it into a problem.
+struct SearchStopped {};
+
+class Search {
+ public:
+  /// @param base      columns that the model absorbs (not whitened)
+  /// @param residual  readings less what the model holds fixed (not whitened)
+  /// @param cancelled  looked at from family to family; null: nobody stops it
+  Search(const Regressors& regressors, const Whitener& whitener, const Eigen::MatrixXd& base,
+         const Eigen::VectorXd& residual, const std::vector<EffectInstance>& candidates,
+         const std::atomic<bool>* cancelled = nullptr);
+
+  [[nodiscard]] const std::vector<Family>& families() const { return families_; }
+  [[nodiscard]] const Space& base() const { return base_; }
+  /// Number of different targets of an axis while it moves.
+  [[nodiscard]] std::size_t targets(Axis axis) const { return targets_[index_of(axis)]; }
+
+  /// The problem with these effects added, sizes fitted together, nonlinear parameters as they are.
+  [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const;
+  /// The same, nonlinear parameters refined together.
+  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen) const;
+
+  /// Best choice of every family that gains anything beyond `space`, best score first. The `exact` best are refined.
+  [[nodiscard]] std::vector<Choice> expand(const Space& space, std::size_t exact = 8) const;
+
+  /// Columns of a choice in readings' units: fitted part and fixed part.
+  [[nodiscard]] Columns columns_of(const Choice& choice) const;
+
+  /// For noise alone (columns of `blanks`: independent, of size one, base removed): best score of each column.
+  [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks) const;
+
+  /// Exact choice of a family at one value of its nonlinear parameter.
+  [[nodiscard]] Choice choice_at(const Space& space, std::size_t family, double nonlinear) const;
+  /// The same with the nonlinear parameter moved to the best value nearby.
+  [[nodiscard]] Choice refined_choice(const Space& space, std::size_t family, double nonlinear) const;
+
+ private:
+  /// One value of a family's nonlinear parameter in the bank.
+  struct Item {
+    std::size_t family = 0;
+    double nonlinear = 0.0;
+    Eigen::Index start = 0, count = 0;  ///< columns of the family's shapes
+    std::size_t gram = 0;  ///< place of its products in `grams_`: count × count, then the original squares
+    bool coarse = false;   ///< part of the thinner grid that the blanks use
+  };
+  /// Shapes of a family at all its values, once per place instead of once per reading.
+  struct Shapes {
+    std::vector<double> place_mm;  ///< of each node; empty: every reading is a node of its own
+    Eigen::MatrixXf columns;       ///< (nodes × columns)
+  };
+  struct FamilyBank {
+    std::vector<Eigen::Index> node_of;  ///< per acting row
+    Eigen::Index nodes = 0;
+    std::shared_ptr<const Shapes> shapes;
+    Eigen::MatrixXd weight;                           ///< whitened node indicators, multiplied out; few nodes only
+    Eigen::MatrixXd base_q;                           ///< the base seen from the nodes (nodes × rank)
+    std::vector<std::vector<Eigen::Index>> variants;  ///< sets of columns that may be used
+    std::size_t first = 0, last = 0;                  ///< its items
+  };
+  /// A space as the nodes of a family see it: enough for products with any shape over them.
+  struct View {
+    Eigen::MatrixXd q;
+    Eigen::VectorXd y;
+  };
+  void heed_cancel() const {
+    if (cancelled_ != nullptr && *cancelled_) throw SearchStopped{};
+  }
+  void build_families(const std::vector<EffectInstance>& candidates);
+  void build_bank();
+  void build_shapes(std::size_t family);
+  void build_grams(std::size_t family);
+  void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
+                   const Eigen::MatrixXd& absorbed);
+  /// Sums of rows over the nodes of a family.
+  [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
+  [[nodiscard]] bool has_places(std::size_t family) const { return banks_[family].weight.size() > 0; }
+  [[nodiscard]] View view_of(const Space& space, std::size_t family) const;
+  [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
+  /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
+  void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, std::vector<double>& top) const;
+  [[nodiscard]] double cost_of(const Family& family, double nonlinear, std::size_t linear) const;
+  [[nodiscard]] Choice screened(const Item& item, const Eigen::MatrixXd& gram, const Eigen::VectorXd& z) const;
+  [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
+  /// Scores of all values of a family, best first; those that gain nothing left out.
+  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
+                                              const Eigen::VectorXd& y) const;
+  /// A period refined, its double and other peaks tried as well.
+  [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
+  [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
+
+  const Regressors& regressors_;
+  const Whitener& whitener_;
+  const std::atomic<bool>* cancelled_;
+  Space base_;
+  std::vector<Family> families_;
+  PerAxis<std::size_t> targets_{};
+  std::vector<FamilyBank> banks_;
+  std::vector<Item> items_;
+  std::vector<double> grams_;
+};
+
+/// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.
+[[nodiscard]] std::vector<std::vector<Eigen::Index>> variants_of(const EffectInstance& effect, const Columns& columns,
+                                                                 bool natural);
+
+/// A choice as it enters a model: columns not used held at zero, the nonlinear value as a start.
+[[nodiscard]] EffectInstance effect_of(EffectInstance effect, const Choice& choice);
+
+/// Values at which to try a nonlinear parameter, and those that the machine's facts suggest.
+struct Grid {
+  std::vector<double> values;
+  std::vector<double> facts;
+  double independent = 1.0;  ///< about how many of the values are different trials
+};
+[[nodiscard]] Grid grid_of(const Regressors& regressors, const EffectInstance& effect, const Acting& acting,
+                           std::size_t most_values);
+
+}  // namespace ecs::model

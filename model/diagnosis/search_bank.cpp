@@ -1,0 +1,227 @@
+// The bank of shapes of every candidate at every value tried: their products among themselves, with what is left and
+// with simulated noise. Shapes of position are kept once per place, however often it was measured.
+// Does not live here: what the products gain (gains.cpp), screening and refining (search_screen.cpp, search.cpp).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "model/data/turns.hpp"
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/gains.hpp"
+#include "model/diagnosis/search.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+/// With more places than that, products over the readings are cheaper than products over the places.
+constexpr Index kMostPlaces = 300;
+/// Columns handled at once, so that a piece stays in the cache.
+constexpr Index kPiece = 256;
+
+/// Its shape depends on the position of its axis alone.
+bool is_of_place(EffectId id) { return id == EffectId::cyclic || id == EffectId::step; }
+
+/// Sine and cosine of so many harmonics at a place, or the step.
+void fill_place(EffectId id, double place_mm, double nonlinear, Index count, double* out) {
+  if (id == EffectId::step) {
+    out[0] = place_mm > nonlinear ? 1.0 : 0.0;
+    return;
+  }
+  const double angle = 2.0 * std::numbers::pi * place_mm / nonlinear;
+  out[0] = sine_of(angle);
+  out[1] = cosine_of(angle);
+  if (count < 4) return;
+  out[2] = 2.0 * out[0] * out[1];
+  out[3] = 1.0 - 2.0 * out[0] * out[0];
+}
+
+MatrixXd place_columns(EffectId id, const std::vector<double>& place_mm, double nonlinear, Index count) {
+  MatrixXd columns(static_cast<Index>(place_mm.size()), count);
+  std::array<double, 4> row{};
+  for (std::size_t i = 0; i < place_mm.size(); ++i) {
+    fill_place(id, place_mm[i], nonlinear, count, row.data());
+    for (Index j = 0; j < count; ++j) columns(static_cast<Index>(i), j) = row[static_cast<std::size_t>(j)];
+  }
+  return columns;
+}
+
+}  // namespace
+
+MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
+  const FamilyBank& bank = banks_[f];
+  const std::vector<std::size_t>& acting = families_[f].acting.rows;
+  MatrixXd sums = MatrixXd::Zero(bank.nodes, rows.cols());
+  for (Index j = 0; j < rows.cols(); ++j) {
+    const double* from = rows.col(j).data();
+    double* to = sums.col(j).data();
+    for (std::size_t i = 0; i < acting.size(); ++i) to[bank.node_of[i]] += from[acting[i]];
+  }
+  return sums;
+}
+
+/// Items of a family, their shapes at the nodes.
+void Search::build_shapes(std::size_t f) {
+  const Family& family = families_[f];
+  FamilyBank& bank = banks_[f];
+  const EffectId id = family.effect.id;
+  Shapes shapes;
+  const std::vector<std::size_t>& rows = family.acting.rows;
+  if (is_of_place(id)) {
+    std::vector<double> p;
+    for (const std::size_t k : rows) p.push_back(regressors_.data().p_mm(k, *family.effect.axis));
+    shapes.place_mm = distinct(p, 1e-9);
+    for (const double at : p)
+      bank.node_of.push_back(std::upper_bound(shapes.place_mm.begin(), shapes.place_mm.end(), at) -
+                             shapes.place_mm.begin() - 1);
+    bank.nodes = static_cast<Index>(shapes.place_mm.size());
+  } else {
+    for (std::size_t i = 0; i < rows.size(); ++i) bank.node_of.push_back(static_cast<Index>(i));
+    bank.nodes = static_cast<Index>(rows.size());
+  }
+
+  const bool cyclic = id == EffectId::cyclic;
+  Index total = 0;
+  bank.first = items_.size();
+  const auto add = [&](double value, Index count, bool coarse) {
+    items_.push_back({f, value, total, count, 0, coarse});
+    total += count;
+  };
+  Index count = cyclic ? 2 : 1;
+  std::vector<MatrixXd> parts;
+  const auto part_at = [&](double value) {
+    const Columns columns = regressors_.columns(family.effect, value, family.acting);
+    const MatrixXd all = columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of;
+    MatrixXd part(bank.nodes, all.cols());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      part.row(static_cast<Index>(i)) = all.row(static_cast<Index>(rows[i]));
+    return part;
+  };
+  for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
+    for (std::size_t i = 0; i < family.grid.size(); ++i) {
+      if (coarse != (!cyclic || i % 2 == 0)) continue;
+      if (!is_of_place(id)) {
+        parts.push_back(part_at(family.grid[i]));
+        count = parts.back().cols();
+      }
+      add(family.grid[i], count, coarse);
+    }
+  for (const double value : family.facts) add(value, cyclic ? 4 : count, false);
+  bank.last = items_.size();
+
+  for (std::size_t other = 0; other < f && is_of_place(id); ++other)
+    if (families_[other].effect.id == id && families_[other].grid == family.grid &&
+        families_[other].facts == family.facts && banks_[other].shapes->place_mm == shapes.place_mm) {
+      bank.shapes = banks_[other].shapes;
+      return;
+    }
+  shapes.columns.resize(bank.nodes, total);
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    const Item& item = items_[i];
+    shapes.columns.middleCols(item.start, item.count) =
+        is_of_place(id) ? place_columns(id, shapes.place_mm, item.nonlinear, item.count).cast<float>()
+                        : parts[i - bank.first].cast<float>();
+  }
+  bank.shapes = std::make_shared<const Shapes>(std::move(shapes));
+}
+
+void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXd& left, const MatrixXd& right,
+                         const MatrixXd& absorbed) {
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    Item& item = items_[i];
+    if (item.start < from || item.start + item.count > from + right.cols()) continue;
+    const Index at = item.start - from;
+    item.gram = grams_.size();
+    grams_.resize(grams_.size() + static_cast<std::size_t>(item.count * (item.count + 1)));
+    Eigen::Map<MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
+    Eigen::Map<VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
+    gram.noalias() = left.middleCols(at, item.count).transpose() * right.middleCols(at, item.count);
+    original = gram.diagonal();
+    const auto lost = absorbed.middleCols(at, item.count);
+    gram.noalias() -= lost.transpose() * lost;
+  }
+}
+
+/// Products of the shapes of each item, whitened, base removed.
+void Search::build_grams(std::size_t f) {
+  FamilyBank& bank = banks_[f];
+  const std::vector<std::size_t>& rows = families_[f].acting.rows;
+  const Index n = base_.y.size();
+  const Shapes& shapes = *bank.shapes;
+  if (!shapes.place_mm.empty() && bank.nodes <= kMostPlaces) {
+    MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
+    for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
+    const MatrixXd white = whitener_(indicators);
+    bank.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
+    bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
+    bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
+    bank.base_q = white.transpose() * base_.q;
+  }
+  for (Index from = 0; from < shapes.columns.cols();) {
+    Index end = from;  // whole items only
+    for (std::size_t i = bank.first; i < bank.last; ++i)
+      if (items_[i].start == end && (end == from || end + items_[i].count - from <= kPiece)) end += items_[i].count;
+    const MatrixXd piece = shapes.columns.middleCols(from, end - from).cast<double>();
+    if (bank.weight.size() > 0) {
+      store_grams(bank, from, piece, bank.weight * piece, bank.base_q.transpose() * piece);
+    } else {
+      MatrixXd spread = MatrixXd::Zero(n, piece.cols());
+      for (Index j = 0; j < piece.cols(); ++j)
+        for (std::size_t i = 0; i < rows.size(); ++i)
+          spread(static_cast<Index>(rows[i]), j) = piece(bank.node_of[i], j);
+      const MatrixXd white = whitener_(spread);
+      store_grams(bank, from, white, white, base_.q.transpose() * white);
+    }
+    from = end;
+  }
+}
+
+void Search::build_bank() {
+  banks_.resize(families_.size());
+  for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
+    build_shapes(f);
+    build_grams(f);
+    const EffectInstance& effect = families_[f].effect;
+    const bool natural = !effect.sense || natural_axis(regressors_.data(), *effect.sense) == effect.axis;
+    Columns shape;
+    for (std::size_t i = banks_[f].first; i < banks_[f].last; ++i)
+      shape.of.resize(0, std::max(shape.of.cols(), items_[i].count));
+    if (effect.id == EffectId::cyclic) shape.of.resize(0, 4);
+    shape.leading = effect.id == EffectId::angular ? 2 : 0;
+    banks_[f].variants = variants_of(effect, shape, natural);
+  }
+}
+
+Search::View Search::view_of(const Space& space, std::size_t f) const {
+  const FamilyBank& bank = banks_[f];
+  const Index base = base_.q.cols(), more = space.q.cols() - base;
+  View view;
+  view.y = gathered(f, whitener_.transposed(MatrixXd(space.y))).col(0);
+  view.q.resize(bank.nodes, space.q.cols());
+  view.q.leftCols(base) = bank.base_q;
+  view.q.rightCols(more) = gathered(f, whitener_.transposed(MatrixXd(space.q.rightCols(more))));
+  return view;
+}
+
+Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  const FamilyBank& bank = banks_[f];
+  const EffectId id = family.effect.id;
+  const MatrixXd columns = place_columns(id, bank.shapes->place_mm, nonlinear, id == EffectId::cyclic ? 4 : 1);
+  const MatrixXd weighted = bank.weight * columns;
+  MatrixXd gram = columns.transpose() * weighted;
+  const VectorXd original = gram.diagonal();
+  const MatrixXd absorbed = view.q.transpose() * columns;
+  gram.noalias() -= absorbed.transpose() * absorbed;
+  const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
+  return completed(best_choice(family, bank.variants, gram, columns.transpose() * view.y, original, kAbsorbed, cost), f,
+                   nonlinear);
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,189 @@
+// What every candidate in the bank gains on a residual, and what chance alone lets the best of them gain.
+// Does not live here: the bank (search_bank.cpp).
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/diagnosis/gains.hpp"
+#include "model/diagnosis/search.hpp"
+#include "model/fit/held_out.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+bool by_score(const Choice& a, const Choice& b) { return a.score() > b.score(); }
+
+}  // namespace
+
+Choice Search::screened(const Item& item, const MatrixXd& gram, const VectorXd& z) const {
+  const Family& family = families_[item.family];
+  const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
+  const auto cost = [&](std::size_t linear) { return cost_of(family, item.nonlinear, linear); };
+  Choice choice;
+  if (has_fixed_size(family.effect.id)) {
+    if (gram(0, 0) <= kAbsorbedScreening * original(0)) {
+      choice.gain = -1.0;
+    } else {
+      choice.gain = 2.0 * z(0) - gram(0, 0);
+      choice.cost = cost(0);
+    }
+  } else {
+    choice = best_choice(family, banks_[item.family].variants, gram, z, original, kAbsorbedScreening, cost);
+  }
+  return completed(choice, item.family, item.nonlinear);
+}
+
+std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, const VectorXd& y) const {
+  const FamilyBank& bank = banks_[f];
+  const MatrixXf& columns = bank.shapes->columns;
+  const VectorXd z = (columns.transpose() * gathered(f, y).cast<float>()).cast<double>();
+  MatrixXd lost;
+  if (more_q.cols() > 0) lost = (gathered(f, more_q).cast<float>().transpose() * columns).cast<double>();
+  std::vector<Choice> list;
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    const Item& item = items_[i];
+    MatrixXd gram = Eigen::Map<const MatrixXd>(grams_.data() + item.gram, item.count, item.count);
+    if (lost.size() > 0) {
+      const auto part = lost.middleCols(item.start, item.count);
+      gram.noalias() -= part.transpose() * part;
+    }
+    const Choice choice = screened(item, gram, z.segment(item.start, item.count));
+    if (choice.gain > 0.0) list.push_back(choice);
+  }
+  std::stable_sort(list.begin(), list.end(), by_score);
+  return list;
+}
+
+Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks) const {
+  const std::size_t f = peaks.front().family;
+  Choice best = refined_choice(space, f, peaks.front().nonlinear);
+  bool fits = !too_steep(space, best);
+  // the period may be twice the one found (its second harmonic stronger), or another peak
+  std::vector<double> tries{2.0 * best.nonlinear};
+  for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 3; ++j)
+    if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) > 0.02) tries.push_back(peaks[j].nonlinear);
+  for (const double value : tries) {
+    const Choice other = refined_choice(space, f, value);
+    if ((fits && other.score() <= best.score()) || too_steep(space, other)) continue;
+    best = other;
+    fits = true;
+  }
+  if (!fits) best.gain = 0.0;
+  return best;
+}
+
+/// Whether a periodic error of that size would make the reading run backwards within its period: short periods seen at
+/// far targets pass for slow shapes, but not at any size.
+bool Search::too_steep(const Space& space, const Choice& choice) const {
+  const EffectInstance& effect = families_[choice.family].effect;
+  if (effect.sense && is_rotation(*effect.sense)) return false;
+  MatrixXd white = whitener_(columns_of(choice).of);
+  white -= space.q * (space.q.transpose() * white);
+  const double amplitude_um = least_squares(white, space.y).norm();
+  return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
+}
+
+std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
+  const VectorXd y = whitener_.transposed(MatrixXd(space.y)).col(0);
+  const MatrixXd more_q = whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols())));
+  std::vector<std::vector<Choice>> peaks(families_.size());
+  std::vector<Choice> list;
+  for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
+    peaks[f] = scores_of(f, more_q, y);
+    if (!peaks[f].empty()) list.push_back(peaks[f].front());
+  }
+  std::stable_sort(list.begin(), list.end(), by_score);
+  for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
+    heed_cancel();
+    const std::size_t f = list[i].family;
+    list[i] = families_[f].effect.id == EffectId::cyclic ? best_period(space, peaks[f])
+                                                         : refined_choice(space, f, list[i].nonlinear);
+  }
+  std::erase_if(list, [](const Choice& choice) { return choice.gain <= 0.0; });
+  std::stable_sort(list.begin(), list.end(), by_score);
+  return list;
+}
+
+void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std::vector<double>& top) const {
+  const Family& family = families_[item.family];
+  const Eigen::Map<const MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
+  const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
+  const auto raise = [&](Index b, double score) {
+    double& best = top[static_cast<std::size_t>(b)];
+    best = std::max(best, score);
+  };
+  if (has_fixed_size(family.effect.id)) {
+    const double cost = cost_of(family, item.nonlinear, 0);
+    for (Index b = 0; b < z.cols(); ++b) raise(b, static_cast<double>(2.0F * z(0, b)) - gram(0, 0) - cost);
+    return;
+  }
+  auto variants = banks_[item.family].variants;
+  std::vector<bool> allowed(static_cast<std::size_t>(item.count) + 1, !is_curve(family.effect.id));
+  if (is_curve(family.effect.id) && !variants.empty()) {
+    for (const auto& variant : variants) allowed[variant.size()] = true;
+    variants = {variants.back()};
+  }
+  const double absorbed = family.effect.id == EffectId::cyclic ? kAbsorbedPeriod : kAbsorbedScreening;
+  for (const std::vector<Index>& variant : variants) {
+    const auto k = static_cast<Index>(variant.size());
+    if (variant.back() >= item.count) continue;
+    MatrixXd g(k, k), right(k, z.cols());
+    for (Index i = 0; i < k; ++i) {
+      right.row(i) = z.row(variant[static_cast<std::size_t>(i)]).cast<double>();
+      for (Index j = 0; j < k; ++j)
+        g(i, j) = gram(variant[static_cast<std::size_t>(i)], variant[static_cast<std::size_t>(j)]);
+    }
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(z.cols());
+    std::size_t free = 0;
+    for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
+      const double square = g(i, i);
+      if (square > absorbed * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
+        ++free;
+        sum += right.row(i).cwiseAbs2() / square;
+        for (Index j = i + 1; j < k; ++j) {
+          const double share = g(j, i) / square;
+          right.row(j) -= share * right.row(i);
+          for (Index m = j; m < k; ++m) g(m, j) -= share * g(m, i);
+        }
+      }
+      const bool complete = is_curve(family.effect.id) ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
+      if (free == 0 || !complete) continue;
+      const double cost = cost_of(family, item.nonlinear, free);
+      for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);
+    }
+  }
+}
+
+std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
+  std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
+  const MatrixXd spread = whitener_.transposed(blanks.cast<double>());
+  for (std::size_t f = 0; f < families_.size(); ++f) {
+    heed_cancel();
+    const FamilyBank& bank = banks_[f];
+    const MatrixXf seen = gathered(f, spread).cast<float>();
+    constexpr Index kPiece = 256;
+    for (std::size_t i = bank.first; i < bank.last;) {
+      if (!items_[i].coarse) {
+        ++i;
+        continue;
+      }
+      std::size_t last = i;
+      Index width = items_[i].count;
+      while (last + 1 < bank.last && items_[last + 1].coarse && width + items_[last + 1].count <= kPiece)
+        width += items_[++last].count;
+      const MatrixXf z = bank.shapes->columns.middleCols(items_[i].start, width).transpose() * seen;
+      for (std::size_t j = i; j <= last; ++j)
+        raise_by(items_[j], z.middleRows(items_[j].start - items_[i].start, items_[j].count), best);
+      i = last + 1;
+    }
+  }
+  return best;
+}
+
+}  // namespace ecs::model

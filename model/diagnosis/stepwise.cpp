@@ -1,0 +1,196 @@
+#include "model/diagnosis/stepwise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace ecs::model {
+namespace {
+
+/// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
+constexpr double kIndistinguishable = 9.0;
+/// A rival that needs more parameters for the same fit stays one while its score is at most this much lower.
+constexpr double kPriceOfRival = 15.0;
+/// Evidence that differs by less than this does not speak against the simpler effect.
+constexpr double kEven = 3.0;
+/// Fits that differ by less than this are the same fit.
+constexpr double kSame = 0.05;
+constexpr std::size_t kFirstBranches = 24;
+constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
+constexpr std::size_t kLaterBranches = 5;
+constexpr std::size_t kBeam = 12;
+constexpr double kWorthFollowing = 0.2;  ///< of the best score
+
+std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
+  std::vector<std::size_t> key;
+  for (const Choice& choice : chosen) key.push_back(choice.family);
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+std::vector<Choice> with(std::vector<Choice> chosen, const Choice& one) {
+  chosen.push_back(one);
+  return chosen;
+}
+
+std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
+  chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
+  return chosen;
+}
+
+bool is_shape_of_position(EffectId id) { return is_curve(id) || id == EffectId::cyclic || id == EffectId::step; }
+
+bool is_drift(EffectId id) {
+  return id == EffectId::thermal_drift || id == EffectId::time_drift || id == EffectId::warm_up ||
+         id == EffectId::dead_path;
+}
+
+/// Whether effects may be missing together: one cause does not stand twice in one place; three free shapes over the
+/// same axis explain anything, and so do three drifts of the same sense.
+bool plausible(const Search& search, const std::vector<Choice>& chosen) {
+  constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
+  constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const EffectInstance& one = search.families()[chosen[i].family].effect;
+    std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;
+    for (std::size_t j = 0; j < chosen.size(); ++j) {
+      const EffectInstance& other = search.families()[chosen[j].family].effect;
+      if (is_drift(one.id) && is_drift(other.id) && one.sense == other.sense) ++drifts;
+      if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) {
+        ++shapes;
+        functions += chosen[j].parameters;
+        if (is_curve(other.id)) most = std::max(most, chosen[j].columns.size());
+      }
+      if (j >= i || one.id != other.id || one.id == EffectId::user) continue;
+      const bool twice = one.sense == other.sense && one.code == other.code;
+      if (twice && one.id != EffectId::cyclic && !(one.id == EffectId::thermal_drift && one.sensor != other.sensor) &&
+          !(one.id < EffectId::warm_up && one.axis != other.axis))
+        return false;
+    }
+    if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
+    // more functions than this share of the targets follow any values at all
+    if (shapes > 1 && static_cast<double>(functions) > 2.0 + 0.7 * static_cast<double>(search.targets(*one.axis)))
+      return false;
+  }
+  return true;
+}
+
+/// Whether a shape stands for another because it is the same, not because it bends to anything: at most one free
+/// parameter more, free curves among themselves apart.
+bool is_alike(const Search& search, const Choice& member, const Choice& other) {
+  const EffectId a = search.families()[member.family].effect.id, b = search.families()[other.family].effect.id;
+  constexpr std::size_t kOfShape = 3;  // place or period, size, form, however little of them these targets show
+  const auto is_smooth = [](EffectId id) { return is_curve(id) || id == EffectId::sag; };
+  if (is_smooth(a) && is_smooth(b)) return true;
+  const bool bends = b == EffectId::cyclic || b == EffectId::step;
+  const std::size_t parameters = bends ? std::max(other.parameters, kOfShape) : other.parameters;
+  return parameters <= member.parameters + 1;
+}
+
+double worth(const Solution& solution, double entry_score) {
+  return solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
+}
+
+/// Tries to put another effect in the place of each, and to do without it.
+Solution exchanged(const Search& search, Solution best, double entry_score) {
+  for (int round = 0; round < 3; ++round) {
+    bool changed = false;
+    for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
+      const Solution rest = search.solution(without_member(best.chosen, i));
+      if (worth(rest, entry_score) >= worth(best, entry_score)) {
+        best = rest;
+        changed = true;
+        break;
+      }
+      for (const Choice& other : search.expand(rest.space, 5)) {
+        if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
+        if (other.family == best.chosen[i].family) continue;
+        Solution tried = search.refined(with(rest.chosen, other));
+        if (!plausible(search, tried.chosen)) continue;
+        if (worth(tried, entry_score) > worth(best, entry_score) + 0.01) {
+          best = std::move(tried);
+          changed = true;
+          break;
+        }
+      }
+      if (changed) break;
+    }
+    if (!changed) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+Solution best_solution(const Search& search, const StepwiseOptions& options) {
+  Solution best = search.solution({});
+  std::vector<Solution> beam{best};
+  std::set<std::vector<std::size_t>> seen;
+  for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
+    std::vector<Solution> next;
+    for (const Solution& state : beam) {
+      const auto list = search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1);
+      const std::size_t branches = depth == 0 ? kFirstBranches : kLaterBranches;
+      for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
+        if (list[i].score() < options.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
+        if (list[i].gain < (depth < 2 ? options.entry_gain : options.late_gain)) continue;
+        const auto chosen = with(state.chosen, list[i]);
+        if (!seen.insert(key_of(chosen)).second) continue;
+        Solution tried = search.refined(chosen);
+        if (plausible(search, tried.chosen)) next.push_back(std::move(tried));
+      }
+    }
+    std::stable_sort(next.begin(), next.end(),
+                     [&](const Solution& a, const Solution& b) { return a.score() > b.score(); });
+    if (next.size() > kBeam) next.resize(kBeam);
+    for (const Solution& solution : next)
+      if (worth(solution, options.entry_score) > worth(best, options.entry_score)) best = solution;
+    beam = std::move(next);
+  }
+  return exchanged(search, std::move(best), options.entry_score);
+}
+
+std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < solution.chosen.size(); ++i) {
+    const Solution rest = search.solution(without_member(solution.chosen, i));
+    Group group;
+    group.member = search.choice_at(rest.space, solution.chosen[i].family, solution.chosen[i].nonlinear);
+    group.member.columns = solution.chosen[i].columns;
+    std::vector<Choice> all = search.expand(rest.space, 4);
+    for (Choice& other : all) {
+      if (other.family == group.member.family) continue;
+      const bool movable = !nonlinear_parameter_of(search.families()[other.family].effect.id).empty();
+      if (other.gain < (movable ? 0.5 : 0.8) * group.member.gain - kIndistinguishable) {
+        if (other.score() >= entry_score && group.weaker.size() < 6) group.weaker.push_back(other);
+        continue;
+      }
+      const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
+      if (exactly.score() > other.score()) other = exactly;
+      const bool same_fit = is_alike(search, group.member, other) &&
+                            other.gain >= group.member.gain - kIndistinguishable &&
+                            other.score() >= group.member.score() - kPriceOfRival;
+      const bool same_evidence = other.parameters <= group.member.parameters &&
+                                 other.gain >= group.member.gain - 3.0 * kIndistinguishable &&
+                                 other.score() >= group.member.score() - kIndistinguishable;
+      if (same_fit || same_evidence)
+        group.rivals.push_back(other);
+      else if (other.score() >= entry_score && group.weaker.size() < 6)
+        group.weaker.push_back(other);
+    }
+    // of equals the one with fewer parameters, then the one that stands first in the library
+    for (Choice& rival : group.rivals) {
+      const bool same_evidence =
+          rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
+      if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
+      const bool simpler = rival.parameters < group.member.parameters ||
+                           (rival.parameters == group.member.parameters && rival.family < group.member.family);
+      if (simpler) std::swap(rival, group.member);
+    }
+    std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,31 @@
+// From single candidates to a set of missing effects: forward steps on several branches, exchange of earlier choices,
+// and the rivals that do as well. Internal (Eigen). Does not live here: the gains themselves (search.hpp).
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "model/diagnosis/search.hpp"
+
+namespace ecs::model {
+
+struct StepwiseOptions {
+  std::size_t most_effects = 3;
+  double entry_score = 10.0;  ///< least score of an effect that may be added
+  double entry_gain = 0.0;    ///< least fall of χ² of the first two: what noise known imperfectly may fake
+  double late_gain = 0.0;     ///< least fall of χ² of any further one
+};
+
+/// The best set of effects; empty where none reaches the entry score. Does not depend on the order of the families.
+[[nodiscard]] Solution best_solution(const Search& search, const StepwiseOptions& options);
+
+/// A member of a solution and those who could stand in its place.
+struct Group {
+  Choice member;
+  std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more
+  std::vector<Choice> weaker;  ///< the next best, best first
+};
+/// One group per effect of the solution, in its order.
+[[nodiscard]] std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score);
+
+}  // namespace ecs::model

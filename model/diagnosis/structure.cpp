@@ -1,0 +1,323 @@
+#include "model/diagnosis/structure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "model/data/curve_basis.hpp"
+#include "model/diagnosis/candidates.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+/// Functions collected one by one.
+class Functions {
+ public:
+  explicit Functions(std::size_t n) : n_(n) {}
+  template <class F>
+  void add(const F& f) {
+    VectorXd column(static_cast<Index>(n_));
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double value = f(k);
+      column(static_cast<Index>(k)) = std::isnan(value) ? 0.0 : value;
+    }
+    columns_.push_back(std::move(column));
+  }
+  [[nodiscard]] MatrixXd matrix() const {
+    MatrixXd m(static_cast<Index>(n_), static_cast<Index>(columns_.size()));
+    for (std::size_t j = 0; j < columns_.size(); ++j) m.col(static_cast<Index>(j)) = columns_[j];
+    return m;
+  }
+  [[nodiscard]] bool empty() const { return columns_.empty(); }
+
+ private:
+  std::size_t n_;
+  std::vector<VectorXd> columns_;
+};
+
+std::vector<Sense> senses_of(const Observations& data) {
+  const std::set<Sense> senses(data.sense.begin(), data.sense.end());
+  return {senses.begin(), senses.end()};
+}
+
+/// Functions of one column of numbers within one sense: one per value if there are few, else eight equal shares.
+template <class Value, class Weight>
+void add_levels(Functions& functions, const Observations& data, Sense sense, const Value& value, std::size_t most,
+                const Weight& weight) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.sense[k] == sense && !std::isnan(value(k))) values.push_back(value(k));
+  if (values.size() < 4) return;
+  std::sort(values.begin(), values.end());
+  const double width = values.back() - values.front();
+  if (width <= 0.0) return;
+  std::vector<double> levels = distinct(values, 1e-6 * width);
+  std::vector<double> ends;  // upper ends of all bins but the last
+  if (levels.size() <= most) {
+    for (std::size_t i = 0; i + 1 < levels.size(); ++i) ends.push_back(0.5 * (levels[i] + levels[i + 1]));
+  } else {
+    for (std::size_t i = 1; i < most; ++i) ends.push_back(values[i * values.size() / most]);
+    ends = distinct(ends, 0.0);
+  }
+  double before = -1e300;
+  ends.push_back(1e300);
+  for (const double end : ends) {
+    functions.add([&](std::size_t k) {
+      const bool inside = data.sense[k] == sense && value(k) > before && value(k) <= end;
+      return inside ? weight(k) : 0.0;
+    });
+    before = end;
+  }
+}
+
+const auto kOne = [](std::size_t) { return 1.0; };
+
+double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
+
+/// Centred coordinate of the moving axis, about −1 … 1.
+std::vector<double> scaled_positions(const Observations& data) {
+  std::vector<double> scaled(data.size());
+  for (const Sense sense : senses_of(data))
+    for (const Axis a : kAllAxes) {
+      double least = 1e300, greatest = -1e300;
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (data.sense[k] == sense && data.axis[k] == a) {
+          least = std::min(least, data.p_mm(k, a));
+          greatest = std::max(greatest, data.p_mm(k, a));
+        }
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (data.sense[k] == sense && data.axis[k] == a && greatest > least)
+          scaled[k] = 2.0 * (data.p_mm(k, a) - least) / (greatest - least) - 1.0;
+    }
+  return scaled;
+}
+
+/// Curves along the moving axis that differ with where another axis is parked.
+void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, const std::vector<double>& scaled,
+                           Functions& functions) {
+  constexpr std::size_t kMostPlaces = 12, kWaves = 4;
+  for (const Axis moving : kAllAxes) {
+    if (moving == parked) continue;
+    const auto mine = [&](std::size_t k) { return data.sense[k] == sense && data.axis[k] == moving; };
+    std::vector<double> places;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (mine(k)) places.push_back(data.p_mm(k, parked));
+    places = distinct(std::move(places), 1e-4);
+    if (places.size() < 2 || places.size() > kMostPlaces) continue;
+    for (const double place : places)
+      for (std::size_t m = 1; m <= kWaves; ++m)
+        functions.add([&](std::size_t k) {
+          return mine(k) && std::abs(data.p_mm(k, parked) - place) < 1e-3
+                     ? std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0))
+                     : 0.0;
+        });
+  }
+}
+
+void add_positions(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
+  constexpr std::array<const char*, kAxes> kNames{"x_mm", "y_mm", "z_mm"};
+  for (const Axis a : kAllAxes) {
+    Functions functions(data.size());
+    for (const Sense sense : senses_of(data)) {
+      add_levels(
+          functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, 40, kOne);
+      add_curves_by_parking(data, a, sense, scaled, functions);
+    }
+    if (!functions.empty()) out.push_back({kNames[index_of(a)], functions.matrix()});
+  }
+}
+
+void add_approach(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
+  Functions functions(data.size());
+  for (const Sense sense : senses_of(data))
+    for (const Axis a : kAllAxes) {
+      bool forward = false, reverse = false;
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (data.sense[k] == sense && data.axis[k] == a) {
+          forward = forward || data.approach[k] > 0;
+          reverse = reverse || data.approach[k] < 0;
+        }
+      if (!forward || !reverse) continue;
+      const auto d = [&](std::size_t k) {
+        return data.sense[k] == sense && data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0;
+      };
+      functions.add(d);
+      for (std::size_t m = 1; m <= 8; ++m)
+        functions.add([&](std::size_t k) {
+          return d(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
+        });
+    }
+  if (!functions.empty()) out.push_back({"approach", functions.matrix()});
+}
+
+void add_runs(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
+  Functions functions(data.size());
+  for (const Sense sense : senses_of(data))
+    for (const Axis a : kAllAxes) {
+      std::set<int> runs;
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (data.sense[k] == sense && data.axis[k] == a) runs.insert(data.run[k]);
+      if (runs.size() < 2 || runs.size() > 60) continue;
+      const double share = 1.0 / static_cast<double>(runs.size());
+      for (const int run : runs) {  // differences between runs: what all runs share depends on other variables
+        const auto in_run = [&](std::size_t k) {
+          if (data.sense[k] != sense || data.axis[k] != a) return 0.0;
+          return (data.run[k] == run ? 1.0 : 0.0) - share;
+        };
+        functions.add(in_run);
+        functions.add([&](std::size_t k) { return in_run(k) * scaled[k]; });
+        functions.add([&](std::size_t k) { return in_run(k) * data.approach[k]; });
+        if (runs.size() <= 12)
+          for (std::size_t m = 2; m <= 4; ++m)
+            functions.add([&](std::size_t k) {
+              return in_run(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
+            });
+      }
+    }
+  if (!functions.empty()) out.push_back({"run", functions.matrix()});
+}
+
+void add_time(const Observations& data, std::vector<Variable>& out) {
+  if (data.time_s.empty()) return;
+  double last = 0.0;
+  for (const double t : data.time_s)
+    if (!std::isnan(t)) last = std::max(last, t);
+  if (last <= 0.0) return;
+  Functions functions(data.size());
+  const double slowest_pairs = std::clamp(last / 240.0, 2.0, 12.0);  // nothing faster than four minutes
+  for (const Sense sense : senses_of(data)) {
+    functions.add([&](std::size_t k) { return data.sense[k] == sense ? data.time_s[k] / last : 0.0; });
+    for (double m = 1.0; m <= slowest_pairs; m += 1.0)
+      functions.add([&](std::size_t k) {
+        return data.sense[k] == sense ? std::cos(m * std::numbers::pi * data.time_s[k] / last) : 0.0;
+      });
+  }
+  out.push_back({"time_s", functions.matrix()});
+}
+
+/// A column of conditions: its levels, and its slope along the axis and with the approach.
+void add_condition(const Observations& data, const std::string& name, const Column& column,
+                   const std::vector<double>& scaled, std::vector<Variable>& out) {
+  if (column.empty()) return;
+  Functions functions(data.size());
+  const auto value = [&](std::size_t k) { return cell(column, k); };
+  double sum = 0.0, count = 0.0, least = 1e300, greatest = -1e300;
+  for (const double v : column)
+    if (!std::isnan(v)) {
+      sum += v;
+      count += 1.0;
+      least = std::min(least, v);
+      greatest = std::max(greatest, v);
+    }
+  if (count < 4.0 || greatest <= least) return;
+  const auto centred = [&](std::size_t k) { return (value(k) - sum / count) / (greatest - least); };
+  for (const Sense sense : senses_of(data)) {
+    add_levels(functions, data, sense, value, 8, kOne);
+    functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * scaled[k] : 0.0; });
+    functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * data.approach[k] : 0.0; });
+  }
+  out.push_back({name, functions.matrix()});
+}
+
+void add_compensated(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
+  const bool first = data.compensated.empty() || data.compensated.front();
+  if (std::all_of(data.compensated.begin(), data.compensated.end(), [&](bool c) { return c == first; })) return;
+  Functions functions(data.size());
+  for (const Sense sense : senses_of(data)) {
+    const auto on = [&](std::size_t k) { return data.sense[k] == sense && data.compensated[k] ? 1.0 : 0.0; };
+    functions.add(on);
+    for (std::size_t m = 1; m <= 6; ++m)
+      functions.add([&](std::size_t k) {
+        return on(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
+      });
+    functions.add([&](std::size_t k) { return on(k) * data.approach[k]; });
+  }
+  out.push_back({"compensated", functions.matrix()});
+}
+
+}  // namespace
+
+std::vector<Variable> variables_of(const Observations& data) {
+  std::vector<Variable> out;
+  const std::vector<double> scaled = scaled_positions(data);
+  add_positions(data, scaled, out);
+  add_approach(data, scaled, out);
+  add_runs(data, scaled, out);
+  add_time(data, out);
+  add_condition(data, "feed_mm_min", data.feed_mm_min, scaled, out);
+  add_condition(data, "load_kg", data.load_kg, scaled, out);
+  add_condition(data, "travel_since_reversal_mm", data.travel_since_reversal_mm, scaled, out);
+  add_condition(data, "pressure_hPa", data.pressure_hPa, scaled, out);
+  add_condition(data, "humidity_pct", data.humidity_pct, scaled, out);
+  for (const auto& [name, column] : data.sensors_degC) add_condition(data, name, column, scaled, out);
+  for (const auto& [name, column] : data.extras) add_condition(data, name, column, scaled, out);
+  add_compensated(data, scaled, out);
+  return out;
+}
+
+double minus_log_p(double gain, double freedom, double noise_freedom) {
+  if (freedom <= 0.0) return 0.0;
+  return -ln_f_tail(gain / freedom, freedom, noise_freedom) / std::numbers::ln10;
+}
+
+Structure::Structure(const Observations& data, const Whitener& whitener, double noise_freedom)
+    : variables_(variables_of(data)), noise_freedom_(noise_freedom) {
+  for (const Variable& variable : variables_) white_.push_back(whitener(variable.columns));
+}
+
+std::vector<StructureTest> Structure::tests(const Space& space) const {
+  std::vector<StructureTest> tests;
+  const auto n = static_cast<double>(space.y.size());
+  for (std::size_t v = 0; v < variables_.size(); ++v) {
+    Space more = space;
+    const double before = more.chi2();
+    absorb(more, white_[v]);
+    StructureTest test;
+    test.variable = variables_[v].name;
+    test.gain = before - more.chi2();
+    test.freedom = static_cast<double>(more.q.cols() - space.q.cols());
+    test.excess = (test.gain - test.freedom) / n;
+    test.minus_log_p = minus_log_p(test.gain, test.freedom, noise_freedom_);
+    tests.push_back(test);
+  }
+  return tests;
+}
+
+std::vector<double> Structure::largest_of_blanks(const Space& space, const MatrixXf& blanks) const {
+  std::vector<double> largest(static_cast<std::size_t>(blanks.cols()), 0.0);
+  for (std::size_t v = 0; v < variables_.size(); ++v) {
+    Space more = space;
+    absorb(more, white_[v]);
+    const Index fresh = more.q.cols() - space.q.cols();
+    if (fresh == 0) continue;
+    const MatrixXf products = more.q.rightCols(fresh).cast<float>().transpose() * blanks;
+    for (Index b = 0; b < blanks.cols(); ++b) {
+      double& top = largest[static_cast<std::size_t>(b)];
+      top = std::max(top, minus_log_p(static_cast<double>(products.col(b).squaredNorm()), static_cast<double>(fresh),
+                                      noise_freedom_));
+    }
+  }
+  return largest;
+}
+
+double share_of(const Variable& variable, const VectorXd& residual, double noise_um) {
+  const double total = residual.squaredNorm();
+  if (total <= 0.0) return 0.0;
+  Space space;
+  space.y = residual;
+  space.q.resize(residual.size(), 0);
+  absorb(space, variable.columns);
+  const double explained = total - space.chi2();
+  const double by_noise = static_cast<double>(space.q.cols()) * noise_um * noise_um;
+  return std::clamp((explained - by_noise) / total, 0.0, 1.0);
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,53 @@
+// Whether what is left depends on anything: position, approach, run, time, sensors, feed, load, compensation.
+// Internal to this room (Eigen). Does not live here: what effect that may be (search.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/diagnosis/search.hpp"
+#include "model/fit/noise.hpp"
+
+namespace ecs::model {
+
+/// What a residual may depend on, whatever the shape.
+struct Variable {
+  std::string name;         ///< "x_mm", "approach", "run", …
+  Eigen::MatrixXd columns;  ///< functions of it (readings × functions), not whitened
+};
+[[nodiscard]] std::vector<Variable> variables_of(const Observations& data);
+
+struct StructureTest {
+  std::string variable;
+  double gain = 0.0;         ///< χ² explained beyond what is absorbed
+  double freedom = 0.0;      ///< functions used
+  double excess = 0.0;       ///< (gain − freedom) per reading, in squares of the noise
+  double minus_log_p = 0.0;  ///< nominal, base 10
+};
+
+class Structure {
+ public:
+  Structure(const Observations& data, const Whitener& whitener, double noise_freedom);
+
+  /// Tests of what is left in `space`, one per variable.
+  [[nodiscard]] std::vector<StructureTest> tests(const Space& space) const;
+  /// The largest minus_log_p of each blank (columns: independent noise of size one).
+  [[nodiscard]] std::vector<double> largest_of_blanks(const Space& space, const Eigen::MatrixXf& blanks) const;
+
+  [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
+
+ private:
+  std::vector<Variable> variables_;
+  std::vector<Eigen::MatrixXd> white_;
+  double noise_freedom_;
+};
+
+/// Share of Σ r² that functions of a variable explain beyond what noise does, 0 … 1.
+[[nodiscard]] double share_of(const Variable& variable, const Eigen::VectorXd& residual, double noise_um);
+
+/// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.
+[[nodiscard]] double minus_log_p(double gain, double freedom, double noise_freedom);
+
+}  // namespace ecs::model

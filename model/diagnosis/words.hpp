@@ -1,0 +1,18 @@
+// Sentences about candidates: why one is named, and what would confirm it or separate it from its rivals.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/diagnosis/diagnose.hpp"
+
+namespace ecs::model {
+
+/// @param diagnosis  with rms, noise and the number of blanks
+[[nodiscard]] std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data);
+
+/// @param rivals  effects that these data cannot tell from it; empty: how to confirm it
+[[nodiscard]] std::string separating_measurement(const EffectInstance& effect,
+                                                 const std::vector<EffectInstance>& rivals, const Observations& data);
+
+}  // namespace ecs::model

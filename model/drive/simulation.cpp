@@ -1,0 +1,235 @@
+// Exact integration of the piecewise linear servo axis. Does not live here: comparing it with a recording.
+#include "model/drive/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <map>
+#include <numbers>
+
+namespace ecs::model {
+namespace {
+
+constexpr std::array<DriveSignalInfo, kDriveSignals> kSignals{{
+    {DriveSignal::dac, "dac_V", "V", "output of the D/A converter"},
+    {DriveSignal::tacho, "tacho_V", "V", "voltage of the tacho generator"},
+    {DriveSignal::current, "motor_current_A", "A", "current of the motor"},
+    {DriveSignal::speed, "motor_speed_rad_s", "rad/s", "speed of the motor"},
+    {DriveSignal::slide, "slide_mm", "mm", "position of the slide"},
+}};
+
+/// State of the axis and a constant one, so that the equations are a matrix.
+enum Place : std::size_t { kError, kIntegral, kCurrent, kSpeed, kAngle, kOne };
+constexpr std::size_t kSize = 6;
+using State = std::array<double, kSize>;
+using Matrix = std::array<State, kSize>;
+
+State operator*(const Matrix& a, const State& x) {
+  State y{};
+  for (std::size_t i = 0; i < kSize; ++i)
+    for (std::size_t j = 0; j < kSize; ++j) y[i] += a[i][j] * x[j];
+  return y;
+}
+
+Matrix operator*(const Matrix& a, const Matrix& b) {
+  Matrix c{};
+  for (std::size_t i = 0; i < kSize; ++i)
+    for (std::size_t k = 0; k < kSize; ++k)
+      for (std::size_t j = 0; j < kSize; ++j) c[i][j] += a[i][k] * b[k][j];
+  return c;
+}
+
+Matrix unit() {
+  Matrix m{};
+  for (std::size_t i = 0; i < kSize; ++i) m[i][i] = 1.0;
+  return m;
+}
+
+/// e^(a·t): Taylor series of a fraction small enough, squared back.
+Matrix exponential(const Matrix& a, double t) {
+  double norm = 0.0;
+  for (const State& row : a) {
+    double sum = 0.0;
+    for (const double x : row) sum += std::abs(x * t);
+    norm = std::max(norm, sum);
+  }
+  const int halvings = norm > 0.25 ? static_cast<int>(std::ceil(std::log2(norm / 0.25))) : 0;
+  const double part = std::ldexp(t, -halvings);
+  Matrix sum = unit(), term = unit();
+  for (int n = 1; n <= 10; ++n) {
+    term = a * term;
+    for (State& row : term)
+      for (double& x : row) x *= part / n;
+    for (std::size_t i = 0; i < kSize; ++i)
+      for (std::size_t j = 0; j < kSize; ++j) sum[i][j] += term[i][j];
+  }
+  for (int n = 0; n < halvings; ++n) sum = sum * sum;
+  return sum;
+}
+
+/// What the nonlinear elements are doing.
+struct Mode {
+  bool demanding = true;
+  int limited = 0;   ///< D/A converter at its upper (1) or lower (-1) limit
+  int friction = 0;  ///< sense of the motion it acts against; 0: the motor stands
+  auto operator<=>(const Mode&) const = default;
+};
+
+class ServoAxis {
+ public:
+  ServoAxis(const DriveParameters& drive, const DriveMove& move, double step_s)
+      : drive_(drive),
+        demand_pulses_s_(std::copysign(move.feed_mm_min, move.distance_mm) / 60.0 * drive[DriveConstant::Ke] * 2.0 *
+                         std::numbers::pi / drive[DriveConstant::pitch]),
+        demand_s_(move.duration_s()),
+        step_s_(step_s) {
+    state_[kOne] = 1.0;
+  }
+
+  /// One step further; false: it ran away.
+  bool advance() {
+    double left = step_s_;
+    constexpr int kMostEvents = 40;  // beyond them the rest of the step goes without
+    for (int events = 0; left > 1e-12 * step_s_; ++events) {
+      double span = left;
+      if (mode_.demanding) span = std::min(span, demand_s_ - time_s_);
+      if (span <= 1e-12 * step_s_) {
+        mode_.demanding = false;
+        continue;
+      }
+      State next = (span == step_s_ ? whole_step() : exponential(equations(mode_), span)) * state_;
+      if (events < kMostEvents && guard(next) > 0.0) {
+        span *= crossing(span);
+        next = exponential(equations(mode_), span) * state_;
+        state_ = next;
+        switch_mode();
+      } else {
+        state_ = next;
+      }
+      time_s_ += span;
+      left -= span;
+      if (mode_.demanding && demand_s_ - time_s_ <= 1e-12 * step_s_) mode_.demanding = false;
+    }
+    return std::abs(state_[kSpeed]) < 1e6 && std::abs(state_[kCurrent]) < 1e8;
+  }
+
+  [[nodiscard]] std::array<double, kDriveSignals> signals() const {
+    return {dac_V(state_), drive_[DriveConstant::Kw] * state_[kSpeed], state_[kCurrent], state_[kSpeed],
+            drive_[DriveConstant::Ks] * state_[kAngle]};
+  }
+
+ private:
+  [[nodiscard]] double limit() const { return drive_[DriveConstant::dac_limit]; }
+  [[nodiscard]] double dac_V(const State& x) const {
+    return std::clamp(drive_[DriveConstant::Kd] * x[kError], -limit(), limit());
+  }
+
+  /// dx/dt = A·x while the mode lasts.
+  [[nodiscard]] Matrix equations(const Mode& mode) const {
+    using enum DriveConstant;
+    Matrix a{};
+    a[kError][kSpeed] = -drive_[Ke];
+    a[kError][kOne] = mode.demanding ? demand_pulses_s_ : 0.0;
+    State velocity_error{};  // K·u − Kw·ω
+    if (mode.limited == 0)
+      velocity_error[kError] = drive_[K] * drive_[Kd];
+    else
+      velocity_error[kOne] = drive_[K] * mode.limited * limit();
+    velocity_error[kSpeed] = -drive_[Kw];
+    a[kIntegral] = velocity_error;
+    for (std::size_t j = 0; j < kSize; ++j) a[kCurrent][j] = drive_[Ka] * velocity_error[j] / drive_[Tc];
+    a[kCurrent][kIntegral] = drive_[Ka] / (drive_[Ti] * drive_[Tc]);
+    a[kCurrent][kCurrent] = -1.0 / drive_[Tc];
+    if (mode.friction != 0) {
+      const double inertia = drive_[Jm] + drive_[J1];
+      a[kSpeed][kCurrent] = drive_[Kt] / inertia;
+      a[kSpeed][kOne] = -mode.friction * drive_[T1] / inertia;
+    }
+    a[kAngle][kSpeed] = 1.0;
+    return a;
+  }
+
+  const Matrix& whole_step() {
+    const auto [at, fresh] = steps_.try_emplace(mode_);
+    if (fresh) at->second = exponential(equations(mode_), step_s_);
+    return at->second;
+  }
+
+  /// Above 0 once the state has left its mode, in shares of the quantity that decides.
+  [[nodiscard]] double limit_guard(const State& x) const {
+    const double share = drive_[DriveConstant::Kd] * x[kError] / limit();
+    return mode_.limited == 0 ? std::abs(share) - 1.0 - 1e-12 : 1.0 - 1e-9 - mode_.limited * share;
+  }
+  [[nodiscard]] double friction_guard(const State& x) const {
+    if (mode_.friction != 0) return -mode_.friction * x[kSpeed] - 1e-12;
+    return std::abs(x[kCurrent]) * drive_[DriveConstant::Kt] / drive_[DriveConstant::T1] - 1.0 - 1e-12;
+  }
+  [[nodiscard]] double guard(const State& x) const { return std::max(limit_guard(x), friction_guard(x)); }
+
+  /// Share of `span` after which the guard fails, just beyond.
+  [[nodiscard]] double crossing(double span) const {
+    const Matrix a = equations(mode_);
+    double before = 0.0, after = 1.0;
+    double g_before = guard(state_), g_after = guard(exponential(a, span) * state_);
+    for (int n = 0; n < 60 && after - before > 1e-13; ++n) {
+      double at = g_before < 0.0 ? before + (after - before) * g_before / (g_before - g_after) : 0.5 * (before + after);
+      if (n % 3 == 2) at = 0.5 * (before + after);
+      const double g = guard(exponential(a, at * span) * state_);
+      (g > 0.0 ? after : before) = at;
+      (g > 0.0 ? g_after : g_before) = g;
+      if (g > 0.0 && g < 1e-11) break;
+    }
+    return after;
+  }
+
+  void switch_mode() {
+    if (limit_guard(state_) > 0.0) mode_.limited = mode_.limited == 0 ? (state_[kError] > 0.0 ? 1 : -1) : 0;
+    if (friction_guard(state_) <= 0.0) return;
+    const double torque = drive_[DriveConstant::Kt] * state_[kCurrent];
+    state_[kSpeed] = 0.0;
+    mode_.friction = std::abs(torque) > drive_[DriveConstant::T1] ? (torque > 0.0 ? 1 : -1) : 0;
+  }
+
+  const DriveParameters& drive_;
+  double demand_pulses_s_;
+  double demand_s_;
+  double step_s_;
+  double time_s_ = 0.0;
+  State state_{};
+  Mode mode_;
+  std::map<Mode, Matrix> steps_;
+};
+
+}  // namespace
+
+const std::array<DriveSignalInfo, kDriveSignals>& drive_signals() { return kSignals; }
+
+const DriveSignalInfo& info_of(DriveSignal signal) { return kSignals[index_of(signal)]; }
+
+double DriveResponse::at(DriveSignal which, double time_s) const {
+  const std::vector<double>& values = signal[index_of(which)];
+  const double place = time_s / step_s;
+  if (!(place > 0.0)) return values.front();
+  const auto below = static_cast<std::size_t>(place);
+  if (below + 1 >= values.size()) return values.back();
+  return std::lerp(values[below], values[below + 1], place - static_cast<double>(below));
+}
+
+DriveResponse simulated(const DriveParameters& drive, const DriveMove& move, double duration_s, double step_s) {
+  DriveResponse response;
+  response.step_s = step_s;
+  const auto steps = static_cast<std::size_t>(std::ceil(duration_s / step_s));
+  for (auto& values : response.signal) values.reserve(steps + 1);
+  ServoAxis axis(drive, move, step_s);
+  for (std::size_t n = 0; n <= steps; ++n) {
+    const auto now = axis.signals();
+    for (std::size_t s = 0; s < kDriveSignals; ++s) response.signal[s].push_back(now[s]);
+    if (n < steps && !axis.advance()) {
+      response.bounded = false;
+      break;
+    }
+  }
+  return response;
+}
+
+}  // namespace ecs::model

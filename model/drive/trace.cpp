@@ -1,0 +1,273 @@
+// Reader of recorded steps, and the noise and clipping of a recorder. Does not live here: the shape (shape.cpp).
+#include "model/drive/trace.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/plain_text.hpp"
+#include "base/text.hpp"
+#include "laser/csv_line.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr std::size_t kFewestSamples = 20;
+
+std::optional<DriveSignal> signal_named(std::string_view name) {
+  for (const DriveSignalInfo& info : drive_signals())
+    if (info.name == name) return info.id;
+  return std::nullopt;
+}
+
+/// `# key: value`, without the '#'.
+std::optional<std::pair<std::string, std::string>> metadata_in(std::string_view line) {
+  line = trimmed(line.substr(line.find_first_not_of('#') == line.npos ? line.size() : line.find_first_not_of('#')));
+  const std::size_t colon = line.find(':');
+  if (colon == line.npos) return std::nullopt;
+  return std::pair(std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1))));
+}
+
+class TraceReader {
+ public:
+  TraceReader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+
+  Result<DriveTrace> read() {
+    trace_.source = file_;
+    if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
+    for (const std::string_view line : lines_of(text_)) {
+      ++line_;
+      const std::string_view content = trimmed(line);
+      if (content.empty()) continue;
+      if (content.front() == '#')
+        metadata(content);
+      else if (columns_.empty())
+        header(content);
+      else
+        sample(content);
+      if (no_header_) break;
+    }
+    finish();
+    if (!problems_.empty()) return tl::unexpected(folded(std::move(problems_)));
+    return std::move(trace_);
+  }
+
+ private:
+  void complain(int line, int column, std::string message) {
+    constexpr std::size_t kMostProblems = 50;
+    if (problems_.size() < kMostProblems)
+      problems_.push_back({ProblemKind::bad_input, std::move(message), file_, line, column, {}});
+  }
+
+  void metadata(std::string_view line) {
+    const auto entry = metadata_in(line);
+    if (!entry) return;
+    const auto& [key, value] = *entry;
+    std::optional<double>* const into = key == "feed_mm_min"    ? &feed_
+                                        : key == "distance_mm"  ? &distance_
+                                        : key == "full_scale_V" ? &full_scale_
+                                                                : nullptr;
+    if (into == nullptr) return;
+    const auto number = number_in(value);
+    const bool good = number && *number != 0.0 && (*number > 0.0 || into == &distance_);
+    if (!good)
+      return complain(
+          line_, 1,
+          fmt::format("{}: expected a {}number, found \"{}\"", key, into == &distance_ ? "" : "positive ", value));
+    *into = number;
+  }
+
+  void header(std::string_view line) {
+    const std::size_t before = problems_.size();
+    columns(line);
+    no_header_ = problems_.size() > before;
+  }
+
+  void columns(std::string_view line) {
+    for (const laser::CsvField& field : laser::csv_fields(line).fields) {
+      if (std::find(columns_.begin(), columns_.end(), field.text) != columns_.end())
+        return complain(line_, field.column, fmt::format("expected every column once, found {} twice", field.text));
+      columns_.push_back(field.text);
+      if (field.text == "time_s" || signal_named(field.text)) continue;
+      trace_.notes.push_back(fmt::format("column {} is not a signal of the axis: left out", field.text));
+    }
+    for (const char* needed : {"time_s", "dac_V"})
+      if (std::find(columns_.begin(), columns_.end(), needed) == columns_.end())
+        complain(line_, 1,
+                 fmt::format("expected a column {} in the header row, found {}", needed, fmt::join(columns_, ", ")));
+    for (const DriveSignalInfo& info : drive_signals())
+      if (std::find(columns_.begin(), columns_.end(), info.name) != columns_.end()) {
+        trace_.signals.emplace_back();
+        trace_.signals.back().id = info.id;
+      }
+  }
+
+  void sample(std::string_view line) {
+    const laser::CsvLine cut = laser::csv_fields(line);
+    if (!cut.fault.empty()) return complain(line_, cut.fault_column, cut.fault);
+    if (cut.fields.size() != columns_.size())
+      return complain(
+          line_, 1,
+          fmt::format("expected {} fields as in the header row, found {}", columns_.size(), cut.fields.size()));
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const auto signal = signal_named(columns_[i]);
+      if (!signal && columns_[i] != "time_s") continue;
+      const auto number = number_in(cut.fields[i].text);
+      if (!number)
+        return complain(line_, cut.fields[i].column,
+                        fmt::format("{}: expected a number, found \"{}\"", columns_[i], cut.fields[i].text));
+      if (!signal) {
+        if (!trace_.time_s.empty() && *number <= trace_.time_s.back())
+          return complain(line_, cut.fields[i].column,
+                          fmt::format("time_s: expected more than {} of the sample before, found {}",
+                                      trace_.time_s.back(), *number));
+        time_ = *number;
+      } else {
+        for (RecordedSignal& s : trace_.signals)
+          if (s.id == *signal) pending_[index_of(s.id)] = *number;
+      }
+    }
+    trace_.time_s.push_back(time_);
+    for (RecordedSignal& s : trace_.signals) s.value.push_back(pending_[index_of(s.id)]);
+  }
+
+  void finish();
+
+  std::string_view text_;
+  std::string file_;
+  DriveTrace trace_;
+  std::vector<Problem> problems_;
+  std::vector<std::string> columns_;
+  std::optional<double> feed_, distance_, full_scale_;
+  std::array<double, kDriveSignals> pending_{};
+  double time_ = 0.0;
+  int line_ = 0;
+  bool no_header_ = false;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The step of the recorder's converter: smallest distance of two different values, where many samples share values.
+double quantum_of(const std::vector<double>& value) {
+  std::vector<double> sorted = value;
+  std::sort(sorted.begin(), sorted.end());
+  const double tolerance = 1e-9 * std::max(1.0, sorted.back() - sorted.front());
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i] - sorted[i - 1] > tolerance) gaps.push_back(sorted[i] - sorted[i - 1]);
+  if (gaps.empty() || gaps.size() * 2 > sorted.size()) return 0.0;
+  return *std::min_element(gaps.begin(), gaps.end());
+}
+
+/// From second differences, whose larger half a curve of few changes leaves untouched; at least what rounding makes.
+double noise_of(const std::vector<double>& value, double quantum) {
+  std::vector<double> squares;
+  for (std::size_t i = 2; i < value.size(); ++i) {
+    const double bend = value[i] - 2.0 * value[i - 1] + value[i - 2];
+    squares.push_back(bend * bend / 6.0);
+  }
+  std::sort(squares.begin(), squares.end());
+  // mean of the lower 80 %, corrected for what a normal distribution has there
+  const auto kept = static_cast<std::size_t>(0.8 * static_cast<double>(squares.size()));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
+  constexpr double kShareOfVariance = 0.4377;
+  const double spread = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(kept, 1)) / kShareOfVariance);
+  const double span = *std::max_element(value.begin(), value.end()) - *std::min_element(value.begin(), value.end());
+  return std::max({spread, quantum / std::sqrt(12.0), 1e-5 * span});
+}
+
+/// A top (sense 1) or bottom (-1) that the curve runs into at full slope and stays at: the recorder's, not the axis's.
+std::optional<double> clipped_at(const RecordedSignal& signal, int sense) {
+  std::vector<double> v;
+  for (const double x : signal.value) v.push_back(sense * x);
+  const double top = *std::max_element(v.begin(), v.end());
+  const double base = median(std::vector(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 50 + 1)));
+  const double height = top - base;
+  const double close = std::max(0.6 * signal.quantum, 1e-9 * std::abs(top));
+  const auto flat =
+      static_cast<std::size_t>(std::count_if(v.begin(), v.end(), [&](double x) { return x > top - close; }));
+  if (flat * 20 < v.size() || height < 20.0 * signal.noise) return std::nullopt;
+  const auto first_above = [&](double share) {
+    return std::find_if(v.begin(), v.end(), [&](double x) { return x > base + share * height; }) - v.begin();
+  };
+  const auto arrival = std::find_if(v.begin(), v.end(), [&](double x) { return x > top - close; }) - v.begin();
+  const auto last_fifth = arrival - first_above(0.8), middle = first_above(0.7) - first_above(0.5);
+  if (last_fifth > 2 * middle + 2) return std::nullopt;
+  // once there, it is to stay: noise would lift a true plateau above its first sample
+  std::size_t run = 0, longest = 0;
+  for (const double x : v) longest = std::max(longest, run = x > top - close ? run + 1 : 0);
+  return longest * 2 > flat ? std::optional(sense * (top - close)) : std::nullopt;
+}
+
+void TraceReader::finish() {
+  if (columns_.empty() && problems_.empty())
+    return complain(0, 0, "expected a header row with time_s and dac_V, found none");
+  if (!feed_) complain(1, 1, "expected a line \"# feed_mm_min: 1200\" with the demanded feed, found none");
+  if (!distance_) complain(1, 1, "expected a line \"# distance_mm: 10\" with the demanded move, found none");
+  if (!problems_.empty()) return;
+  if (trace_.time_s.size() < kFewestSamples)
+    return complain(line_, 1,
+                    fmt::format("expected at least {} samples, found {}", kFewestSamples, trace_.time_s.size()));
+  trace_.move = {*feed_, *distance_};
+  for (RecordedSignal& s : trace_.signals) {
+    const auto [least, most] = std::minmax_element(s.value.begin(), s.value.end());
+    if (*most - *least <= 0.0) {
+      complain(line_, 1,
+               fmt::format("{}: expected a signal that changes, found {} in every sample", info_of(s.id).name, *most));
+      continue;
+    }
+    s.quantum = quantum_of(s.value);
+    s.noise = noise_of(s.value, s.quantum);
+    if (full_scale_ && info_of(s.id).unit == "V") {
+      const double edge = *full_scale_ - std::max(s.quantum, 1e-6 * *full_scale_);
+      s.clipped_above = edge;
+      s.clipped_below = -edge;
+    } else {
+      s.clipped_above = clipped_at(s, 1);
+      s.clipped_below = clipped_at(s, -1);
+    }
+    for (const auto& edge : {s.clipped_above, s.clipped_below})
+      if (edge && !full_scale_)
+        trace_.notes.push_back(
+            fmt::format("{} runs into a flat end at {:.3g} {}: taken as a limit of the recorder or of "
+                        "the converter; samples there only say \"at least\"",
+                        info_of(s.id).name, *edge, info_of(s.id).unit));
+  }
+}
+
+}  // namespace
+
+bool is_drive_trace(std::string_view text) {
+  for (const std::string_view line : lines_of(text.substr(0, 65536))) {
+    std::string_view content = trimmed(line);
+    if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+    if (content.empty() || content.front() == '#') continue;
+    bool time = false, dac = false;
+    for (const laser::CsvField& field : laser::csv_fields(content).fields) {
+      time = time || field.text == "time_s";
+      dac = dac || field.text == "dac_V";
+    }
+    return time && dac;
+  }
+  return false;
+}
+
+Result<DriveTrace> parse_trace(std::string_view text, const std::string& file_name) {
+  if (auto why = why_no_text(text, file_name)) return tl::unexpected(std::move(*why));
+  return TraceReader(text, file_name).read();
+}
+
+Result<DriveTrace> read_trace(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_trace(*text, path.string());
+}
+
+}  // namespace ecs::model

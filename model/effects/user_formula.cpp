@@ -1,0 +1,174 @@
+#include "model/effects/user_formula.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <muParser.h>
+
+namespace ecs::model {
+namespace {
+
+/// One formula: its parser, and the columns that it reads.
+struct Compiled {
+  Sense sense = Sense::EX;
+  std::unique_ptr<mu::Parser> parser;
+  std::vector<std::pair<double*, const Column*>> optional_columns;
+};
+
+constexpr std::size_t kRowNumbers = 7;
+constexpr std::array<const char*, kRowNumbers> kRowNames{"x_mm",     "y_mm", "z_mm",       "p_mm",
+                                                         "approach", "run",  "compensated"};
+
+std::map<std::string, const Column*> optional_columns_of(const Observations& data) {
+  std::map<std::string, const Column*> columns;
+  const auto add = [&](const std::string& name, const Column& column) {
+    if (!column.empty()) columns[name] = &column;
+  };
+  add("time_s", data.time_s);
+  add("feed_mm_min", data.feed_mm_min);
+  add("load_kg", data.load_kg);
+  add("travel_since_reversal_mm", data.travel_since_reversal_mm);
+  add("pressure_hPa", data.pressure_hPa);
+  add("humidity_pct", data.humidity_pct);
+  for (const auto& [name, column] : data.sensors_degC) add(name, column);
+  for (const auto& [name, column] : data.extras) add(name, column);
+  return columns;
+}
+
+std::vector<std::string> names_of(const std::map<std::string, const Column*>& columns) {
+  std::vector<std::string> names(kRowNames.begin(), kRowNames.end());
+  for (const auto& each : columns) names.push_back(each.first);
+  return names;
+}
+
+}  // namespace
+
+struct UserFormulas::Parts {
+  const Observations* data = nullptr;
+  std::vector<double> parameters;
+  std::array<double, kRowNumbers> row{};
+  std::map<std::string, double> cells;
+  std::vector<Compiled> formulas;
+
+  void load(std::size_t k) {
+    for (std::size_t a = 0; a < kAxes; ++a) row[a] = data->position_mm[k][a];
+    row[3] = data->p_mm(k, data->axis[k]);
+    row[4] = data->approach[k];
+    row[5] = data->run[k];
+    row[6] = data->compensated[k] ? 1.0 : 0.0;
+  }
+};
+
+UserFormulas::UserFormulas(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+UserFormulas::UserFormulas(UserFormulas&&) noexcept = default;
+UserFormulas& UserFormulas::operator=(UserFormulas&&) noexcept = default;
+UserFormulas::~UserFormulas() = default;
+
+double start_of(const UserParameter& parameter) {
+  if (parameter.value) return *parameter.value;
+  if (parameter.start) return *parameter.start;
+  if (parameter.least && parameter.greatest) return 0.5 * (*parameter.least + *parameter.greatest);
+  return 1.0;
+}
+
+Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const Observations& data) {
+  auto parts = std::make_unique<Parts>();
+  parts->data = &data;
+  for (const UserParameter& parameter : effect.user) parts->parameters.push_back(start_of(parameter));
+  const auto columns = optional_columns_of(data);
+  for (const auto& each : columns) parts->cells[each.first] = 0.0;
+  std::vector<Problem> problems;
+  for (const UserFormula& formula : effect.formulas) {
+    Compiled compiled{formula.sense, std::make_unique<mu::Parser>(), {}};
+    mu::Parser& parser = *compiled.parser;
+    try {
+      for (std::size_t i = 0; i < effect.user.size(); ++i) parser.DefineVar(effect.user[i].name, &parts->parameters[i]);
+      for (std::size_t i = 0; i < kRowNumbers; ++i) parser.DefineVar(kRowNames[i], &parts->row[i]);
+      for (auto& [name, cell] : parts->cells) parser.DefineVar(name, &cell);
+      parser.DefineConst("pi", std::numbers::pi);
+      parser.SetExpr(formula.text);
+      static_cast<void>(parser.Eval());
+      for (const auto& used : parser.GetUsedVar()) {
+        const auto column = columns.find(used.first);
+        if (column != columns.end()) compiled.optional_columns.emplace_back(&parts->cells[used.first], column->second);
+      }
+    } catch (const mu::ParserError& error) {
+      problems.push_back(
+          {ProblemKind::bad_input,
+           fmt::format("effect \"{}\", formula \"{}\", character {}: {} The data have the columns {}", effect.name,
+                       formula.text, error.GetPos() + 1, error.GetMsg(), fmt::join(names_of(columns), ", ")),
+           {},
+           0,
+           0,
+           {}});
+    }
+    parts->formulas.push_back(std::move(compiled));
+  }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return UserFormulas(std::move(parts));
+}
+
+std::vector<double> UserFormulas::values(const std::vector<double>& parameters) const {
+  Parts& parts = *parts_;
+  std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
+  std::vector<double> values(parts.data->size(), 0.0);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    for (const Compiled& formula : parts.formulas) {
+      if (formula.sense != parts.data->sense[k]) continue;
+      parts.load(k);
+      for (const auto& [cell, column] : formula.optional_columns) *cell = (*column)[k];
+      const bool complete = std::none_of(formula.optional_columns.begin(), formula.optional_columns.end(),
+                                         [](const auto& each) { return std::isnan(*each.first); });
+      const double value = complete ? formula.parser->Eval() : kNotMeasured;
+      values[k] += std::isfinite(value) ? value : kNotMeasured;
+    }
+  }
+  return values;
+}
+
+std::vector<bool> UserFormulas::linear_parameters(const std::vector<double>& start) const {
+  // affine in the parameter at two settings of the others, and its slope does not depend on other linear ones
+  const auto at = [&](std::vector<double> parameters) { return values(parameters); };
+  std::vector<double> other = start;
+  for (double& value : other) value = 1.3 * value + 0.7;
+  std::vector<bool> linear(start.size(), true);
+  const auto equal = [](double a, double b, double size) { return std::abs(a - b) <= 1e-7 * (std::abs(size) + 1e-12); };
+  for (std::size_t j = 0; j < start.size(); ++j) {
+    for (const std::vector<double>& base : {start, other}) {
+      std::vector<double> one = base, two = base, three = base;
+      one[j] += 0.5;
+      two[j] += 1.0;
+      three[j] += 2.5;
+      const auto v0 = at(base), v1 = at(one), v2 = at(two), v3 = at(three);
+      for (std::size_t k = 0; k < v0.size() && linear[j]; ++k) {
+        if (std::isnan(v0[k]) || std::isnan(v3[k])) continue;
+        const double slope = v2[k] - v0[k];
+        const double size = std::abs(v0[k]) + std::abs(v3[k]);
+        linear[j] = equal(v1[k], v0[k] + 0.5 * slope, size) && equal(v3[k], v0[k] + 2.5 * slope, size);
+      }
+    }
+  }
+  // a product of two parameters is a line in each, but not in both: the later one becomes nonlinear
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    for (std::size_t j = i + 1; j < start.size(); ++j) {
+      if (!linear[i] || !linear[j]) continue;
+      std::vector<double> both = start, first = start, second = start;
+      first[i] += 1.0;
+      second[j] += 1.0;
+      both[i] += 1.0;
+      both[j] += 1.0;
+      const auto v0 = at(start), v1 = at(first), v2 = at(second), v3 = at(both);
+      for (std::size_t k = 0; k < v0.size() && linear[j]; ++k) {
+        if (std::isnan(v0[k]) || std::isnan(v3[k])) continue;
+        const double size = std::abs(v0[k]) + std::abs(v1[k]) + std::abs(v2[k]) + std::abs(v3[k]);
+        linear[j] = equal(v3[k], v1[k] + v2[k] - v0[k], size);
+      }
+    }
+  }
+  return linear;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,18 @@
+// Starting values of user effects that a diagnosis tries: found by fitting each alone beside the model.
+// Does not live here: the fit (model/fit/core.hpp), formulas (user_formula.hpp).
+#pragma once
+
+#include "model/effects/regressors.hpp"
+#include "model/fit/model_file.hpp"
+
+namespace ecs::model {
+
+/// The candidate with the `start` of its free parameters where the readings like them best, tried from several places
+/// of their ranges; unchanged where nothing is to be fitted or the formulas do not compile.
+[[nodiscard]] EffectInstance with_best_start(const Model& model, const EffectInstance& candidate,
+                                             const Regressors& regressors);
+
+/// Free parameters in which the formulas are no straight line.
+[[nodiscard]] std::size_t nonlinear_user_parameters(const EffectInstance& effect, const Observations& data);
+
+}  // namespace ecs::model

@@ -1,0 +1,174 @@
+#include "model/fit/assembly.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd as_vector(const std::vector<double>& values) {
+  return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
+}
+
+Result<Slot> user_slot(const EffectInstance& effect, const Regressors& regressors) {
+  Slot slot;
+  slot.effect = effect;
+  auto formulas = UserFormulas::compile(effect, regressors.data());
+  if (!formulas) return tl::unexpected(formulas.error());
+  std::vector<double> start;
+  for (const UserParameter& parameter : effect.user) {
+    const auto fitted = effect.fitted.find(parameter.name);
+    start.push_back(!parameter.value && fitted != effect.fitted.end() ? fitted->second : start_of(parameter));
+  }
+  const std::vector<bool> linear = formulas->linear_parameters(start);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const bool held = effect.user[i].value.has_value();
+    if (linear[i] && !held) {
+      slot.user_linear.push_back(i);
+    } else {
+      slot.user_nonlinear.push_back(i);
+      slot.nonlinear.push_back(start[i]);
+      slot.nonlinear_free.push_back(!held);
+    }
+  }
+  for (std::size_t i = 0; i < slot.user_linear.size(); ++i) slot.used.push_back(static_cast<Index>(i));
+  const std::vector<double> values = formulas->values(start);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isnan(values[k]))
+      ++slot.acting.skipped;
+    else if (std::any_of(effect.formulas.begin(), effect.formulas.end(),
+                         [&](const UserFormula& f) { return f.sense == regressors.data().sense[k]; }))
+      slot.acting.rows.push_back(k);
+  }
+  if (slot.acting.skipped > 0) slot.acting.lacking = "a column of its formula";
+  slot.formulas = std::move(*formulas);
+  return slot;
+}
+
+Result<Slot> library_slot(const EffectInstance& effect, const Regressors& regressors) {
+  Slot slot;
+  slot.effect = effect;
+  slot.acting = regressors.acting(effect);
+  const std::string name(nonlinear_parameter_of(effect.id));
+  if (!name.empty()) {
+    const auto given = effect.parameters.find(name);
+    const auto fitted = effect.fitted.find(name);
+    const bool held = given != effect.parameters.end();
+    slot.nonlinear.push_back(held ? given->second : fitted != effect.fitted.end() ? fitted->second : kNotMeasured);
+    slot.nonlinear_free.push_back(!held);
+  }
+  return slot;
+}
+
+}  // namespace
+
+Result<Assembly> Assembly::of(const Model& model, const Regressors& regressors) {
+  Assembly assembly;
+  std::vector<Problem> problems;
+  for (const EffectInstance& effect : model.effects) {
+    auto slot = effect.id == EffectId::user ? user_slot(effect, regressors) : library_slot(effect, regressors);
+    if (!slot)
+      problems.push_back(slot.error());
+    else
+      assembly.slots.push_back(std::move(*slot));
+  }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return assembly;
+}
+
+void Assembly::renew(std::size_t s, const Regressors& regressors) {
+  Slot& slot = slots[s];
+  const auto n = static_cast<Index>(regressors.data().size());
+  if (slot.formulas) {
+    std::vector<double> at(slot.effect.user.size(), 0.0);
+    for (std::size_t j = 0; j < slot.user_nonlinear.size(); ++j) at[slot.user_nonlinear[j]] = slot.nonlinear[j];
+    const auto clean = [](VectorXd v) {
+      return VectorXd(v.unaryExpr([](double x) { return std::isnan(x) ? 0.0 : x; }));
+    };
+    slot.fixed = clean(as_vector(slot.formulas->values(at)));
+    slot.columns.resize(n, static_cast<Index>(slot.user_linear.size()));
+    for (std::size_t j = 0; j < slot.user_linear.size(); ++j) {
+      std::vector<double> one = at;
+      one[slot.user_linear[j]] = 1.0;
+      slot.columns.col(static_cast<Index>(j)) = clean(as_vector(slot.formulas->values(one))) - slot.fixed;
+    }
+    return;
+  }
+  const Columns all =
+      regressors.columns(slot.effect, slot.nonlinear.empty() ? 0.0 : slot.nonlinear.front(), slot.acting);
+  slot.fixed = all.fixed.size() > 0 ? all.fixed : VectorXd(VectorXd::Zero(n));
+  slot.held_sizes = VectorXd::Zero(all.of.cols());
+  std::vector<Index> free;
+  for (Index j = 0; j < all.of.cols(); ++j) {
+    const auto held =
+        is_curve(slot.effect.id) ? std::nullopt : held_coefficient(slot.effect, static_cast<std::size_t>(j));
+    if (held) {
+      slot.held_sizes(j) = *held;
+      slot.fixed += *held * all.of.col(j);
+    } else {
+      free.push_back(j);
+    }
+  }
+  if (!is_curve(slot.effect.id) || slot.used.empty()) slot.used = free;
+  slot.columns.resize(n, static_cast<Index>(slot.used.size()));
+  for (std::size_t j = 0; j < slot.used.size(); ++j) slot.columns.col(static_cast<Index>(j)) = all.of.col(slot.used[j]);
+  if (is_curve(slot.effect.id) && !slot.effect.curve.empty() && slot.effect.parameters.contains("rms_um")) {
+    // a curve held as it stands in the model file
+    slot.fixed = regressors.of_curve(slot.effect, slot.acting);
+    slot.columns.resize(n, 0);
+    slot.used.clear();
+  }
+}
+
+MatrixXd Assembly::columns() const {
+  Index total = 0;
+  for (const Slot& slot : slots) total += slot.columns.cols();
+  MatrixXd all(slots.empty() ? 0 : slots.front().fixed.size(), total);
+  Index at = 0;
+  for (const Slot& slot : slots) {
+    all.middleCols(at, slot.columns.cols()) = slot.columns;
+    at += slot.columns.cols();
+  }
+  return all;
+}
+
+VectorXd Assembly::fixed(std::size_t readings) const {
+  VectorXd sum = VectorXd::Zero(static_cast<Index>(readings));
+  for (const Slot& slot : slots) sum += slot.fixed;
+  return sum;
+}
+
+Index Assembly::first_column(std::size_t slot) const {
+  Index at = 0;
+  for (std::size_t s = 0; s < slot; ++s) at += slots[s].columns.cols();
+  return at;
+}
+
+VectorXd Assembly::contribution(std::size_t slot, const VectorXd& sizes) const {
+  VectorXd sum = slots[slot].fixed;
+  if (sizes.size() > 0) sum += slots[slot].columns * sizes;
+  return sum;
+}
+
+VectorXd Assembly::slope(std::size_t s, std::size_t j, const VectorXd& sizes, const Regressors& regressors) {
+  const double at = slots[s].nonlinear[j];
+  const double step = std::max(std::abs(at) * 1e-5, 1e-7);
+  const auto contribution_at = [&](double value) {
+    slots[s].nonlinear[j] = value;
+    renew(s, regressors);
+    return contribution(s, sizes);
+  };
+  const VectorXd above = contribution_at(at + step);
+  const VectorXd below = contribution_at(at - step);
+  slots[s].nonlinear[j] = at;
+  renew(s, regressors);
+  return (above - below) / (2.0 * step);
+}
+
+}  // namespace ecs::model

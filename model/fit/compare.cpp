@@ -1,0 +1,253 @@
+#include "model/fit/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "model/data/curve_basis.hpp"
+#include "model/fit/noise.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+std::vector<std::string> variables_in(const Observations& data) {
+  std::vector<std::string> names{"x_mm",         "y_mm",         "z_mm",
+                                 "approach",     "run",          "time_s",
+                                 "feed_mm_min",  "load_kg",      "travel_since_reversal_mm",
+                                 "pressure_hPa", "humidity_pct", "compensated"};
+  for (const auto& each : data.sensors_degC) names.push_back(each.first);
+  for (const auto& each : data.extras) names.push_back(each.first);
+  return names;
+}
+
+ResidualBin bin_of(const std::vector<std::pair<double, double>>& pairs, std::size_t from, std::size_t to) {
+  ResidualBin bin;
+  bin.from = pairs[from].first;
+  bin.to = pairs[to - 1].first;
+  bin.readings = to - from;
+  const double n = static_cast<double>(bin.readings);
+  double square = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    bin.mean_um += pairs[i].second / n;
+    square += pairs[i].second * pairs[i].second;
+  }
+  bin.rms_um = std::sqrt(square / n);
+  bin.sigma_um =
+      n < 2.0 ? bin.rms_um : std::sqrt(std::max(0.0, square - n * bin.mean_um * bin.mean_um) / (n - 1.0) / n);
+  return bin;
+}
+
+std::optional<LackOfFit> lack_of_fit_of_rows(const Observations& data, const std::vector<double>& residual,
+                                             const std::vector<std::size_t>& rows, const Repeats& repeats) {
+  std::map<std::size_t, std::vector<double>> nodes;
+  for (const std::size_t k : rows) nodes[repeats.node_of[k]].push_back(residual[k]);
+  double between = 0.0, within = 0.0, pure_freedom = 0.0;
+  for (const auto& each : nodes) {
+    const double n = static_cast<double>(each.second.size());
+    const double mean = std::accumulate(each.second.begin(), each.second.end(), 0.0) / n;
+    between += n * mean * mean;
+    for (const double r : each.second) within += (r - mean) * (r - mean);
+    pure_freedom += n - 1.0;
+  }
+  if (pure_freedom < 4.0 || within <= 0.0) return std::nullopt;
+  const double freedom = static_cast<double>(nodes.size());
+  LackOfFit test;
+  test.F = between / freedom / (within / pure_freedom);
+  test.p = std::exp(ln_f_tail(test.F, freedom, pure_freedom));
+  static_cast<void>(data);
+  return test;
+}
+
+std::vector<DirectionSummary> directions_of(const Fit& fit, const Observations& data) {
+  std::map<std::tuple<Sense, Axis, int>, std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) groups[{data.sense[k], data.axis[k], -data.approach[k]}].push_back(k);
+  const Repeats repeats = repeats_of(data);
+  std::vector<DirectionSummary> list;
+  for (const auto& [key, rows] : groups) {
+    DirectionSummary one;
+    one.sense = std::get<0>(key);
+    one.axis = std::get<1>(key);
+    one.approach = -std::get<2>(key);
+    one.readings = rows.size();
+    std::vector<double> r;
+    for (const std::size_t k : rows) {
+      r.push_back(fit.residual[k]);
+      one.bias_um += fit.residual[k] / static_cast<double>(rows.size());
+      one.peak_um = std::max(one.peak_um, std::abs(fit.residual[k]));
+    }
+    one.rms_um = rms_of(r);
+    one.lack_of_fit = lack_of_fit_of_rows(data, fit.residual, rows, repeats);
+    list.push_back(one);
+  }
+  return list;
+}
+
+std::vector<WorstPlace> worst_of(const Fit& fit, const Observations& data, std::size_t count) {
+  std::vector<std::size_t> order(data.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return std::abs(fit.residual[a]) > std::abs(fit.residual[b]); });
+  std::vector<WorstPlace> list;
+  for (std::size_t i = 0; i < std::min(count, order.size()); ++i) {
+    const std::size_t k = order[i];
+    list.push_back({data.row[k], data.axis[k], data.sense[k], data.position_mm[k], data.approach[k], data.run[k],
+                    data.reading[k], fit.predicted[k], fit.residual[k]});
+  }
+  return list;
+}
+
+/// One reading's worth of observations at a place that was not measured.
+Observations one_place(const Model& model, const std::optional<params::Machine>& machine, const PointQuery& query) {
+  laser::MeasurementSet set;
+  laser::Reading reading;
+  reading.axis = query.axis;
+  reading.sense = query.sense;
+  reading.position_mm = query.position_mm;
+  reading.approach = static_cast<Approach>(query.approach);
+  reading.time_s = query.time_s;
+  reading.feed_mm_min = query.feed_mm_min;
+  reading.load_kg = query.load_kg;
+  for (const auto& [name, value] : query.sensors_degC) reading.sensors_degC[name] = value;
+  set.readings.push_back(reading);
+  Observations data = observations_of(set, model, machine);
+  if (query.time_s) data.time_s = {*query.time_s};  // counts from the first reading of the fit, not of this one
+  return data;
+}
+
+}  // namespace
+
+double variable_of(const Observations& data, std::size_t k, const std::string& name) {
+  if (name == "x_mm") return data.position_mm[k][0];
+  if (name == "y_mm") return data.position_mm[k][1];
+  if (name == "z_mm") return data.position_mm[k][2];
+  if (name == "approach") return data.approach[k];
+  if (name == "run") return data.run[k];
+  if (name == "compensated") return data.compensated[k] ? 1.0 : 0.0;
+  if (name == "time_s") return cell(data.time_s, k);
+  if (name == "feed_mm_min") return cell(data.feed_mm_min, k);
+  if (name == "load_kg") return cell(data.load_kg, k);
+  if (name == "travel_since_reversal_mm") return cell(data.travel_since_reversal_mm, k);
+  if (name == "pressure_hPa") return cell(data.pressure_hPa, k);
+  if (name == "humidity_pct") return cell(data.humidity_pct, k);
+  if (const auto sensor = data.sensors_degC.find(name); sensor != data.sensors_degC.end())
+    return cell(sensor->second, k);
+  if (const auto extra = data.extras.find(name); extra != data.extras.end()) return cell(extra->second, k);
+  return kNotMeasured;
+}
+
+ResidualView residual_view(const Observations& data, const std::vector<double>& residual, double noise_um,
+                           const std::string& variable, std::size_t most_bins) {
+  ResidualView view;
+  view.variable = variable;
+  std::vector<std::pair<double, double>> pairs;
+  double total = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double value = variable_of(data, k, variable);
+    total += residual[k] * residual[k];
+    if (!std::isnan(value)) pairs.emplace_back(value, residual[k]);
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (pairs.empty() || pairs.front().first == pairs.back().first) return view;
+  std::vector<double> values;
+  for (const auto& pair : pairs) values.push_back(pair.first);
+  const bool by_value = distinct(values, 1e-6 * (values.back() - values.front())).size() <= most_bins;
+  const double tolerance = 1e-6 * (values.back() - values.front());
+  double explained = 0.0;
+  for (std::size_t from = 0; from < pairs.size();) {
+    std::size_t to = from + 1;
+    const std::size_t wanted = by_value ? 1 : (pairs.size() + most_bins - 1) / most_bins;
+    while (to < pairs.size() && (to - from < wanted || pairs[to].first - pairs[to - 1].first <= tolerance)) ++to;
+    view.bins.push_back(bin_of(pairs, from, to));
+    explained += view.bins.back().mean_um * view.bins.back().mean_um * static_cast<double>(to - from);
+    from = to;
+  }
+  const double by_noise = static_cast<double>(view.bins.size()) * noise_um * noise_um;
+  view.share = total > 0.0 ? std::clamp((explained - by_noise) / total, 0.0, 1.0) : 0.0;
+  return view;
+}
+
+Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_count) {
+  Comparison comparison;
+  comparison.rms_um = fit.rms_um;
+  comparison.peak_um = fit.peak_um;
+  comparison.noise = fit.noise;
+  comparison.lack_of_fit = fit.lack_of_fit;
+  comparison.outliers = fit.outliers;
+  comparison.directions = directions_of(fit, data);
+  comparison.worst = worst_of(fit, data, worst_count);
+  for (const std::string& name : variables_in(data)) {
+    ResidualView view = residual_view(data, fit.residual, fit.noise.noise_um, name);
+    if (view.bins.size() > 1) comparison.views.push_back(std::move(view));
+  }
+  return comparison;
+}
+
+Result<Breakdown> breakdown_at(const Model& fitted, const std::optional<params::Machine>& machine,
+                               const PointQuery& query) {
+  const Observations at = one_place(fitted, machine, query);
+  Breakdown breakdown;
+  for (const EffectInstance& effect : fitted.effects) {
+    Model alone = fitted;
+    alone.effects = {effect};
+    const auto value = predicted(alone, at);
+    if (!value) return tl::unexpected(value.error());
+    breakdown.shares.push_back({to_text(effect), value->front()});
+    breakdown.total_um += value->front();
+    if (value->front() == 0.0)
+      breakdown.notes.push_back(
+          fmt::format("{}: gives nothing here, or the query lacks what it needs", to_text(effect)));
+  }
+  return breakdown;
+}
+
+Result<std::vector<VolumePoint>> predicted_volume(const Model& fitted, const params::Machine& machine,
+                                                  std::size_t points_per_axis, int approach) {
+  PerAxis<std::vector<double>> places;
+  for (const Axis a : kAllAxes) {
+    const auto& axis = machine.axes[index_of(a)];
+    const std::size_t count = axis ? std::max<std::size_t>(points_per_axis, 2) : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double part = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0.0;
+      places[index_of(a)].push_back(axis ? std::lerp(axis->travel_mm[0], axis->travel_mm[1], part) : 0.0);
+    }
+  }
+  laser::MeasurementSet set;
+  std::vector<VolumePoint> points;
+  const auto moving = [&](Axis a) { return machine.axes[index_of(a)].has_value(); };
+  for (const double x : places[0])
+    for (const double y : places[1])
+      for (const double z : places[2]) {
+        points.push_back({{x, y, z}, {}});
+        for (const Axis direction : kAllAxes) {
+          laser::Reading reading;
+          reading.axis = moving(direction) ? direction : *std::find_if(kAllAxes.begin(), kAllAxes.end(), moving);
+          reading.sense = static_cast<Sense>(direction);
+          reading.position_mm = {x, y, z};
+          reading.approach = static_cast<Approach>(approach);
+          reading.row = static_cast<int>(set.readings.size()) + 1;
+          set.readings.push_back(reading);
+        }
+      }
+  const Observations at = observations_of(set, fitted, machine);
+  const auto values = predicted(fitted, at);
+  if (!values) return tl::unexpected(values.error());
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const auto place = static_cast<std::size_t>(at.row[k] - 1);
+    points[place / kAxes].error_um[place % kAxes] = (*values)[k];
+  }
+  return points;
+}
+
+}  // namespace ecs::model

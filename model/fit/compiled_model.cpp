@@ -1,0 +1,128 @@
+// A model made into an error map: every table value the sum of the effects that a table can carry, with the sign of a
+// compensation. Does not live here: adding effects (model/diagnosis/ladder.cpp), the map's bytes (laser/map/image.hpp).
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "model/diagnosis/ladder.hpp"
+
+namespace ecs::model {
+namespace {
+
+using enum EffectId;
+
+/// The component that a table of this effect belongs to; nothing if no single table can carry it.
+std::optional<Component> table_of_effect(const EffectInstance& effect) {
+  if (effect.id == angular) return effect.code;
+  if (info_of(effect.id).carrier != Carrier::error_map || !effect.axis || !effect.sense) return std::nullopt;
+  return curve_of(*effect.sense, *effect.axis);
+}
+
+/// Positions from one end of the travel to the other.
+std::vector<double> grid_of(const params::MachineAxis& axis, double increment_mm) {
+  std::vector<double> grid;
+  const auto count =
+      static_cast<std::size_t>(std::floor((axis.travel_mm[1] - axis.travel_mm[0]) / increment_mm + 1e-9));
+  for (std::size_t i = 0; i <= count; ++i) grid.push_back(axis.travel_mm[0] + increment_mm * static_cast<double>(i));
+  if (axis.travel_mm[1] - grid.back() > 1e-6) grid.push_back(axis.travel_mm[1]);
+  return grid;
+}
+
+/// What the effect adds along its own axis at these positions; for `angular` the angle itself.
+Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance& effect,
+                                       const params::Machine& machine, const std::vector<double>& grid, int approach) {
+  std::vector<double> values;
+  if (effect.id == angular) {
+    if (effect.curve.empty())
+      return problem(ProblemKind::bad_input,
+                     fmt::format("{}: has no curve; fit the model to data first", to_text(effect)));
+    const laser::MapTable curve{Component::EXX, Approach::unknown, effect.curve.p_mm, effect.curve.value};
+    for (const double p : grid) values.push_back(laser::compensation_at(curve, p));
+    return values;
+  }
+  laser::MeasurementSet set;
+  for (const double p : grid) {
+    laser::Reading reading;
+    reading.axis = *effect.axis;
+    reading.sense = *effect.sense;
+    reading.position_mm[index_of(*effect.axis)] = p;
+    reading.approach = static_cast<Approach>(approach);
+    reading.row = static_cast<int>(set.readings.size()) + 1;
+    set.readings.push_back(reading);
+  }
+  Model alone = fitted;
+  alone.effects = {effect};
+  const Observations at = observations_of(set, alone, machine);
+  const auto predicted_values = predicted(alone, at);
+  if (!predicted_values) return tl::unexpected(predicted_values.error());
+  values.resize(grid.size());
+  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = (*predicted_values)[k];
+  return values;
+}
+
+bool differs_by_approach(const EffectInstance& effect) {
+  return info_of(effect.id).of_approach || effect.approach != ApproachMode::both;
+}
+
+}  // namespace
+
+Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm) {
+  if (!(increment_mm > 0.0))
+    return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
+  CompiledModel out;
+  std::map<Component, std::vector<const EffectInstance*>> tables;
+  for (const EffectInstance& effect : fitted.effects) {
+    const EffectInfo& info = info_of(effect.id);
+    const auto component = table_of_effect(effect);
+    if (effect.id == squareness && effect.code) {
+      const auto value = effect.parameters.contains("um_per_m") ? effect.parameters : effect.fitted;
+      if (const auto found = value.find("um_per_m"); found != value.end()) {
+        out.squareness[index_of(*effect.code)] += found->second;
+        out.carried.push_back(fmt::format("{}: {:.3g} um/m in the unit's parameters", to_text(effect), found->second));
+        continue;
+      }
+    }
+    if (component && machine.axes[index_of(moving_axis(*component))]) {
+      tables[*component].push_back(&effect);
+      out.carried.push_back(fmt::format("{}: table {}", to_text(effect), name_of(*component)));
+    } else {
+      out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), info.how));
+    }
+  }
+  out.map.header.machine = machine.name;
+  out.map.header.configuration = machine.configuration;
+  std::vector<Problem> problems;
+  for (const auto& [component, effects] : tables) {
+    const params::MachineAxis& axis = *machine.axes[index_of(moving_axis(component))];
+    const std::vector<double> grid = grid_of(axis, increment_mm);
+    const bool two =
+        std::any_of(effects.begin(), effects.end(), [](const EffectInstance* e) { return differs_by_approach(*e); });
+    std::vector<std::string> names;
+    for (const EffectInstance* effect : effects) names.push_back(to_text(*effect));
+    for (const Approach approach :
+         two ? std::vector<Approach>{Approach::forward, Approach::reverse} : std::vector<Approach>{Approach::unknown}) {
+      laser::MapTable table{component, approach, grid, std::vector<double>(grid.size(), 0.0)};
+      for (const EffectInstance* effect : effects) {
+        const auto values = along_axis(fitted, *effect, machine, grid, two ? static_cast<int>(approach) : 1);
+        if (!values) {
+          problems.push_back(values.error());
+          break;
+        }
+        for (std::size_t i = 0; i < grid.size(); ++i) table.compensation[i] -= (*values)[i];
+      }
+      out.map.tables.push_back(std::move(table));
+    }
+    out.map.header.processing.push_back(
+        fmt::format("{} compiled from the model: {}", name_of(component), fmt::join(names, " + ")));
+    for (const LadderStep& step : fitted.history)
+      if (std::find(names.begin(), names.end(), step.effect) != names.end())
+        out.map.header.processing.push_back(fmt::format("{} fitted to {}", step.effect, step.data));
+  }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return out;
+}
+
+}  // namespace ecs::model

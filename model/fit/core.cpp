@@ -1,0 +1,336 @@
+#include "model/fit/core.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/search.hpp"
+#include "model/fit/outliers.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd readings_of(const Observations& data) {
+  return Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
+}
+
+struct Solved {
+  VectorXd sizes;
+  VectorXd white_residual;
+  double chi2 = 0.0;
+  Index rank = 0;
+  double condition = 1.0;
+  std::vector<bool> undetermined;
+  std::vector<std::vector<Index>> collides;
+};
+
+/// Least squares by pivoted QR of scaled columns; columns that depend on others get size 0.
+Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhitened_norms) {
+  constexpr double kDependent = 1e-7;
+  Solved s;
+  const Index k = white.cols();
+  s.undetermined.assign(static_cast<std::size_t>(k), false);
+  s.collides.assign(static_cast<std::size_t>(k), {});
+  s.sizes = VectorXd::Zero(k);
+  s.white_residual = y;
+  if (k > 0) {
+    VectorXd norm = white.colwise().norm();
+    for (Index j = 0; j < k; ++j)
+      if (norm(j) <= 1e-12 * std::max(unwhitened_norms(j), 1e-300) || norm(j) <= 0.0) norm(j) = 0.0;
+    MatrixXd scaled = white;
+    for (Index j = 0; j < k; ++j) scaled.col(j) *= norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr;
+    qr.setThreshold(kDependent);
+    qr.compute(scaled);
+    s.rank = qr.rank();
+    const auto r = qr.matrixR().topLeftCorner(s.rank, s.rank).template triangularView<Eigen::Upper>();
+    const VectorXd qty = (qr.householderQ().transpose() * y).head(s.rank);
+    const VectorXd first = r.solve(qty);
+    const auto& place = qr.colsPermutation().indices();
+    for (Index i = 0; i < s.rank; ++i) s.sizes(place(i)) = first(i) / norm(place(i));
+    if (s.rank > 0) {
+      const Eigen::JacobiSVD<MatrixXd> svd(
+          MatrixXd(qr.matrixR().topLeftCorner(s.rank, s.rank).template triangularView<Eigen::Upper>()));
+      s.condition = svd.singularValues()(0) / std::max(svd.singularValues()(s.rank - 1), 1e-300);
+    }
+    for (Index i = s.rank; i < k; ++i) {
+      const auto column = static_cast<std::size_t>(place(i));
+      s.undetermined[column] = true;
+      if (s.rank == 0) continue;
+      const VectorXd share = r.solve(VectorXd(qr.matrixR().col(i).head(s.rank)));
+      for (Index m = 0; m < s.rank; ++m)
+        if (std::abs(share(m)) > 0.05) {
+          s.collides[column].push_back(place(m));
+          s.undetermined[static_cast<std::size_t>(place(m))] = true;
+        }
+    }
+    s.white_residual -= white * s.sizes;
+  }
+  s.chi2 = s.white_residual.squaredNorm();
+  return s;
+}
+
+/// Sets every nonlinear parameter that has no value yet by the search of that effect alone.
+void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+  const VectorXd y = readings_of(regressors.data());
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    Slot& slot = assembly.slots[s];
+    if (slot.formulas || slot.nonlinear.empty() || !std::isnan(slot.nonlinear.front())) continue;
+    MatrixXd others(y.size(), 0);
+    VectorXd rest = y;
+    for (std::size_t other = 0; other < assembly.slots.size(); ++other) {
+      const Slot& o = assembly.slots[other];
+      if (other == s || o.fixed.size() == 0) continue;
+      others.conservativeResize(Eigen::NoChange, others.cols() + o.columns.cols());
+      others.rightCols(o.columns.cols()) = o.columns;
+      rest -= o.fixed;
+    }
+    const Search search(regressors, whitener, others, rest, {slot.effect});
+    const auto found = search.expand(search.base(), 1);
+    const Grid grid = grid_of(regressors, slot.effect, slot.acting, 16);
+    slot.nonlinear.front() = !found.empty()         ? found.front().nonlinear
+                             : !grid.values.empty() ? grid.values.front()
+                                                    : 1.0;
+    assembly.renew(s, regressors);
+  }
+}
+
+/// How many functions each curve needs, by evidence, the others absorbed; two more than that are kept.
+void choose_curve_functions(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+  const VectorXd y = readings_of(regressors.data());
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    Slot& slot = assembly.slots[s];
+    if (!is_curve(slot.effect.id) || slot.columns.cols() == 0) continue;
+    MatrixXd others(y.size(), 0);
+    VectorXd rest = y;
+    for (std::size_t other = 0; other < assembly.slots.size(); ++other) {
+      const Slot& o = assembly.slots[other];
+      rest -= o.fixed;
+      if (other == s) continue;
+      others.conservativeResize(Eigen::NoChange, others.cols() + o.columns.cols());
+      others.rightCols(o.columns.cols()) = o.columns;
+    }
+    const Search search(regressors, whitener, others, rest, {slot.effect});
+    if (search.families().empty()) continue;
+    const Choice best = search.choice_at(search.base(), 0, 0.0);
+    const Columns all = regressors.columns(slot.effect, 0.0, slot.acting);
+    const std::size_t wanted = std::min<std::size_t>(static_cast<std::size_t>(all.of.cols()), best.columns.size() + 2);
+    slot.used.clear();
+    for (std::size_t j = 0; j < wanted; ++j) slot.used.push_back(static_cast<Index>(j));
+    assembly.renew(s, regressors);
+  }
+}
+
+struct FreeNonlinear {
+  std::size_t slot = 0, j = 0;
+};
+std::vector<FreeNonlinear> free_nonlinear(const Assembly& assembly) {
+  std::vector<FreeNonlinear> list;
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s)
+    for (std::size_t j = 0; j < assembly.slots[s].nonlinear.size(); ++j)
+      if (assembly.slots[s].nonlinear_free[j] && assembly.slots[s].effect.id != EffectId::step) list.push_back({s, j});
+  return list;
+}
+
+MatrixXd slopes(Assembly& assembly, const Regressors& regressors, const VectorXd& sizes,
+                const std::vector<FreeNonlinear>& free) {
+  MatrixXd slope(static_cast<Index>(regressors.data().size()), static_cast<Index>(free.size()));
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const VectorXd part =
+        sizes.segment(assembly.first_column(free[i].slot), assembly.slots[free[i].slot].columns.cols());
+    slope.col(static_cast<Index>(i)) = assembly.slope(free[i].slot, free[i].j, part, regressors);
+  }
+  return slope;
+}
+
+struct Limits {
+  double least = -std::numeric_limits<double>::infinity();
+  double greatest = std::numeric_limits<double>::infinity();
+};
+
+/// Far shorter or longer than the readings tell, an exponential is an offset or a line under another name.
+Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) {
+  if (slot.formulas) {
+    const UserParameter& parameter = slot.effect.user[slot.user_nonlinear[j]];
+    const Limits all;
+    return {parameter.least.value_or(all.least), parameter.greatest.value_or(all.greatest)};
+  }
+  if (slot.effect.id == EffectId::map_shift) return {};
+  const double now = std::abs(slot.nonlinear[j]);
+  Limits limits{1e-3 * now, std::numeric_limits<double>::infinity()};
+  if (slot.effect.id != EffectId::warm_up && slot.effect.id != EffectId::reversal_spike) return limits;
+  const Grid tried = grid_of(regressors, slot.effect, slot.acting, 16);
+  if (tried.values.empty()) return limits;
+  const auto [least, greatest] = std::minmax_element(tried.values.begin(), tried.values.end());
+  return {std::min(0.5 * *least, now), std::max(2.0 * *greatest, now)};
+}
+
+void set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::vector<FreeNonlinear>& free,
+                   const std::vector<Limits>& limits, const VectorXd& values) {
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    Slot& slot = assembly.slots[free[i].slot];
+    slot.nonlinear[free[i].j] =
+        std::clamp(values(static_cast<Index>(i)), limits[i].least, std::max(limits[i].least, limits[i].greatest));
+    assembly.renew(free[i].slot, regressors);
+  }
+}
+
+Solved solved_now(const Assembly& assembly, const Observations& data, const Whitener& whitener) {
+  const MatrixXd columns = assembly.columns();
+  const VectorXd rest = readings_of(data) - assembly.fixed(data.size());
+  return solved(whitener(columns), whitener(rest), columns.colwise().norm());
+}
+
+/// Gauss-Newton over nonlinear parameters and sizes together, halved until χ² falls.
+Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
+  const Observations& data = regressors.data();
+  Solved now = solved_now(assembly, data, whitener);
+  const auto free = free_nonlinear(assembly);
+  if (free.empty()) return now;
+  std::vector<Limits> limits;
+  for (const FreeNonlinear& one : free) limits.push_back(limits_of(assembly.slots[one.slot], one.j, regressors));
+  for (int round = 0; round < 25; ++round) {
+    VectorXd values(static_cast<Index>(free.size()));
+    for (std::size_t i = 0; i < free.size(); ++i)
+      values(static_cast<Index>(i)) = assembly.slots[free[i].slot].nonlinear[free[i].j];
+    const MatrixXd columns = assembly.columns();
+    MatrixXd joint(columns.rows(), columns.cols() + values.size());
+    joint << columns, slopes(assembly, regressors, now.sizes, free);
+    const Solved step = solved(whitener(joint), now.white_residual, joint.colwise().norm());
+    const VectorXd change = step.sizes.tail(values.size());
+    bool better = false;
+    for (double part = 1.0; part > 0.01 && !better; part *= 0.4) {
+      set_nonlinear(assembly, regressors, free, limits, values + part * change);
+      Solved tried = solved_now(assembly, data, whitener);
+      better = tried.chi2 < now.chi2 - 1e-9 * (1.0 + now.chi2);
+      if (better) now = std::move(tried);
+    }
+    if (!better) {
+      set_nonlinear(assembly, regressors, free, limits, values);
+      break;
+    }
+  }
+  return now;
+}
+
+/// Share of the information along the best seen direction below which a direction is not seen at all.
+constexpr double kUnseen = 1e-12;
+
+MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, const Solved& now) {
+  const auto free = free_nonlinear(assembly);
+  const MatrixXd columns = assembly.columns();
+  MatrixXd joint(columns.rows(), columns.cols() + static_cast<Index>(free.size()));
+  if (joint.cols() == 0) return joint.transpose() * joint;
+  joint << columns, slopes(assembly, regressors, now.sizes, free);
+  const MatrixXd white = whitener(joint);
+  VectorXd norm = white.colwise().norm();
+  for (Index j = 0; j < norm.size(); ++j)
+    if (norm(j) <= 0.0) norm(j) = 1.0;
+  const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
+  // A direction that the data do not see keeps a variance that shows it; left out, it would pass for an exact one.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> directions(scaled.transpose() * scaled);
+  const VectorXd seen = directions.eigenvalues().cwiseMax(kUnseen * std::max(1.0, directions.eigenvalues().maxCoeff()));
+  const MatrixXd inverse =
+      directions.eigenvectors() * seen.cwiseInverse().asDiagonal() * directions.eigenvectors().transpose();
+  return norm.cwiseInverse().asDiagonal() * inverse * norm.cwiseInverse().asDiagonal();
+}
+
+}  // namespace
+
+MatrixXd smooth_columns(const Observations& data) {
+  std::vector<VectorXd> columns;
+  const auto n = static_cast<Index>(data.size());
+  for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC}) {
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.sense[k] == sense) rows.push_back(k);
+    if (rows.empty()) continue;
+    const double most = 0.3 * static_cast<double>(rows.size());
+    const std::size_t had = columns.size();
+    const auto add = [&](const auto& value) {
+      if (static_cast<double>(columns.size() - had) >= std::max(2.0, most)) return;
+      VectorXd column = VectorXd::Zero(n);
+      for (const std::size_t k : rows) column(static_cast<Index>(k)) = value(k);
+      columns.push_back(std::move(column));
+    };
+    add([](std::size_t) { return 1.0; });
+    std::array<Axis, kAxes> axes = kAllAxes;  // those that move first: there is room for so many only
+    std::stable_partition(axes.begin(), axes.end(), [&](Axis a) {
+      return std::any_of(rows.begin(), rows.end(), [&](std::size_t k) { return data.axis[k] == a; });
+    });
+    for (const Axis a : axes) {
+      std::vector<double> p;
+      for (const std::size_t k : rows) p.push_back(data.p_mm(k, a));
+      const CurveBasis basis(p, 16);
+      if (basis.greatest_mm() <= basis.least_mm()) continue;
+      add([&](std::size_t k) { return (data.p_mm(k, a) - basis.centre_mm()) / basis.half_width_mm(); });
+      const auto d = [&](std::size_t k) { return data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0; };
+      add(d);
+      for (std::size_t f = 0; f < basis.size(); ++f) {
+        add([&](std::size_t k) { return basis.value(f, data.p_mm(k, a)); });
+        if (f < 8) add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
+      }
+    }
+  }
+  MatrixXd matrix(n, static_cast<Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];
+  return matrix;
+}
+
+CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptions& options) {
+  const Observations& data = regressors.data();
+  const VectorXd y = readings_of(data);
+  CoreFit core;
+  core.left_out.assign(data.size(), false);
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    Slot& slot = assembly.slots[s];
+    if (slot.nonlinear.empty() || !std::isnan(slot.nonlinear.front())) assembly.renew(s, regressors);
+    if (slot.fixed.size() == 0) {  // until its nonlinear parameter is found it contributes nothing
+      slot.fixed = VectorXd::Zero(y.size());
+      slot.columns.resize(y.size(), 0);
+    }
+  }
+  const MatrixXd smooth = smooth_columns(data);
+  VectorXd residual = y - assembly.fixed(data.size());
+  Solved now;
+  for (int round = 0; round < 4; ++round) {
+    core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out);
+    const Whitener whitener(data, core.noise, core.left_out);
+    if (round == 0) start_nonlinear(assembly, regressors, whitener);
+    if (round == 0 && !options.all_curve_functions && !options.plain)
+      choose_curve_functions(assembly, regressors, whitener);
+    now = refined(assembly, regressors, whitener);
+    residual = y - assembly.fixed(data.size());
+    const MatrixXd columns = assembly.columns();
+    if (columns.cols() > 0) residual -= columns * now.sizes;
+    if (options.plain) break;
+    const std::vector<bool> outliers = isolated_outliers(data, residual);
+    if (outliers == core.left_out && round > 0) break;
+    core.left_out = outliers;
+  }
+  const double freedom = std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank));
+  if (options.plain) {
+    core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-9));
+    core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out).pure.noise_um;
+  }
+  const Whitener whitener(data, core.noise, core.left_out);
+  if (options.plain) now = refined(assembly, regressors, whitener);
+  core.sizes = now.sizes;
+  core.covariance = covariance_of(assembly, regressors, whitener, now) * std::max(1.0, now.chi2 / freedom);
+  core.undetermined = now.undetermined;
+  core.collides = now.collides;
+  core.residual = residual;
+  core.chi2 = now.chi2;
+  core.condition = now.condition;
+  core.rank = now.rank;
+  return core;
+}
+
+}  // namespace ecs::model

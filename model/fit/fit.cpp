@@ -1,0 +1,332 @@
+#include "model/fit/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "model/fit/core.hpp"
+#include "model/fit/report.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The curve of a slot at a grid of machine coordinates, with the measured positions among them.
+FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const VectorXd& sizes) {
+  FittedCurve curve;
+  const CurveBasis& basis = regressors.basis_of(slot.effect);
+  const Observations& data = regressors.data();
+  const double datum = data.datum_mm[index_of(*slot.effect.axis)];
+  std::vector<double> places;
+  constexpr int kPoints = 120;
+  for (int i = 0; i <= kPoints; ++i)
+    places.push_back(basis.least_mm() + (basis.greatest_mm() - basis.least_mm()) * i / kPoints);
+  for (const std::size_t k : slot.acting.rows) places.push_back(data.p_mm(k, *slot.effect.axis));
+  places = distinct(places, 1e-6);
+  const std::size_t leading = slot.effect.id == EffectId::angular ? 2 : 0;
+  for (const double p : places) {
+    double value = 0.0;
+    for (std::size_t j = 0; j < slot.used.size(); ++j) {
+      const auto f = static_cast<std::size_t>(slot.used[j]);
+      double function = 1.0;
+      if (f == 1 && leading > 0) function = (p - basis.centre_mm()) / basis.half_width_mm();
+      if (f >= leading) function = basis.value(f - leading, p);
+      value += sizes(static_cast<Index>(j)) * function;
+    }
+    curve.p_mm.push_back(p + datum);
+    curve.value.push_back(value);
+  }
+  return curve;
+}
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// A period, length or time constant whose sigma is so many times its value is not determined.
+constexpr double kLost = 100.0;
+
+std::vector<ParameterEstimate> user_estimates(const Slot& slot, const VectorXd& sizes, const MatrixXd& covariance,
+                                              const std::vector<std::optional<double>>& nonlinear_sigma) {
+  std::vector<ParameterEstimate> out(slot.effect.user.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].name = slot.effect.user[i].name;
+    out[i].unit = slot.effect.user[i].unit;
+  }
+  for (std::size_t j = 0; j < slot.user_linear.size(); ++j) {
+    out[slot.user_linear[j]].value = sizes(static_cast<Index>(j));
+    out[slot.user_linear[j]].sigma = std::sqrt(std::max(0.0, covariance(static_cast<Index>(j), static_cast<Index>(j))));
+  }
+  for (std::size_t j = 0; j < slot.user_nonlinear.size(); ++j) {
+    ParameterEstimate& estimate = out[slot.user_nonlinear[j]];
+    estimate.value = slot.nonlinear[j];
+    estimate.held = !slot.nonlinear_free[j];
+    if (!estimate.held) estimate.sigma = nonlinear_sigma[j];
+  }
+  return out;
+}
+
+/// Sizes and covariance of all columns of the effect, those held included.
+struct AllColumns {
+  VectorXd sizes;
+  MatrixXd covariance;
+};
+AllColumns all_columns(const Slot& slot, const VectorXd& sizes, const MatrixXd& covariance) {
+  AllColumns all{slot.held_sizes, MatrixXd::Zero(slot.held_sizes.size(), slot.held_sizes.size())};
+  for (std::size_t i = 0; i < slot.used.size(); ++i) {
+    all.sizes(slot.used[i]) = sizes(static_cast<Index>(i));
+    for (std::size_t j = 0; j < slot.used.size(); ++j)
+      all.covariance(slot.used[i], slot.used[j]) = covariance(static_cast<Index>(i), static_cast<Index>(j));
+  }
+  return all;
+}
+
+void name_held(std::vector<ParameterEstimate>& estimates, const EffectInstance& effect) {
+  for (ParameterEstimate& estimate : estimates) {
+    if (!effect.parameters.contains(estimate.name)) continue;
+    estimate.held = true;
+    estimate.sigma = std::nullopt;
+  }
+}
+
+EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& regressors, const CoreFit& core,
+                     Index first_nonlinear) {
+  const Slot& slot = assembly.slots[s];
+  EffectFit fit;
+  fit.effect = slot.effect;
+  fit.readings = slot.acting.rows.size();
+  fit.skipped = slot.acting.skipped;
+  const Index at = assembly.first_column(s), count = slot.columns.cols();
+  const VectorXd sizes = core.sizes.segment(at, count);
+  const MatrixXd covariance = core.covariance.block(at, at, count, count);
+  const VectorXd contribution = assembly.contribution(s, sizes);
+  fit.contribution.assign(contribution.data(), contribution.data() + contribution.size());
+  double square = 0.0;
+  for (const std::size_t k : slot.acting.rows) square += fit.contribution[k] * fit.contribution[k];
+  fit.rms_um = fit.readings == 0 ? 0.0 : std::sqrt(square / static_cast<double>(fit.readings));
+
+  std::vector<std::optional<double>> nonlinear_sigma(slot.nonlinear.size());
+  Index n = first_nonlinear;
+  for (std::size_t j = 0; j < slot.nonlinear.size(); ++j)
+    if (slot.nonlinear_free[j] && slot.effect.id != EffectId::step) {
+      nonlinear_sigma[j] = std::sqrt(std::max(0.0, core.covariance(n, n)));
+      ++n;
+    }
+  if (slot.formulas) {
+    fit.parameters = user_estimates(slot, sizes, covariance, nonlinear_sigma);
+  } else if (is_curve(slot.effect.id)) {
+    if (count > 0) fit.effect.curve = curve_of(slot, regressors, sizes);
+    fit.parameters.push_back({"rms_um",
+                              std::string(info_of(slot.effect.id).parameters.front().unit),
+                              rms_of(fit.effect.curve.value),
+                              {},
+                              count == 0,
+                              false});
+  } else {
+    const AllColumns all = all_columns(slot, sizes, covariance);
+    std::optional<double> nonlinear, sigma;
+    if (!slot.nonlinear.empty()) {
+      nonlinear = slot.nonlinear.front();
+      sigma = nonlinear_sigma.front();
+    }
+    fit.parameters = parameters_from(slot.effect, all.sizes, all.covariance, nonlinear, sigma);
+    name_held(fit.parameters, slot.effect);
+  }
+  bool undetermined =
+      std::any_of(core.undetermined.begin() + at, core.undetermined.begin() + at + count, [](bool u) { return u; });
+  for (std::size_t j = 0; j < slot.nonlinear.size(); ++j)  // its sizes follow from a place or length that nothing shows
+    undetermined = undetermined || (nonlinear_sigma[j] && *nonlinear_sigma[j] > kLost * std::abs(slot.nonlinear[j]));
+  for (ParameterEstimate& estimate : fit.parameters) {
+    if (estimate.held) continue;
+    estimate.undetermined = undetermined;
+    if (undetermined) estimate.sigma = std::nullopt;
+    fit.effect.fitted[estimate.name] = estimate.value;
+  }
+  return fit;
+}
+
+/// The effect that owns a column.
+std::size_t slot_of_column(const Assembly& assembly, Index column) {
+  std::size_t s = 0;
+  while (column >= assembly.first_column(s) + assembly.slots[s].columns.cols()) ++s;
+  return s;
+}
+
+void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) {
+  for (std::size_t column = 0; column < core.collides.size(); ++column) {
+    const std::size_t s = slot_of_column(assembly, static_cast<Index>(column));
+    if (!core.undetermined[column]) continue;
+    std::vector<std::string> others;
+    for (const Index other : core.collides[column]) {
+      const std::string name = to_text(assembly.slots[slot_of_column(assembly, other)].effect);
+      if (name != to_text(assembly.slots[s].effect) && std::find(others.begin(), others.end(), name) == others.end())
+        others.push_back(name);
+    }
+    const bool dependent = !core.collides[column].empty();
+    if (!dependent && core.sizes(static_cast<Index>(column)) != 0.0) continue;
+    std::string text = to_text(assembly.slots[s].effect);
+    text += others.empty() ? ": these data do not show it"
+                           : fmt::format(" cannot be told from {}", fmt::join(others, ", "));
+    if (std::find(fit.undetermined.begin(), fit.undetermined.end(), text) == fit.undetermined.end())
+      fit.undetermined.push_back(text);
+  }
+}
+
+void add_correlations(const Assembly& assembly, const CoreFit& core, Fit& fit) {
+  constexpr double kWorthTelling = 0.5;
+  const auto name = [&](Index column) {
+    const std::size_t s = slot_of_column(assembly, column);
+    const Index within = column - assembly.first_column(s);
+    const EffectFit& effect = fit.effects[s];
+    std::string parameter = fmt::format("{}", within + 1);
+    if (assembly.slots[s].columns.cols() == 1 && effect.parameters.size() == 1) parameter = effect.parameters[0].name;
+    return fmt::format("{} {}", to_text(effect.effect), parameter);
+  };
+  for (Index i = 0; i < core.sizes.size(); ++i)
+    for (Index j = 0; j < i; ++j) {
+      const std::size_t a = slot_of_column(assembly, i), b = slot_of_column(assembly, j);
+      if (a == b || core.undetermined[static_cast<std::size_t>(i)] || core.undetermined[static_cast<std::size_t>(j)])
+        continue;
+      const double value = core.covariance(i, j) / std::sqrt(core.covariance(i, i) * core.covariance(j, j));
+      if (std::abs(value) >= kWorthTelling) fit.correlations.push_back({name(j), name(i), value});
+    }
+  std::stable_sort(fit.correlations.begin(), fit.correlations.end(),
+                   [](const Correlation& a, const Correlation& b) { return std::abs(a.value) > std::abs(b.value); });
+}
+
+std::optional<Problem> unusable(const Observations& data) {
+  if (data.size() == 0) return Problem{ProblemKind::bad_input, "no readings to fit", {}, 0, 0, {}};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<LackOfFit> lack_of_fit_of(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
+                                        const std::vector<bool>& left_out, double fitted_parameters) {
+  const Repeats repeats = repeats_of(data);
+  const std::vector<double> sigma = noise.sigma_by_row(data.size());
+  std::vector<double> sum(repeats.nodes, 0.0), count(repeats.nodes, 0.0);
+  double total = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k]) continue;
+    const double r = residual(static_cast<Index>(k)) / sigma[k];
+    sum[repeats.node_of[k]] += r;
+    count[repeats.node_of[k]] += 1.0;
+    total += r * r;
+  }
+  double between = 0.0, nodes = 0.0, readings = 0.0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    if (count[i] <= 0.0) continue;
+    between += sum[i] * sum[i] / count[i];
+    nodes += 1.0;
+    readings += count[i];
+  }
+  const double pure_freedom = readings - nodes, freedom = nodes - fitted_parameters;
+  if (pure_freedom < 4.0 || freedom < 1.0) return std::nullopt;
+  const double pure = std::max((total - between) / pure_freedom, 1e-12);
+  LackOfFit test;
+  test.F = between / freedom / pure;
+  test.p = std::exp(ln_f_tail(test.F, freedom, pure_freedom));
+  return test;
+}
+
+Fit told(const Assembly& assembly, const Regressors& regressors, const CoreFit& core) {
+  const Observations& data = regressors.data();
+  Fit fit;
+  Index nonlinear = core.sizes.size();
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    fit.effects.push_back(effect_fit(assembly, s, regressors, core, nonlinear));
+    const Slot& slot = assembly.slots[s];
+    if (slot.effect.id != EffectId::step)
+      nonlinear += std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true);
+    if (slot.acting.skipped > 0)
+      fit.notes.push_back(fmt::format("{}: {} of {} readings skipped, they lack {}", to_text(slot.effect),
+                                      slot.acting.skipped, slot.acting.skipped + slot.acting.rows.size(),
+                                      slot.acting.lacking));
+    if (slot.acting.rows.empty() && slot.acting.skipped == 0)
+      fit.notes.push_back(fmt::format("{}: acts on none of these readings", to_text(slot.effect)));
+  }
+  fit.residual.assign(core.residual.data(), core.residual.data() + core.residual.size());
+  for (std::size_t k = 0; k < data.size(); ++k) fit.predicted.push_back(data.reading[k] - fit.residual[k]);
+  fit.rms_um = rms_of(fit.residual);
+  for (const double r : fit.residual) fit.peak_um = std::max(fit.peak_um, std::abs(r));
+  fit.fitted_parameters =
+      static_cast<std::size_t>(core.rank) + static_cast<std::size_t>(core.covariance.rows() - core.sizes.size());
+  fit.condition = core.condition;
+  name_undetermined(assembly, core, fit);
+  add_correlations(assembly, core, fit);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (core.left_out[k]) fit.outliers.push_back(data.row[k]);
+  std::sort(fit.outliers.begin(), fit.outliers.end());
+  fit.noise = core.noise.pure;
+  for (const NoiseGroup& group : core.noise.groups)
+    fit.noise_by_sense.push_back({group.sense, group.axis, group.white, group.correlated, group.time});
+  fit.lack_of_fit =
+      lack_of_fit_of(data, core.residual, core.noise, core.left_out, static_cast<double>(fit.fitted_parameters));
+  fit.notes.insert(fit.notes.end(), data.notes.begin(), data.notes.end());
+  return fit;
+}
+
+Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options) {
+  if (auto wrong = unusable(data)) return tl::unexpected(std::move(*wrong));
+  const Regressors regressors(data);
+  auto assembly = Assembly::of(model, regressors);
+  if (!assembly) return tl::unexpected(assembly.error());
+  CoreOptions core;
+  core.plain = options.plain;
+  const CoreFit result = fitted(*assembly, regressors, core);
+  return told(*assembly, regressors, result);
+}
+
+Model with_values(Model model, const Fit& fit) {
+  for (std::size_t i = 0; i < std::min(model.effects.size(), fit.effects.size()); ++i) {
+    model.effects[i].fitted = fit.effects[i].effect.fitted;
+    if (!fit.effects[i].effect.curve.empty()) model.effects[i].curve = fit.effects[i].effect.curve;
+  }
+  return model;
+}
+
+Result<std::vector<double>> predicted(const Model& model, const Observations& at) {
+  const Regressors regressors(at);
+  std::vector<Problem> problems;
+  Model held = model;
+  for (EffectInstance& effect : held.effects) {
+    if (effect.id == EffectId::user) {
+      for (UserParameter& parameter : effect.user)
+        if (const auto value = effect.fitted.find(parameter.name); !parameter.value && value != effect.fitted.end())
+          parameter.value = value->second;
+      if (std::all_of(effect.user.begin(), effect.user.end(),
+                      [](const UserParameter& p) { return p.value.has_value(); }))
+        continue;
+    } else if (is_curve(effect.id)) {
+      effect.parameters["rms_um"] = 0.0;
+      if (!effect.curve.empty()) continue;
+    } else {
+      for (const auto& [name, value] : effect.fitted) effect.parameters.try_emplace(name, value);
+      if (!effect.parameters.empty() || info_of(effect.id).parameters.empty()) continue;
+    }
+    problems.push_back(
+        {ProblemKind::bad_input,
+         fmt::format("{}: has no values; fit the model to data first, or give its parameters", to_text(effect)),
+         {},
+         0,
+         0,
+         {}});
+  }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  auto assembly = Assembly::of(held, regressors);
+  if (!assembly) return tl::unexpected(assembly.error());
+  for (std::size_t s = 0; s < assembly->slots.size(); ++s) assembly->renew(s, regressors);
+  const VectorXd sum = assembly->fixed(at.size());
+  return std::vector<double>(sum.data(), sum.data() + sum.size());
+}
+
+}  // namespace ecs::model

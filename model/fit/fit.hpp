@@ -1,0 +1,93 @@
+// Fitting a model to readings: joint weighted least squares, robust to outliers, nonlinear parameters by variable
+// projection. Does not live here: where a model fails (compare.hpp), what is missing from it
+// (model/diagnosis/diagnose.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "model/data/observations.hpp"
+#include "model/fit/model_file.hpp"
+
+namespace ecs::model {
+
+struct FitOptions {
+  bool plain = false;  ///< ordinary least squares: every reading counts the same, no outliers
+};
+
+struct ParameterEstimate {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  std::optional<double> sigma;  ///< absent: held, or the data do not determine it
+  bool held = false;            ///< given in the model file
+  bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
+};
+
+struct EffectFit {
+  EffectInstance effect;  ///< with `fitted` and `curve` filled
+  std::vector<ParameterEstimate> parameters;
+  double rms_um = 0.0;               ///< of its contribution over the readings it acts on
+  std::size_t readings = 0;          ///< on which it acts
+  std::size_t skipped = 0;           ///< that lack a cell it needs
+  std::vector<double> contribution;  ///< per reading, canonical order; 0 where it does not act
+};
+
+/// Scatter of repeats: same axis, sense, position, approach and conditions.
+struct PureError {
+  double noise_um = 0.0;      ///< standard deviation of one reading
+  bool from_repeats = false;  ///< false: from differences of neighbouring readings
+  double dof = 0.0;           ///< degrees of freedom of the repeats
+};
+
+struct LackOfFit {
+  double F = 0.0;
+  double p = 1.0;
+};
+
+struct Correlation {
+  std::string first;  ///< "scale:X:EX um_per_m"
+  std::string second;
+  double value = 0.0;  ///< −1 … 1
+};
+
+/// Noise of one sense: white and correlated part.
+struct NoiseReport {
+  Sense sense = Sense::EX;
+  Axis axis = Axis::X;
+  double white_um = 0.0;
+  double correlated_um = 0.0;
+  double correlation_time_s = 0.0;  ///< in readings where there is no time
+};
+
+struct Fit {
+  std::vector<EffectFit> effects;  ///< in the order of the model
+  std::vector<double> predicted;   ///< canonical order of the observations
+  std::vector<double> residual;    ///< reading − predicted
+  double rms_um = 0.0;             ///< √(mean r²) over all readings, outliers included
+  double peak_um = 0.0;
+  std::size_t fitted_parameters = 0;      ///< rank of the fit
+  double condition = 1.0;                 ///< of the scaled normal equations' factor
+  std::vector<Correlation> correlations;  ///< of magnitude 0.5 and more, strongest first
+  std::vector<std::string> undetermined;  ///< terms that the data cannot determine, by name with what they collide with
+  std::vector<int> outliers;              ///< row numbers, ascending; they weigh little or nothing, and stay in rms
+  PureError noise;
+  std::optional<LackOfFit> lack_of_fit;  ///< absent without repeats
+  std::vector<NoiseReport> noise_by_sense;
+  std::vector<std::string> notes;  ///< skipped rows and their reasons
+};
+
+/// Refuses a model that cannot act on these data (a formula with an unknown column, no reading of a sense at all) and
+/// fewer readings than one.
+[[nodiscard]] Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options = {});
+
+/// The model with `fitted` and curves taken from a fit.
+[[nodiscard]] Model with_values(Model model, const Fit& fit);
+
+/// Prediction per reading (canonical order) without fitting: `parameters`, else `fitted`, of every effect.
+/// Refuses an effect that has neither.
+[[nodiscard]] Result<std::vector<double>> predicted(const Model& model, const Observations& at);
+
+}  // namespace ecs::model

@@ -1,0 +1,123 @@
+#include "model/fit/held_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "model/data/curve_basis.hpp"
+
+namespace ecs::model {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Parts parts_of(const Observations& data) {
+  constexpr std::size_t kMostParts = 5;
+  constexpr std::size_t kBlock = 4;
+  Parts parts;
+  const std::set<int> runs(data.run.begin(), data.run.end());
+  parts.by_run = runs.size() >= 3;
+  parts.count = parts.by_run ? std::min(runs.size(), kMostParts) : kMostParts;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::size_t number =
+        parts.by_run ? static_cast<std::size_t>(std::distance(runs.begin(), runs.find(data.run[k]))) : k / kBlock;
+    parts.of.push_back(number % parts.count);
+  }
+  return parts;
+}
+
+Parts parts_by_target(const Observations& data) {
+  Parts parts;
+  parts.count = 5;
+  parts.of.assign(data.size(), 0);
+  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  for (auto& each : targets) each.second = distinct(std::move(each.second), 1e-4);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto& list = targets[{data.sense[k], data.axis[k]}];
+    const double p = data.p_mm(k, data.axis[k]);
+    const auto rank = std::upper_bound(list.begin(), list.end(), p + 1e-5) - list.begin();
+    parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
+  }
+  return parts;
+}
+
+VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
+  if (white.cols() == 0) return VectorXd(0);
+  VectorXd norm = white.colwise().norm();
+  for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(1e-7);
+  decomposition.compute(white * norm.asDiagonal());
+  return norm.asDiagonal() * VectorXd(decomposition.solve(target));
+}
+
+namespace {
+
+/// Calls `tell` with the place and the residual of every reading, predicted from the other parts.
+template <class Tell>
+void predict_parts(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                   const Parts& parts, const MatrixXd& columns, const VectorXd& target, const Tell& tell) {
+  for (std::size_t part = 0; part < parts.count; ++part) {
+    std::vector<bool> hidden = left_out;
+    for (std::size_t k = 0; k < hidden.size(); ++k)
+      if (parts.of[k] == part) hidden[k] = true;
+    const Whitener whitener(data, noise, hidden);
+    const VectorXd sizes = least_squares(whitener(columns), whitener(target));
+    for (std::size_t k = 0; k < hidden.size(); ++k) {
+      if (parts.of[k] != part || left_out[k]) continue;
+      const auto at = static_cast<Index>(k);
+      tell(k, target(at) - (sizes.size() > 0 ? columns.row(at).dot(sizes) : 0.0));
+    }
+  }
+}
+
+}  // namespace
+
+double foreseen_part(const Parts& parts, const MatrixXd& columns, const VectorXd& target, const VectorXd& before) {
+  const double n = static_cast<double>(target.size());
+  const double most = 9.0 * std::max(1.0, before.squaredNorm() / n);
+  double gained = 0.0, there = 0.0, weights = 0.0;
+  for (std::size_t part = 0; part < parts.count; ++part) {
+    MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
+    VectorXd right = VectorXd::Zero(columns.cols());
+    for (std::size_t k = 0; k < parts.of.size(); ++k) {
+      if (parts.of[k] == part) continue;
+      const auto row = columns.row(static_cast<Index>(k));
+      products.noalias() += row.transpose() * row;
+      right += row.transpose() * target(static_cast<Index>(k));
+    }
+    const VectorXd scale = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    products = scale.asDiagonal() * products * scale.asDiagonal();
+    products.diagonal().array() += 1e-9;
+    const Eigen::LDLT<MatrixXd> solver(products);
+    const VectorXd sizes = scale.asDiagonal() * VectorXd(solver.solve(scale.asDiagonal() * right));
+    for (std::size_t k = 0; k < parts.of.size(); ++k) {
+      if (parts.of[k] != part) continue;
+      const auto at = static_cast<Index>(k);
+      const VectorXd row = scale.asDiagonal() * columns.row(at).transpose();
+      const double weight = 1.0 / (1.0 + std::max(0.0, row.dot(VectorXd(solver.solve(row)))));
+      const double was = std::min(before(at) * before(at), most);
+      const double left = target(at) - columns.row(at).dot(sizes);
+      gained += weight * (was - std::min(left * left, most));
+      there += weight * (was - 1.0);
+      weights += weight;
+    }
+  }
+  return gained / std::max(there, 0.05 * weights);
+}
+
+double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                    const Parts& parts, const MatrixXd& columns, const VectorXd& target) {
+  double sum = 0.0, count = 0.0;
+  predict_parts(data, noise, left_out, parts, columns, target, [&](std::size_t, double r) {
+    sum += r * r;
+    count += 1.0;
+  });
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+}  // namespace ecs::model

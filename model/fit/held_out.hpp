@@ -1,0 +1,35 @@
+// Proof on readings that a term was not fitted to. Internal (Eigen).
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "model/fit/noise.hpp"
+
+namespace ecs::model {
+
+/// Number of the part (0 … parts − 1) of each reading: whole runs where there are three or more, else blocks of
+/// neighbouring readings.
+struct Parts {
+  std::vector<std::size_t> of;
+  std::size_t count = 0;
+  bool by_run = false;
+};
+[[nodiscard]] Parts parts_of(const Observations& data);
+
+/// Every fifth target of a line together, so that a prediction has to bridge places it has not seen.
+[[nodiscard]] Parts parts_by_target(const Observations& data);
+
+/// Share of what is above noise that columns predict in rows which they were not fitted to, each row weighed by how
+/// well the other parts can predict it at all. All whitened.
+/// @param before  the rows without the columns
+[[nodiscard]] double foreseen_part(const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target,
+                                   const Eigen::VectorXd& before);
+
+/// √(mean r²) over all readings but the outliers, each predicted from the fit to the other parts.
+[[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                  const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// Least squares in the whitened space; of columns that depend on each other the sizes of least norm.
+[[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
+
+}  // namespace ecs::model

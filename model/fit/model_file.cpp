@@ -1,0 +1,362 @@
+#include "model/fit/model_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "base/toml_reader.hpp"
+#include "laser/map/csv.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::model {
+namespace {
+
+const std::vector<std::string> kModelKeys{"name", "effect", "candidate", "map", "known", "history"};
+const std::vector<std::string> kEffectKeys{"id",   "axis",    "sense",      "approach", "code", "sensor",
+                                           "name", "formula", "parameters", "fitted",   "curve"};
+
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  for (const EffectInfo& info : effect_library()) names.emplace_back(info.name);
+  return names;
+}
+
+/// A word that must be one of a few; nothing and a problem where it is none.
+template <class Of>
+auto named(TomlReader& reader, const toml::table& table, std::string_view key, std::string_view expected, const Of& of)
+    -> decltype(of(std::string_view())) {
+  const auto word = reader.word(table, key);
+  if (!word) return std::nullopt;
+  auto value = of(std::string_view(*word));
+  if (!value) reader.complain(*table.get(key), fmt::format("{}: expected {}, got \"{}\"", key, expected, *word));
+  return value;
+}
+
+std::optional<std::vector<double>> numbers(TomlReader& reader, const toml::table& table, std::string_view key) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return std::nullopt;
+  std::vector<double> values;
+  const toml::array* array = node->as_array();
+  bool good = array != nullptr;
+  if (good)
+    for (const toml::node& each : *array) {
+      const auto value = each.value<double>();
+      good = good && each.is_number() && value && std::isfinite(*value);
+      if (good) values.push_back(*value);
+    }
+  if (good) return values;
+  reader.complain(*node, fmt::format("{}: expected a list of numbers", key));
+  return std::nullopt;
+}
+
+/// Two lists of equal length, the first ascending.
+std::optional<FittedCurve> curve_in(TomlReader& reader, const toml::table& table, std::string_view what) {
+  const auto p = numbers(reader, table, "p_mm");
+  const auto value = numbers(reader, table, "value");
+  if (!p || !value) {
+    if (!table.contains("p_mm") || !table.contains("value"))
+      reader.complain(table, fmt::format("{}: expected the lists p_mm and value", what));
+    return std::nullopt;
+  }
+  if (p->empty() || p->size() != value->size() ||
+      std::adjacent_find(p->begin(), p->end(), std::greater_equal<>()) != p->end()) {
+    reader.complain(table, fmt::format("{}: expected p_mm ascending and as many values; found {} and {}", what,
+                                       p->size(), value->size()));
+    return std::nullopt;
+  }
+  return FittedCurve{*p, *value};
+}
+
+void take_numbers(TomlReader& reader, const toml::table& effect, std::string_view key,
+                  std::map<std::string, double>& into, const std::vector<std::string>& known) {
+  const toml::table* table = reader.child(effect, key);
+  if (table == nullptr) return;
+  reader.only(*table, known, key);
+  for (const auto& [name, node] : *table) {
+    if (std::find(known.begin(), known.end(), std::string(name.str())) == known.end()) continue;
+    if (const auto value = reader.number(*table, name.str())) into[std::string(name.str())] = *value;
+  }
+}
+
+bool is_column_name(const std::string& word) {
+  static const std::set<std::string> kColumns{"x_mm",
+                                              "y_mm",
+                                              "z_mm",
+                                              "p_mm",
+                                              "approach",
+                                              "run",
+                                              "compensated",
+                                              "time_s",
+                                              "feed_mm_min",
+                                              "load_kg",
+                                              "travel_since_reversal_mm",
+                                              "pressure_hPa",
+                                              "humidity_pct",
+                                              "pi",
+                                              "_pi",
+                                              "_e"};
+  return kColumns.contains(word) || laser::is_sensor_column(word);
+}
+
+/// Names in formulas that are neither functions nor columns: parameters to be fitted.
+std::vector<UserParameter> parameters_in(const std::vector<UserFormula>& formulas) {
+  std::vector<UserParameter> parameters;
+  for (const UserFormula& formula : formulas) {
+    const std::string& text = formula.text;
+    for (std::size_t i = 0; i < text.size();) {
+      const auto is_letter = [&](std::size_t at) {
+        return std::isalpha(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_';
+      };
+      if (!is_letter(i)) {
+        const bool number = std::isdigit(static_cast<unsigned char>(text[i])) != 0;
+        ++i;
+        while (number && i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) != 0 || text[i] == '.'))
+          ++i;
+        continue;
+      }
+      std::size_t end = i;
+      while (end < text.size() && (is_letter(end) || std::isdigit(static_cast<unsigned char>(text[end])) != 0)) ++end;
+      const std::string word = text.substr(i, end - i);
+      std::size_t next = end;
+      while (next < text.size() && text[next] == ' ') ++next;
+      const bool function = next < text.size() && text[next] == '(';
+      const bool known =
+          std::any_of(parameters.begin(), parameters.end(), [&](const UserParameter& p) { return p.name == word; });
+      if (!function && !known && !is_column_name(word)) parameters.push_back({word, {}, {}, {}, {}, {}});
+      i = end;
+    }
+  }
+  return parameters;
+}
+
+void take_user_parameter(TomlReader& reader, const toml::table& table, const std::string& name,
+                         EffectInstance& effect) {
+  UserParameter parameter;
+  parameter.name = name;
+  if (const toml::table* facts = table.get_as<toml::table>(name)) {
+    reader.only(*facts, {"unit", "value", "start", "least", "greatest"}, fmt::format("parameter {}", name));
+    parameter.unit = reader.word(*facts, "unit").value_or("");
+    parameter.value = reader.number(*facts, "value");
+    parameter.start = reader.number(*facts, "start");
+    parameter.least = reader.number(*facts, "least");
+    parameter.greatest = reader.number(*facts, "greatest");
+    if (parameter.least && parameter.greatest && *parameter.least >= *parameter.greatest)
+      reader.complain(*facts, fmt::format("parameter {}: expected least below greatest", name));
+  } else {
+    parameter.value = reader.number(table, name);
+  }
+  effect.user.push_back(parameter);
+}
+
+void take_user(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
+  if (effect.name.empty()) reader.complain(table, "user effect: expected a name");
+  if (const toml::table* formulas = table.get_as<toml::table>("formula")) {
+    for (const auto& [key, node] : *formulas) {
+      const auto sense = sense_named(key.str());
+      const auto text = reader.word(*formulas, key.str());
+      if (!sense)
+        reader.complain(node, fmt::format("formula: expected a sense EX EY EZ EA EB EC, got \"{}\"", key.str()));
+      if (sense && text) effect.formulas.push_back({*sense, *text});
+    }
+  } else if (const auto text = reader.word(table, "formula")) {
+    if (effect.sense)
+      effect.formulas.push_back({*effect.sense, *text});
+    else
+      reader.complain(table,
+                      "user effect: expected sense = \"EX\" beside a single formula, or formula = { EX = \"…\" }");
+  } else if (!table.contains("formula")) {
+    reader.complain(table, "user effect: expected formula = { EX = \"…\", … }");
+  }
+  std::sort(effect.formulas.begin(), effect.formulas.end(),
+            [](const UserFormula& a, const UserFormula& b) { return a.sense < b.sense; });
+  if (const toml::table* parameters = table.get_as<toml::table>("parameters")) {
+    for (const auto& [key, node] : *parameters)
+      take_user_parameter(reader, *parameters, std::string(key.str()), effect);
+  } else if (const toml::array* names = table.get_as<toml::array>("parameters")) {
+    for (const toml::node& each : *names) {
+      if (const auto* name = each.as_string())
+        effect.user.push_back({name->get(), {}, {}, {}, {}, {}});
+      else
+        reader.complain(each, "parameters: expected names in quotes");
+    }
+  } else {
+    effect.user = parameters_in(effect.formulas);
+  }
+  std::vector<std::string> known;
+  for (const UserParameter& parameter : effect.user) known.push_back(parameter.name);
+  take_numbers(reader, table, "fitted", effect.fitted, known);
+}
+
+bool needs_axis(EffectId id) {
+  switch (id) {
+    case EffectId::offset:
+    case EffectId::thermal_drift:
+    case EffectId::time_drift:
+    case EffectId::dead_path:
+    case EffectId::warm_up:
+    case EffectId::load:
+    case EffectId::squareness:
+      return false;
+    default:
+      return id < EffectId::map_polarity;
+  }
+}
+
+/// What an effect must have besides its id, and what follows from what it has.
+void complete(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
+  const auto want = [&](bool given, std::string_view what) {
+    if (!given) reader.complain(table, fmt::format("{}: expected {}", name_of(effect.id), what));
+  };
+  const bool levered = effect.id == EffectId::angular || effect.id == EffectId::squareness;
+  const bool of_map = effect.id >= EffectId::map_polarity && effect.id <= EffectId::map_direction_swap;
+  if (effect.id == EffectId::angular) {
+    want(effect.code && is_angular(*effect.code), "code = one of EAX … ECZ");
+    if (effect.code && is_angular(*effect.code)) effect.axis = moving_axis(*effect.code);
+    effect.sense = std::nullopt;
+  }
+  if (effect.id == EffectId::squareness) {
+    want(effect.code && is_squareness(*effect.code), "code = C0Y, B0Z or A0Z");
+    if (effect.code) effect.axis = *effect.code == Component::C0Y ? Axis::Y : Axis::Z;
+    effect.sense = std::nullopt;
+  }
+  if (effect.id == EffectId::measurement_line) {
+    want(effect.code && is_angular(*effect.code), "code = the known angular component, EAX … ECZ");
+    if (effect.code && is_angular(*effect.code)) effect.axis = moving_axis(*effect.code);
+  }
+  if (needs_axis(effect.id)) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\"");
+  if (!levered && !of_map && effect.axis && !effect.sense) effect.sense = static_cast<Sense>(*effect.axis);
+  if (!levered && !of_map) want(effect.sense.has_value(), "sense = \"EX\" … \"EC\"");
+  if (!needs_axis(effect.id) && !of_map && !effect.axis && effect.sense) effect.axis = direction_of(*effect.sense);
+  if (effect.id == EffectId::thermal_drift) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
+}
+
+std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& table) {
+  EffectInstance effect;
+  reader.only(table, kEffectKeys, "effect");
+  if (!table.contains("id"))
+    reader.complain(table, fmt::format("effect: expected an id, one of {}", fmt::join(effect_names(), ", ")));
+  const auto word = reader.word(table, "id");
+  if (!word) return std::nullopt;
+  const auto id = effect_named(*word);
+  if (!id) {
+    const std::string like = nearest_word(*word, effect_names());
+    reader.complain(*table.get("id"),
+                    fmt::format("id: no effect \"{}\"; {}", *word,
+                                like.empty() ? fmt::format("expected one of {}", fmt::join(effect_names(), ", "))
+                                             : fmt::format("did you mean \"{}\"?", like)));
+    return std::nullopt;
+  }
+  effect.id = *id;
+  effect.axis = named(reader, table, "axis", "\"X\", \"Y\" or \"Z\"",
+                      [](std::string_view w) { return w.size() == 1 ? axis_of(w.front()) : std::nullopt; });
+  effect.sense =
+      named(reader, table, "sense", "EX, EY, EZ, EA, EB or EC", [](std::string_view w) { return sense_named(w); });
+  effect.code = named(reader, table, "code", "one of the 21 components, such as ECX or C0Y",
+                      [](std::string_view w) { return component_of(w); });
+  effect.approach = named(reader, table, "approach", "both, forward or reverse", [](std::string_view w) {
+                      return approach_mode_named(w);
+                    }).value_or(ApproachMode::both);
+  effect.sensor = reader.word(table, "sensor").value_or("");
+  if (!effect.sensor.empty() && !laser::is_sensor_column(effect.sensor))
+    reader.complain(*table.get("sensor"), fmt::format("sensor: expected a column t_…_degC, got \"{}\"", effect.sensor));
+  effect.name = reader.word(table, "name").value_or("");
+  if (effect.id == EffectId::user) {
+    take_user(reader, table, effect);
+    return effect;
+  }
+  if (table.contains("formula"))
+    reader.complain(*table.get("formula"), "formula: only effects with id = \"user\" have one");
+  std::vector<std::string> known;
+  for (const ParameterInfo& info : info_of(effect.id).parameters) known.emplace_back(info.name);
+  take_numbers(reader, table, "parameters", effect.parameters, known);
+  take_numbers(reader, table, "fitted", effect.fitted, known);
+  if (const toml::table* curve = reader.child(table, "curve")) {
+    reader.only(*curve, {"p_mm", "value"}, "curve");
+    if (auto points = curve_in(reader, *curve, "curve")) effect.curve = std::move(*points);
+  }
+  const auto period = effect.parameters.find("period_mm");
+  if (period != effect.parameters.end() && period->second <= 0.0)
+    reader.complain(*table.get("parameters"), "period_mm: expected a period above 0");
+  complete(reader, table, effect);
+  return effect;
+}
+
+void take_map(TomlReader& reader, const toml::table& root, const std::filesystem::path& folder, Model& model) {
+  const toml::table* table = reader.child(root, "map");
+  if (table == nullptr) return;
+  reader.only(*table, {"file"}, "map");
+  const auto file = reader.word(*table, "file");
+  if (!file) {
+    if (!table->contains("file")) reader.complain(*table, "map: expected file = \"map.csv\"");
+    return;
+  }
+  model.map_file = *file;
+  auto map = laser::read_map_csv(folder / *file);
+  if (map)
+    model.map = std::move(*map);
+  else
+    reader.add(map.error());
+}
+
+void take_known(TomlReader& reader, const toml::table& root, Model& model) {
+  for (const toml::table* table : reader.children(root, "known")) {
+    reader.only(*table, {"code", "p_mm", "value"}, "known");
+    const auto code = named(reader, *table, "code", "one of the 18 curves, such as ECX",
+                            [](std::string_view w) -> std::optional<Component> {
+                              const auto component = component_of(w);
+                              return component && !is_squareness(*component) ? component : std::nullopt;
+                            });
+    if (!table->contains("code")) reader.complain(*table, "known: expected code = a component, such as ECX");
+    const auto curve = curve_in(reader, *table, "known");
+    if (code && curve) model.known.push_back({*code, curve->p_mm, curve->value});
+  }
+}
+
+void take_history(TomlReader& reader, const toml::table& root, Model& model) {
+  for (const toml::table* table : reader.children(root, "history")) {
+    LadderStep step;
+    reader.only(*table, {"effect", "data", "rms_before_um", "rms_um", "peak_um", "noise_um", "held_out_rms_um"},
+                "history");
+    step.effect = reader.word(*table, "effect").value_or("");
+    step.data = reader.word(*table, "data").value_or("");
+    step.rms_before_um = reader.number(*table, "rms_before_um").value_or(0.0);
+    step.rms_um = reader.number(*table, "rms_um").value_or(0.0);
+    step.peak_um = reader.number(*table, "peak_um").value_or(0.0);
+    step.noise_um = reader.number(*table, "noise_um").value_or(0.0);
+    step.held_out_rms_um = reader.number(*table, "held_out_rms_um");
+    model.history.push_back(step);
+  }
+}
+
+}  // namespace
+
+Result<Model> parse_model(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
+  TomlReader reader(name);
+  const auto root = reader.parsed(text);
+  if (!root) return tl::unexpected(root.error());
+  Model model;
+  reader.only(*root, kModelKeys, "model");
+  static_cast<void>(reader.word(*root, "name"));
+  for (const toml::table* table : reader.children(*root, "effect"))
+    if (auto effect = effect_in(reader, *table)) model.effects.push_back(std::move(*effect));
+  for (const toml::table* table : reader.children(*root, "candidate"))
+    if (auto effect = effect_in(reader, *table)) model.candidates.push_back(std::move(*effect));
+  take_map(reader, *root, folder, model);
+  take_known(reader, *root, model);
+  take_history(reader, *root, model);
+  if (!reader.clean()) return tl::unexpected(reader.all());
+  return model;
+}
+
+Result<Model> read_model(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_model(*text, path.string(), path.parent_path());
+}
+
+}  // namespace ecs::model

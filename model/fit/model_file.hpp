@@ -1,0 +1,61 @@
+// Model files: the effects that a machine is believed to have, as TOML; the map that was active; components known from
+// elsewhere; the ladder of effects added so far. Does not live here: fitting (fit.hpp), the effects
+// (model/effects/effect.hpp).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "laser/map/error_map.hpp"
+#include "model/effects/effect.hpp"
+
+namespace ecs::model {
+
+/// A component measured separately (`[[known]]`); linear between points, end values hold.
+struct KnownComponent {
+  Component code = Component::EAX;
+  std::vector<double> p_mm;   ///< ascending
+  std::vector<double> value;  ///< um, um/m for angular codes
+  friend bool operator==(const KnownComponent&, const KnownComponent&) = default;
+};
+
+/// One rung of the ladder: what was added, and how far the error fell.
+struct LadderStep {
+  std::string effect;  ///< to_text() of the effect; "" for the start
+  std::string data;    ///< the file it was fitted to
+  double rms_before_um = 0.0;
+  double rms_um = 0.0;
+  double peak_um = 0.0;
+  double noise_um = 0.0;
+  std::optional<double> held_out_rms_um;  ///< fitted on one part, tested on the other
+  friend bool operator==(const LadderStep&, const LadderStep&) = default;
+};
+
+struct Model {
+  std::vector<EffectInstance> effects;
+  std::vector<EffectInstance>
+      candidates;                      ///< `[[candidate]]`: user effects that a diagnosis shall try, not yet believed
+  std::string map_file;                ///< as written in the file; empty: no map was active
+  std::optional<laser::ErrorMap> map;  ///< read from it
+  std::vector<KnownComponent> known;
+  std::vector<LadderStep> history;
+  std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
+};
+
+/// Reads a model; every wrong key, value and place in one pass. The map file is sought beside the model.
+/// @param name  the file as problems name it
+[[nodiscard]] Result<Model> parse_model(std::string_view text, const std::string& name,
+                                        const std::filesystem::path& folder);
+[[nodiscard]] Result<Model> read_model(const std::filesystem::path& path);
+
+/// The file again: `parameters` as they were given, `fitted` and curves of the last fit, the ladder.
+[[nodiscard]] std::string to_toml(const Model& model);
+/// Writes it; the map file's name is made relative to the new place where the folder differs.
+[[nodiscard]] Result<void> write_model(const std::filesystem::path& path, const Model& model,
+                                       const std::filesystem::path& read_from = {});
+
+}  // namespace ecs::model

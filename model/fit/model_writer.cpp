@@ -1,0 +1,108 @@
+// Model files written: the same keys that model_file.cpp reads.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "model/fit/model_file.hpp"
+
+namespace ecs::model {
+namespace {
+
+std::string toml_text(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (c == '\n')
+      out += "\\n";
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string list_of(const std::vector<double>& values) {
+  std::vector<std::string> words;
+  for (const double v : values) words.push_back(shortest(v));
+  return fmt::format("[{}]", fmt::join(words, ", "));
+}
+
+std::string table_of(const std::map<std::string, double>& values) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : values) words.push_back(fmt::format("{} = {}", name, shortest(value)));
+  return fmt::format("{{ {} }}", fmt::join(words, ", "));
+}
+
+std::string user_text(const EffectInstance& effect) {
+  std::string text = fmt::format("name = {}\n", toml_text(effect.name));
+  std::vector<std::string> formulas, parameters;
+  for (const UserFormula& formula : effect.formulas)
+    formulas.push_back(fmt::format("{} = {}", name_of(formula.sense), toml_text(formula.text)));
+  text += fmt::format("formula = {{ {} }}\n", fmt::join(formulas, ", "));
+  for (const UserParameter& p : effect.user) {
+    std::vector<std::string> facts;
+    if (!p.unit.empty()) facts.push_back(fmt::format("unit = {}", toml_text(p.unit)));
+    const auto number = [&](const char* key, const std::optional<double>& value) {
+      if (value) facts.push_back(fmt::format("{} = {}", key, shortest(*value)));
+    };
+    number("value", p.value);
+    number("start", p.start);
+    number("least", p.least);
+    number("greatest", p.greatest);
+    parameters.push_back(fmt::format("{} = {{ {} }}", p.name, fmt::join(facts, ", ")));
+  }
+  return text + fmt::format("parameters = {{ {} }}\n", fmt::join(parameters, ", "));
+}
+
+std::string effect_text(const EffectInstance& effect, std::string_view table) {
+  std::string text = fmt::format("\n[[{}]]\nid = \"{}\"\n", table, name_of(effect.id));
+  if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
+  if (effect.sense && effect.id != EffectId::user) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
+  if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
+  if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
+  if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(effect.sensor));
+  if (effect.id == EffectId::user)
+    text += user_text(effect);
+  else if (!effect.parameters.empty())
+    text += fmt::format("parameters = {}\n", table_of(effect.parameters));
+  if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect.fitted));
+  if (!effect.curve.empty())
+    text +=
+        fmt::format("curve = {{ p_mm = {}, value = {} }}\n", list_of(effect.curve.p_mm), list_of(effect.curve.value));
+  return text;
+}
+
+}  // namespace
+
+std::string to_toml(const Model& model) {
+  std::string text;
+  if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", toml_text(model.map_file));
+  for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");
+  for (const EffectInstance& effect : model.candidates) text += effect_text(effect, "candidate");
+  for (const KnownComponent& known : model.known)
+    text += fmt::format("\n[[known]]\ncode = \"{}\"\np_mm = {}\nvalue = {}\n", name_of(known.code), list_of(known.p_mm),
+                        list_of(known.value));
+  for (const LadderStep& step : model.history) {
+    text += fmt::format(
+        "\n[[history]]\neffect = {}\ndata = {}\nrms_before_um = {}\nrms_um = {}\npeak_um = {}\nnoise_um = {}\n",
+        toml_text(step.effect), toml_text(step.data), shortest(step.rms_before_um), shortest(step.rms_um),
+        shortest(step.peak_um), shortest(step.noise_um));
+    if (step.held_out_rms_um) text += fmt::format("held_out_rms_um = {}\n", shortest(*step.held_out_rms_um));
+  }
+  return text;
+}
+
+Result<void> write_model(const std::filesystem::path& path, const Model& model,
+                         const std::filesystem::path& read_from) {
+  Model moved = model;
+  const std::filesystem::path map(model.map_file);
+  if (!model.map_file.empty() && !read_from.empty() && map.is_relative()) {
+    std::error_code failed;
+    const auto from = std::filesystem::absolute(read_from, failed).parent_path();
+    const auto to = std::filesystem::absolute(path, failed).parent_path();
+    if (from != to) moved.map_file = (from / map).lexically_relative(to).string();
+  }
+  return write_file(path, to_toml(moved));
+}
+
+}  // namespace ecs::model

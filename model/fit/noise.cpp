@@ -1,0 +1,306 @@
+#include "model/fit/noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <tuple>
+
+#include "model/fit/noise_shapes.hpp"
+
+namespace ecs::model {
+namespace {
+
+double rounded(double value, double step) { return std::isnan(value) ? -1e300 : std::round(value / step) * step; }
+double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
+
+/// Deviations from the mean of the repeats, widened for the mean that was taken off; NaN where there is no repeat.
+std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen::VectorXd& residual,
+                                            const std::vector<bool>& left_out) {
+  const std::size_t n = repeats.node_of.size();
+  std::vector<double> sum(repeats.nodes, 0.0), count(repeats.nodes, 0.0);
+  for (std::size_t k = 0; k < n; ++k) {
+    if (left_out[k]) continue;
+    sum[repeats.node_of[k]] += residual(static_cast<Eigen::Index>(k));
+    count[repeats.node_of[k]] += 1.0;
+  }
+  std::vector<double> deviation(n, kNotMeasured);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double c = count[repeats.node_of[k]];
+    if (left_out[k] || c < 2.0) continue;
+    deviation[k] = (residual(static_cast<Eigen::Index>(k)) - sum[repeats.node_of[k]] / c) * std::sqrt(c / (c - 1.0));
+  }
+  return deviation;
+}
+
+/// Half the difference of both approaches at a place in a run, so that what the run has in common drops out, at the
+/// rows of the forward passes; and half the sum. Empty where too few places have both.
+struct Halves {
+  std::vector<double> difference, sum;
+};
+Halves halves_of(const Observations& data, const std::vector<double>& deviation) {
+  using Key = std::tuple<Sense, Axis, int, double, double, double>;
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::map<Key, std::pair<std::size_t, std::size_t>> places;
+  std::size_t complete = 0, usable = 0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (std::isnan(deviation[k]) || data.approach[k] == 0) continue;
+    ++usable;
+    const Vector3& p = data.position_mm[k];
+    const Key key{data.sense[k],       data.axis[k],        data.run[k],
+                  rounded(p[0], 1e-4), rounded(p[1], 1e-4), rounded(p[2], 1e-4)};
+    auto& place = places.try_emplace(key, kNone, kNone).first->second;
+    std::size_t& side = data.approach[k] > 0 ? place.first : place.second;
+    if (side == kNone) side = k;
+    if (place.first != kNone && place.second != kNone) ++complete;
+  }
+  Halves halves;
+  if (complete * 3 < usable || complete < 10) return halves;
+  halves.difference.assign(data.size(), kNotMeasured);
+  for (const auto& each : places) {
+    const auto [forward, reverse] = each.second;
+    if (forward == kNone || reverse == kNone) continue;
+    halves.difference[forward] = (deviation[forward] - deviation[reverse]) / std::numbers::sqrt2;
+    halves.sum.push_back((deviation[forward] + deviation[reverse]) / std::numbers::sqrt2);
+  }
+  return halves;
+}
+
+/// True where runs differ in a way that both approaches share, far beyond what noise does.
+bool runs_differ(const Halves& halves) {
+  std::vector<double> d, s;
+  for (const double v : halves.difference)
+    if (!std::isnan(v)) d.push_back(v * v);
+  for (const double v : halves.sum) s.push_back(v * v);
+  const double far = 1.5 + 4.0 / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
+  return robust_mean_square(std::move(s)) > far * robust_mean_square(std::move(d));
+}
+
+/// Enough of them to judge the noise by.
+bool many(const std::vector<double>& deviation) {
+  const auto there = static_cast<std::size_t>(
+      std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
+  return there >= 8 && there * 2 >= deviation.size();
+}
+
+/// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
+void without_strange_runs(const Observations& data, const NoiseGroup& group, std::vector<double>& deviation) {
+  std::vector<double> own(data.size(), kNotMeasured);
+  for (const std::size_t k : group.rows) own[k] = deviation[k];
+  const Halves halves = halves_of(data, own);
+  if (halves.sum.empty() || !runs_differ(halves)) return;
+  for (const std::size_t k : group.rows) deviation[k] = halves.difference[k];
+}
+
+/// Deviations from what the smooth columns can produce.
+std::vector<double> deviations_from_smooth(const Eigen::VectorXd& residual, const Eigen::MatrixXd& smooth,
+                                           const std::vector<bool>& left_out) {
+  const auto n = residual.size();
+  Eigen::MatrixXd columns = smooth;
+  Eigen::VectorXd y = residual;
+  double kept = 0.0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (left_out[static_cast<std::size_t>(k)]) {
+      columns.row(k).setZero();
+      y(k) = 0.0;
+    } else {
+      kept += 1.0;
+    }
+  }
+  double rank = 0.0;
+  if (columns.cols() > 0) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    y -= columns * qr.solve(y);
+    rank = static_cast<double>(qr.rank());
+  }
+  const double widen = std::sqrt(kept / std::max(1.0, kept - rank));
+  std::vector<double> deviation(static_cast<std::size_t>(n), kNotMeasured);
+  for (std::size_t k = 0; k < deviation.size(); ++k)
+    if (!left_out[k]) deviation[k] = widen * y(static_cast<Eigen::Index>(k));
+  return deviation;
+}
+
+/// Step of the readings: the greatest number of which (nearly) all are multiples; 0 if there is none of use.
+double resolution_of(const Observations& data, const NoiseGroup& group) {
+  std::vector<double> values;
+  for (const std::size_t k : group.rows) values.push_back(data.reading[k]);
+  const auto sorted = [&] {
+    std::sort(values.begin(), values.end());
+    return values;
+  }();
+  double smallest = 0.0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double gap = sorted[i] - sorted[i - 1];
+    if (gap > 1e-9 && (smallest == 0.0 || gap < smallest)) smallest = gap;
+  }
+  if (smallest < 1e-4) return 0.0;
+  for (const double v : sorted)
+    if (std::abs(v / smallest - std::round(v / smallest)) > 1e-3) return 0.0;
+  return smallest;
+}
+
+std::vector<NoiseGroup> groups_of(const Observations& data) {
+  std::map<std::pair<Sense, Axis>, NoiseGroup> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    NoiseGroup& group = groups[{data.sense[k], data.axis[k]}];
+    group.sense = data.sense[k];
+    group.axis = data.axis[k];
+    group.rows.push_back(k);
+  }
+  std::vector<NoiseGroup> list;
+  for (auto& each : groups) list.push_back(std::move(each.second));
+  return list;
+}
+
+}  // namespace
+
+double NoiseGroup::sigma() const { return std::hypot(white, correlated); }
+
+std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
+  std::vector<double> sigma(n, 1.0);
+  for (const NoiseGroup& group : groups)
+    for (const std::size_t k : group.rows) sigma[k] = group.sigma();
+  return sigma;
+}
+
+namespace {
+
+Repeats numbered(const Observations& data, bool conditions) {
+  using Key = std::tuple<Sense, Axis, int, std::array<double, 6>>;
+  std::map<Key, std::size_t> nodes;
+  Repeats repeats;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::array<double, 6> place{rounded(data.position_mm[k][0], 1e-4),
+                                      rounded(data.position_mm[k][1], 1e-4),
+                                      rounded(data.position_mm[k][2], 1e-4),
+                                      conditions ? rounded(cell(data.feed_mm_min, k), 1e-3) : 0.0,
+                                      conditions ? rounded(cell(data.load_kg, k), 1e-3) : 0.0,
+                                      data.compensated[k] ? 1.0 : 0.0};
+    const Key key{data.sense[k], data.axis[k], data.approach[k], place};
+    repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
+  }
+  repeats.nodes = nodes.size();
+  return repeats;
+}
+
+}  // namespace
+
+Repeats repeats_of(const Observations& data) { return numbered(data, true); }
+Repeats places_of(const Observations& data) { return numbered(data, false); }
+
+std::vector<std::size_t> passes_of(const Observations& data) {
+  using Key = std::tuple<Sense, Axis, int, int, Vector3>;
+  std::map<Key, std::size_t> numbers;
+  std::vector<std::size_t> pass;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    Vector3 parked = data.position_mm[k];
+    parked[index_of(data.axis[k])] = 0.0;
+    pass.push_back(
+        numbers.try_emplace({data.sense[k], data.axis[k], data.run[k], data.approach[k], parked}, numbers.size())
+            .first->second);
+  }
+  return pass;
+}
+
+NoiseModel plain_noise(const Observations& data, double sigma_um) {
+  NoiseModel noise;
+  noise.groups = groups_of(data);
+  noise.has_time = !data.time_s.empty();
+  for (NoiseGroup& group : noise.groups) group.white = sigma_um;
+  noise.shapes = {{0.0, 1.0, 1.0, std::vector<double>(noise.groups.size(), sigma_um * sigma_um)}};
+  return noise;
+}
+
+NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const Eigen::MatrixXd& smooth,
+                    const std::vector<bool>& left_out) {
+  NoiseModel noise;
+  noise.groups = groups_of(data);
+  noise.has_time = !data.time_s.empty();
+  Repeats repeats = repeats_of(data);
+  std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
+  noise.pure.from_repeats = many(deviation);
+  bool from_places = noise.pure.from_repeats;
+  if (!from_places) {
+    repeats = places_of(data);
+    deviation = deviations_from_repeats(repeats, residual, left_out);
+    from_places = many(deviation);
+  }
+  if (!from_places) {
+    deviation = deviations_from_smooth(residual, smooth, left_out);
+  } else {
+    for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
+  }
+  std::vector<bool> seen(repeats.nodes, false);
+  double nodes = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k] && !seen[repeats.node_of[k]]) {
+      seen[repeats.node_of[k]] = true;
+      nodes += 1.0;
+    }
+  const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
+  noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth.cols());
+  noise.pure.dof = std::max(noise.pure.dof, 1.0);
+
+  noise.shapes = likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, 0.05, 1.0));
+  const NoiseShape& best =
+      *std::max_element(noise.shapes.begin(), noise.shapes.end(),
+                        [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
+  double sum = 0.0;
+  for (std::size_t g = 0; g < noise.groups.size(); ++g) {
+    NoiseGroup& group = noise.groups[g];
+    double group_square = 0.0;
+    for (const std::size_t k : group.rows)
+      group_square += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
+    group_square /= static_cast<double>(group.rows.size());
+    const double floor = std::max({0.25 * resolution_of(data, group), 2e-3 * std::sqrt(group_square), 1e-9});
+    for (NoiseShape& shape : noise.shapes) {
+      if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
+      shape.variance[g] = std::max(shape.variance[g], floor * floor);
+    }
+    group.white = std::sqrt(std::max(1.0 - best.share, 0.02) * best.variance[g]);
+    group.correlated = std::sqrt(best.share * best.variance[g]);
+    group.time = best.time;
+    sum += group.sigma() * group.sigma() * static_cast<double>(group.rows.size());
+  }
+  noise.pure.noise_um = std::sqrt(sum / size);
+  return noise;
+}
+
+Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
+                                const std::vector<bool>& left_out) {
+  Eigen::MatrixXd sets =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(count));
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<double> weights;
+  for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
+  std::discrete_distribution<std::size_t> any(weights.begin(), weights.end());
+  const std::vector<std::size_t> pass = passes_of(data);
+  const double freedom = std::max(4.0, 0.7 * noise.pure.dof);
+  std::chi_squared_distribution<double> spread(freedom);
+  for (Eigen::Index b = 0; b < sets.cols(); ++b) {
+    const NoiseShape& shape = noise.shapes[any(random)];
+    const double widen = std::sqrt(freedom / spread(random));
+    for (std::size_t g = 0; g < noise.groups.size(); ++g) {
+      const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
+      const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
+      double state = normal(random);
+      std::size_t before = noise.groups[g].rows.front();
+      for (const std::size_t k : noise.groups[g].rows) {
+        double memory = 0.0;
+        if (noise.has_time && !std::isnan(data.time_s[k]) && !std::isnan(data.time_s[before]))
+          memory = std::exp(-std::max(0.0, data.time_s[k] - data.time_s[before]) / shape.time);
+        else if (!noise.has_time && pass[k] == pass[before])
+          memory = std::exp(-1.0 / shape.time);
+        before = k;
+        state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal(random);
+        if (!left_out[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal(random) + correlated * state;
+      }
+    }
+  }
+  return sets;
+}
+
+}  // namespace ecs::model

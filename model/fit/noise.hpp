@@ -1,0 +1,90 @@
+// The noise of a data set: white plus turbulence correlated over seconds, per sense and moving axis, from repeats where
+// there are any; and the whitening that makes it independent, of size one. Internal to this room (Eigen).
+// Does not live here: what is not noise (model/diagnosis/structure.hpp).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/data/observations.hpp"
+#include "model/fit/fit.hpp"
+
+namespace ecs::model {
+
+/// Readings of one sense along one moving axis: one instrument, one noise.
+struct NoiseGroup {
+  Sense sense = Sense::EX;
+  Axis axis = Axis::X;
+  std::vector<std::size_t> rows;  ///< canonical order
+  double white = 1.0;             ///< standard deviation, um
+  double correlated = 0.0;        ///< standard deviation, um
+  double time = 0.0;              ///< correlation time: s, or readings where there is no time
+  [[nodiscard]] double sigma() const;
+};
+
+/// One way in which the noise may be made, and how likely the data make it.
+struct NoiseShape {
+  double share = 0.0;            ///< of the correlated part in the variance
+  double time = 1.0;             ///< correlation time: s, or readings where there is no time
+  double weight = 1.0;           ///< all weights add up to 1
+  std::vector<double> variance;  ///< of one reading, per group
+};
+
+struct NoiseModel {
+  std::vector<NoiseGroup> groups;
+  PureError pure;                  ///< over all groups
+  std::vector<NoiseShape> shapes;  ///< what the data leave possible; the groups hold the likeliest
+  bool has_time = false;
+  [[nodiscard]] std::vector<double> sigma_by_row(std::size_t n) const;
+};
+
+/// Place of a reading among its repeats: readings with equal numbers differ in run only.
+struct Repeats {
+  std::vector<std::size_t> node_of;  ///< per reading
+  std::size_t nodes = 0;
+};
+/// Same axis, sense, position, approach and conditions (feed, load, compensated).
+[[nodiscard]] Repeats repeats_of(const Observations& data);
+/// The same whatever feed and load were: good for the noise, not for what these do.
+[[nodiscard]] Repeats places_of(const Observations& data);
+
+/// Number of the pass of each reading: same run, approach, axis, sense and parked place.
+[[nodiscard]] std::vector<std::size_t> passes_of(const Observations& data);
+
+/// @param residual  readings less what is believed so far
+/// @param smooth    columns that a smooth machine could produce (used where there are no repeats)
+/// @param left_out  outliers
+[[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
+                                  const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
+
+/// Data sets of noise alone, one per column, each made in one of the ways that the data leave possible.
+[[nodiscard]] Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
+                                              const std::vector<bool>& left_out);
+
+/// The same noise everywhere, independent: ordinary least squares.
+[[nodiscard]] NoiseModel plain_noise(const Observations& data, double sigma_um);
+
+/// Makes the noise white with standard deviation 1; rows left out become 0. A linear map, O(rows) per column.
+class Whitener {
+ public:
+  Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out);
+  [[nodiscard]] Eigen::MatrixXd operator()(const Eigen::MatrixXd& columns) const;
+  [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& column) const;
+  /// The transposed map: products with whitened columns become products with the columns as they are.
+  [[nodiscard]] Eigen::MatrixXd transposed(const Eigen::MatrixXd& white) const;
+
+ private:
+  struct Step {
+    std::size_t row = 0;
+    double memory = 0.0;  ///< of the correlated part since the step before
+    double gain = 0.0;
+    double scale = 0.0;  ///< 1/standard deviation of the innovation; 0: left out
+  };
+  std::vector<Step> steps_;  ///< group after group; memory 0 at the start of each
+  void apply(const double* from, double* to) const;
+  void apply_transposed(const double* from, double* to) const;
+};
+
+}  // namespace ecs::model

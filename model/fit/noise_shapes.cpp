@@ -1,0 +1,285 @@
+#include "model/fit/noise_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace ecs::model {
+namespace {
+
+/// What takes more readings than that is no turbulence, where there is no time.
+constexpr double kReadings = 20.0;
+
+/// Readings of one pass in order, with the time of each.
+struct Pass {
+  std::size_t group = 0;
+  std::vector<std::size_t> rows;
+  std::vector<double> time;  ///< s, or readings
+};
+
+std::vector<Pass> usable_passes(const Observations& data, const std::vector<NoiseGroup>& groups,
+                                const std::vector<double>& deviation) {
+  const std::vector<std::size_t> number = passes_of(data);
+  std::vector<Pass> passes;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::map<std::size_t, Pass> of_group;
+    for (const std::size_t k : groups[g].rows) {
+      if (std::isnan(deviation[k]) || (!data.time_s.empty() && std::isnan(data.time_s[k]))) continue;
+      Pass& pass = of_group[number[k]];
+      pass.group = g;
+      pass.time.push_back(data.time_s.empty() ? static_cast<double>(pass.rows.size()) : data.time_s[k]);
+      pass.rows.push_back(k);
+    }
+    for (auto& each : of_group) passes.push_back(std::move(each.second));
+  }
+  return passes;
+}
+
+/// A pass made independent under one shape of noise, a low polynomial in time taken off (what a pass as a whole does
+/// need not be noise): the residuals left, ln of the determinants, degrees of freedom.
+struct PassFit {
+  std::vector<double> residual;
+  std::vector<double> low;  ///< what the polynomial took, in units of the noise: one number per order
+  double ln_determinant = 0.0;
+  double freedom = 0.0;
+};
+PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, double share, double time, double slow) {
+  const auto n = static_cast<Eigen::Index>(pass.rows.size());
+  const double first = pass.time.front(), last = pass.time.back(), width = std::max(last - first, 1e-9);
+  const auto by_length = static_cast<Eigen::Index>(width / slow);
+  const Eigen::Index least = slow > kReadings ? 1 : 0;  // a line at least, where there is time
+  const Eigen::Index degree = last > first ? std::min<Eigen::Index>({5, n / 6, least + by_length}) : 0;
+  Eigen::MatrixXd columns(n, degree + 2);  // the polynomial, then the deviations
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double u = 2.0 * (pass.time[static_cast<std::size_t>(i)] - first) / width - 1.0;
+    for (Eigen::Index j = 0; j <= degree; ++j)
+      columns(i, j) = std::cos(static_cast<double>(j) * std::acos(std::clamp(u, -1.0, 1.0)));
+    columns(i, degree + 1) = deviation[pass.rows[static_cast<std::size_t>(i)]];
+  }
+  PassFit fit;
+  double variance = share;
+  Eigen::RowVectorXd state = Eigen::RowVectorXd::Zero(columns.cols());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i > 0) {
+      const double memory =
+          std::exp(-(pass.time[static_cast<std::size_t>(i)] - pass.time[static_cast<std::size_t>(i - 1)]) / time);
+      variance = memory * memory * (variance - share) + share;
+      state *= memory;
+    }
+    const double innovation = variance + 1.0 - share;
+    const Eigen::RowVectorXd fresh = columns.row(i) - state;
+    state += variance / innovation * fresh;
+    variance *= 1.0 - variance / innovation;
+    columns.row(i) = fresh / std::sqrt(innovation);
+    fit.ln_determinant += std::log(innovation);
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns.leftCols(degree + 1));
+  Eigen::VectorXd y = columns.col(degree + 1);
+  const Eigen::VectorXd turned = qr.householderQ().transpose() * y;
+  fit.low.assign(turned.data(), turned.data() + degree + 1);
+  y -= columns.leftCols(degree + 1) * qr.solve(y);
+  for (Eigen::Index j = 0; j <= degree; ++j)
+    fit.ln_determinant += 2.0 * std::log(std::max(std::abs(qr.matrixQR()(j, j)), 1e-12));
+  fit.residual.assign(y.data(), y.data() + n);
+  fit.freedom = static_cast<double>(n - degree - 1);
+  return fit;
+}
+
+/// The passes without the few that scatter far more than the others of their group: something happened there.
+std::vector<Pass> quiet_passes(std::vector<Pass> passes, const std::vector<double>& deviation, std::size_t groups,
+                               double slow) {
+  constexpr double kFar = 2.5, kMostShare = 0.2;
+  std::vector<std::vector<double>> squares(groups);
+  std::vector<double> square(passes.size(), kNotMeasured), limit(passes.size(), 0.0);
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    const PassFit fit = fitted_pass(passes[i], deviation, 0.0, 1.0, slow);
+    if (fit.freedom < 4.0) continue;
+    square[i] = 0.0;
+    for (const double r : fit.residual) square[i] += r * r / fit.freedom;
+    limit[i] = kFar * (1.0 + 3.0 * std::sqrt(2.0 / fit.freedom));
+    squares[passes[i].group].push_back(square[i]);
+  }
+  std::vector<Pass> quiet;
+  for (std::size_t g = 0; g < groups; ++g) {
+    auto& all = squares[g];
+    std::vector<std::size_t> mine, loud;
+    for (std::size_t i = 0; i < passes.size(); ++i)
+      if (passes[i].group == g) mine.push_back(i);
+    if (!all.empty()) {
+      const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+      std::nth_element(all.begin(), middle, all.end());
+      for (const std::size_t i : mine)
+        if (square[i] > limit[i] * *middle) loud.push_back(i);
+    }
+    if (static_cast<double>(loud.size()) > kMostShare * static_cast<double>(mine.size())) loud.clear();
+    for (const std::size_t i : mine)
+      if (std::find(loud.begin(), loud.end(), i) == loud.end()) quiet.push_back(std::move(passes[i]));
+  }
+  return quiet;
+}
+
+/// How well the low orders of the passes agree with a shape of noise, in nats below the best. More than the shape
+/// predicts may be structure, at a price; less cannot be.
+double agreement_of_low_orders(const std::vector<Pass>& passes, const std::vector<PassFit>& fits,
+                               const std::vector<double>& variance) {
+  constexpr double kPriceOfStructure = 5.0;
+  constexpr double kEfficiency = 0.4;  // of a median
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> squares;
+  for (std::size_t i = 0; i < passes.size(); ++i)
+    for (std::size_t j = 0; j < fits[i].low.size(); ++j)
+      if (variance[passes[i].group] > 0.0)
+        squares[{passes[i].group, j}].push_back(fits[i].low[j] * fits[i].low[j] / variance[passes[i].group]);
+  double both = 0.0, less = 0.0;
+  for (auto& [key, list] : squares) {
+    if (list.size() < 3) continue;
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    const double ratio = std::clamp(*middle / 0.4549, 1e-3, 1e3);
+    const double nats = 0.5 * kEfficiency * static_cast<double>(list.size()) * (std::log(ratio) + 1.0 - ratio);
+    both += nats;
+    if (ratio < 1.0) less += nats;
+  }
+  return std::max(both, less - kPriceOfStructure);
+}
+
+/// Evidence of a shape against white noise, pass by pass; a pass that speaks for it far louder than the others tells of
+/// some event in it.
+double evidence_of(std::vector<double> nats, const std::vector<double>& nats_white) {
+  constexpr double kLoud = 6.0, kLeast = 2.0;
+  for (std::size_t i = 0; i < nats.size(); ++i) nats[i] -= nats_white[i];
+  const auto median_of = [](std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  if (nats.empty()) return 0.0;
+  const double middle = median_of(nats);
+  std::vector<double> away;
+  for (const double n : nats) away.push_back(std::abs(n - middle));
+  const double most = std::max(kLeast, middle + kLoud * median_of(away));
+  double sum = 0.0;
+  for (const double n : nats) sum += std::min(n, most);
+  return sum;
+}
+
+/// Levels of groups with few readings drawn towards the level of all groups of their kind (translations, rotations):
+/// strongly where the groups agree as equal noises do (Bartlett's test), a little where they do not.
+void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom, double information,
+                   std::vector<double>& variance) {
+  constexpr double kAgreeing = 40.0, kDiffering = 4.0;
+  for (const bool rotations : {false, true}) {
+    double all = 0.0, sum = 0.0, logs = 0.0, count = 0.0;
+    const auto counts = [&](std::size_t g) {
+      return is_rotation(groups[g].sense) == rotations && freedom[g] >= 1.0 && variance[g] > 0.0;
+    };
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (!counts(g)) continue;
+      const double f = freedom[g] * information;
+      all += f;
+      sum += f * variance[g];
+      logs += f * std::log(variance[g]);
+      count += 1.0;
+    }
+    if (count < 2.0) continue;
+    const double common = sum / all;
+    const double bartlett = all * std::log(common) - logs;
+    const bool agree = bartlett < count - 1.0 + 3.0 * std::sqrt(2.0 * (count - 1.0));
+    const double prior = agree ? kAgreeing : kDiffering;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const double f = freedom[g] * information;
+      if (counts(g)) variance[g] = (f * variance[g] + prior * common) / (f + prior);
+    }
+  }
+}
+
+}  // namespace
+
+double robust_mean_square(std::vector<double> squares) {
+  if (squares.empty()) return 0.0;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  const double limit = 20.0 * *middle / 0.4549;
+  double sum = 0.0, count = 0.0;
+  for (const double s : squares)
+    if (s <= limit || limit <= 0.0) {
+      sum += s;
+      count += 1.0;
+    }
+  return sum / std::max(count, 1.0);
+}
+
+std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vector<NoiseGroup>& groups,
+                                      const std::vector<double>& deviation, double information) {
+  const double slow = data.time_s.empty() ? kReadings : 200.0;  // what takes longer is no turbulence
+  const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation), deviation, groups.size(), slow);
+  const std::vector<double> times =
+      data.time_s.empty() ? std::vector<double>{1.0, 2.0, 4.0} : std::vector<double>{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
+  std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
+  for (const double time : times)
+    for (const double share : {0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97}) shapes.push_back({share, time, 0.0, {}});
+  double most = -1e300;
+  std::vector<double> scatter;
+  for (const NoiseGroup& group : groups) {
+    std::vector<double> squares;
+    for (const std::size_t k : group.rows)
+      if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
+    scatter.push_back(squares.size() < 4 ? kNotMeasured : robust_mean_square(std::move(squares)));
+  }
+  std::vector<double> nats_white;
+  for (NoiseShape& shape : shapes) {
+    std::vector<std::vector<double>> squares(groups.size());
+    std::vector<double> freedom(groups.size(), 0.0), count(groups.size(), 0.0), level(groups.size(), 0.0);
+    std::vector<PassFit> fits;
+    for (const Pass& pass : passes) {
+      fits.push_back(fitted_pass(pass, deviation, shape.share, shape.time, slow));
+      for (const double r : fits.back().residual) squares[pass.group].push_back(r * r);
+      freedom[pass.group] += fits.back().freedom;
+      count[pass.group] += static_cast<double>(fits.back().residual.size());
+    }
+    double all = 0.0, all_freedom = 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      shape.variance.push_back(kNotMeasured);
+      if (freedom[g] < 1.0) continue;
+      level[g] = robust_mean_square(squares[g]) * count[g] / freedom[g];
+      all += level[g] * freedom[g];
+      all_freedom += freedom[g];
+      if (freedom[g] >= 6.0) shape.variance[g] = level[g];
+    }
+    std::vector<double> nats;
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      const double at = std::max(level[passes[i].group], 1e-300);
+      double sum = 0.0;
+      for (const double r : fits[i].residual) sum += std::min(r * r / at, 20.0);
+      nats.push_back(-0.5 * (fits[i].ln_determinant + fits[i].freedom * std::log(at) + sum));
+    }
+    if (shape.share == 0.0) nats_white = nats;
+    shape.weight = evidence_of(nats, nats_white) + agreement_of_low_orders(passes, fits, level);
+    if (all_freedom > 0.0)
+      for (double& variance : shape.variance)
+        if (std::isnan(variance)) variance = all / all_freedom;
+    shrink_levels(groups, freedom, information, shape.variance);
+    shape.weight *= information;
+    // the scatter of the deviations themselves holds all of the noise: more than that is not possible
+    double claimed = 0.0, there = 0.0, rows = 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (std::isnan(shape.variance[g]) || std::isnan(scatter[g])) continue;
+      const double n = static_cast<double>(groups[g].rows.size());
+      claimed += n * shape.variance[g];
+      there += n * scatter[g];
+      rows += n;
+    }
+    if (there > 0.0 && claimed > there) shape.weight -= 0.1 * rows * information * std::pow(claimed / there - 1.0, 2);
+    most = std::max(most, shape.weight);
+  }
+  double sum = 0.0;
+  for (NoiseShape& shape : shapes) {
+    // white noise is one shape, the correlated ones are many: each half of the belief beforehand
+    const double belief = shape.share == 0.0 ? 1.0 : 1.0 / static_cast<double>(shapes.size() - 1);
+    shape.weight = belief * std::exp(shape.weight - most);
+    sum += shape.weight;
+  }
+  for (NoiseShape& shape : shapes) shape.weight /= sum;
+  return shapes;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,97 @@
+#include "model/fit/outliers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "model/fit/noise.hpp"
+
+namespace ecs::model {
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double robust_scale(const std::vector<double>& values) {
+  std::vector<double> sizes;
+  for (const double v : values)
+    if (!std::isnan(v)) sizes.push_back(std::abs(v));
+  return 1.4826 * median(std::move(sizes));
+}
+
+/// Distance of each reading from the median of its neighbours in the same pass; NaN where there are too few.
+std::vector<double> from_neighbours(const Observations& data, const Eigen::VectorXd& residual) {
+  constexpr std::size_t kReach = 3;
+  std::map<std::size_t, std::vector<std::size_t>> passes;
+  const std::vector<std::size_t> pass = passes_of(data);
+  for (std::size_t k = 0; k < pass.size(); ++k) passes[pass[k]].push_back(k);
+  std::vector<double> distance(data.size(), kNotMeasured);
+  for (const auto& [number, rows] : passes) {
+    if (rows.size() < 4) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      std::vector<double> near;
+      for (std::size_t j = i > kReach ? i - kReach : 0; j <= std::min(i + kReach, rows.size() - 1); ++j)
+        if (j != i) near.push_back(residual(static_cast<Eigen::Index>(rows[j])));
+      distance[rows[i]] = residual(static_cast<Eigen::Index>(rows[i])) - median(std::move(near));
+    }
+  }
+  return distance;
+}
+
+/// Distance of each reading from the median of the other repeats; NaN below three repeats.
+std::vector<double> from_repeats(const Observations& data, const Eigen::VectorXd& residual) {
+  const Repeats repeats = places_of(data);
+  std::vector<std::vector<std::size_t>> nodes(repeats.nodes);
+  for (std::size_t k = 0; k < data.size(); ++k) nodes[repeats.node_of[k]].push_back(k);
+  std::vector<double> distance(data.size(), kNotMeasured);
+  for (const auto& rows : nodes) {
+    if (rows.size() < 3) continue;
+    for (const std::size_t k : rows) {
+      std::vector<double> others;
+      for (const std::size_t j : rows)
+        if (j != k) others.push_back(residual(static_cast<Eigen::Index>(j)));
+      distance[k] = residual(static_cast<Eigen::Index>(k)) - median(std::move(others));
+    }
+  }
+  return distance;
+}
+
+}  // namespace
+
+std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
+  const std::size_t n = data.size();
+  std::vector<bool> out(n, false);
+  if (n < 12) return out;
+  const std::vector<double> near = from_neighbours(data, residual);
+  const std::vector<double> repeats = from_repeats(data, residual);
+  std::map<std::pair<Sense, Axis>, std::vector<std::size_t>> groups;
+  for (std::size_t k = 0; k < n; ++k) groups[{data.sense[k], data.axis[k]}].push_back(k);
+  for (const auto& [key, rows] : groups) {
+    const auto part = [&](const std::vector<double>& all) {
+      std::vector<double> values;
+      for (const std::size_t k : rows) values.push_back(all[k]);
+      return values;
+    };
+    const double limit = 2.5 + std::sqrt(2.0 * std::log(static_cast<double>(std::max<std::size_t>(rows.size(), 10))));
+    const double near_scale = robust_scale(part(near)), repeat_scale = robust_scale(part(repeats));
+    std::vector<std::pair<double, std::size_t>> found;
+    for (const std::size_t k : rows) {
+      const double by_near = std::isnan(near[k]) || near_scale <= 0.0 ? kNotMeasured : std::abs(near[k]) / near_scale;
+      const double by_repeats =
+          std::isnan(repeats[k]) || repeat_scale <= 0.0 ? kNotMeasured : std::abs(repeats[k]) / repeat_scale;
+      if (std::isnan(by_near) && std::isnan(by_repeats)) continue;
+      const bool odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
+      if (odd) found.emplace_back(std::isnan(by_near) ? by_repeats : by_near, k);
+    }
+    if (found.size() * 12 > rows.size()) continue;  // too many to be isolated
+    for (const auto& each : found) out[each.second] = true;
+  }
+  return out;
+}
+
+}  // namespace ecs::model

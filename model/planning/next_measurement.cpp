@@ -1,0 +1,340 @@
+#include "model/planning/next_measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "model/diagnosis/words.hpp"
+#include "model/planning/options.hpp"
+#include "model/planning/questions.hpp"
+#include "model/planning/sentences.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Least separation worth telling.
+constexpr double kTelling = 1.0;
+/// Separation that the next diagnosis takes for certain in spite of chance: three sigmas of difference, three of luck.
+constexpr double kDecides = 6.0;
+/// Sigmas beyond which more does not tell more.
+constexpr double kEnough = 8.0;
+constexpr std::size_t kMostLines = 6;
+constexpr std::size_t kMostProposals = 8;
+/// To confirm a lone cause any run does, and where none separates all are alike: the best few.
+constexpr std::size_t kFewProposals = 3;
+constexpr std::size_t kMostUnseen = 12;
+/// Readings beyond which the power of a set is judged on an even choice of them.
+constexpr std::size_t kManyReadings = 4000;
+
+struct Worth {
+  double sure_sigma = 0.0;  ///< the group loses a member by, whichever is true; to see: of the causes seen
+  double told = 0.0;        ///< mean over what is asked, capped
+};
+
+Worth worth_of(const MatrixXd& sigma, Question question) {
+  const Index count = sigma.rows();
+  Worth worth;
+  double asked = 0.0;
+  if (question != Question::separate) {
+    std::vector<double> seen;
+    for (Index i = 0; i < count; ++i) {
+      worth.told += std::min(sigma(i, count), kEnough);
+      asked += 1.0;
+      if (sigma(i, count) >= kSeparates) seen.push_back(sigma(i, count));
+    }
+    worth.sure_sigma = seen.empty() ? sigma.col(count).maxCoeff() : *std::min_element(seen.begin(), seen.end());
+  } else {
+    worth.sure_sigma = 1e300;
+    for (Index i = 0; i < count; ++i) {
+      double most = 0.0;
+      for (Index j = 0; j < count; ++j) {
+        if (i == j) continue;
+        most = std::max(most, sigma(i, j));
+        worth.told += std::min(sigma(i, j), kEnough);
+        asked += 1.0;
+      }
+      worth.sure_sigma = std::min(worth.sure_sigma, most);
+    }
+  }
+  worth.told /= std::max(asked, 1.0);
+  return worth;
+}
+
+int tier_of(double sigma) { return sigma >= kDecides ? 2 : sigma >= kSeparates ? 1 : 0; }
+
+/// Whether a is to be proposed before b.
+bool before(const MeasurementProposal& a, double told_a, const MeasurementProposal& b, double told_b) {
+  const int tier_a = tier_of(a.separation_sigma), tier_b = tier_of(b.separation_sigma);
+  if (tier_a != tier_b) return tier_a > tier_b;
+  if (tier_a == 0) return a.separation_sigma > b.separation_sigma;
+  return told_a / a.minutes > told_b / b.minutes;
+}
+
+struct Weighed {
+  MeasurementProposal proposal;
+  double told = 0.0;
+};
+
+std::vector<PairSeparation> pairs_of(const MatrixXd& sigma, const std::vector<std::string>& names, Question question) {
+  std::vector<PairSeparation> pairs;
+  const Index count = sigma.rows();
+  for (Index i = 0; i < count; ++i) {
+    const std::string& truth = names[static_cast<std::size_t>(i)];
+    if (question != Question::separate) {
+      pairs.push_back({truth, "", sigma(i, count)});
+      continue;
+    }
+    for (Index j = 0; j < count; ++j)
+      if (i != j) pairs.push_back({truth, names[static_cast<std::size_t>(j)], sigma(i, j)});
+  }
+  return pairs;
+}
+
+/// Whether b tells no more than a of anything, and takes no less time.
+bool outdone(const MeasurementProposal& a, const MeasurementProposal& b) {
+  constexpr double kNoMore = 1.02;
+  if (a.minutes > b.minutes || a.pairs.size() != b.pairs.size()) return false;
+  for (std::size_t i = 0; i < a.pairs.size(); ++i)
+    if (b.pairs[i].sigma > kNoMore * a.pairs[i].sigma) return false;
+  return true;
+}
+
+/// @param ranked  best first
+std::vector<Weighed> worth_telling(std::vector<Weighed> ranked, Question question) {
+  const bool any_separates = !ranked.empty() && ranked.front().proposal.separation_sigma >= kSeparates;
+  std::vector<Weighed> kept;
+  const std::size_t most = any_separates && question != Question::confirm ? kMostProposals : kFewProposals;
+  for (Weighed& one : ranked) {
+    if (kept.size() == most) break;
+    if (any_separates && one.proposal.separation_sigma < kSeparates) continue;
+    if (std::none_of(kept.begin(), kept.end(), [&](const Weighed& w) { return outdone(w.proposal, one.proposal); }))
+      kept.push_back(std::move(one));
+  }
+  return kept;
+}
+
+/// The best number of runs of each option; of options under one condition the best one.
+std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, const Separations& separations,
+                             const std::vector<std::string>& names, Question question, const MeasuringTimes& times) {
+  std::vector<Weighed> best;
+  for (std::size_t i = 0; i < options.size(); ++i)
+    for (const int runs : {1, 2, 3, 5}) {
+      Weighed one{options[i], 0.0};
+      one.proposal.runs = runs;
+      one.proposal.minutes = minutes_of(one.proposal, times);
+      const MatrixXd sigma = separations.of(i, runs);
+      const Worth worth = worth_of(sigma, question);
+      one.proposal.separation_sigma = worth.sure_sigma;
+      one.told = worth.told;
+      if (worth.sure_sigma < kTelling) continue;
+      one.proposal.pairs = pairs_of(sigma, names, question);
+      const auto same = std::find_if(best.begin(), best.end(), [&](const Weighed& w) {
+        return w.proposal.condition == one.proposal.condition && w.proposal.axis == one.proposal.axis &&
+               w.proposal.sense == one.proposal.sense;
+      });
+      if (same == best.end())
+        best.push_back(std::move(one));
+      else if (before(one.proposal, one.told, same->proposal, same->told))
+        *same = std::move(one);
+    }
+  std::stable_sort(best.begin(), best.end(),
+                   [](const Weighed& a, const Weighed& b) { return before(a.proposal, a.told, b.proposal, b.told); });
+  return worth_telling(std::move(best), question);
+}
+
+std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
+                                             const MeasuringTimes& times) {
+  const bool on_the_fly =
+      std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.id == EffectId::servo_lag; });
+  const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
+    return info_of(e.id).of_approach || e.approach != ApproachMode::both;
+  });
+  std::vector<MeasuredLine> lines = measured_lines(data, times);
+  const auto concerns = [&](const MeasuredLine& line) {
+    return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
+      return (!e.sense || *e.sense == line.sense) && (!e.axis || *e.axis == line.axis || !e.sense);
+    });
+  };
+  std::stable_partition(lines.begin(), lines.end(), concerns);
+  if (lines.size() > kMostLines) lines.resize(kMostLines);
+  std::vector<MeasurementProposal> options;
+  for (const MeasuredLine& line : lines)
+    for (MeasurementProposal& option : measuring_options(data, line, times, of_approach, on_the_fly))
+      options.push_back(std::move(option));
+  return options;
+}
+
+Observations evenly(const Observations& data, std::size_t most) {
+  std::vector<std::size_t> rows;
+  const std::size_t step = (data.size() + most - 1) / most;
+  for (std::size_t k = 0; k < data.size(); k += step) rows.push_back(k);
+  return subset(data, rows);
+}
+
+/// Everything that the answers share.
+struct Setting {
+  const Model& model;
+  const Observations& data;
+  const MeasuringTimes& times;
+};
+
+void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
+  for (Weighed& one : best) {
+    one.proposal.sentence = sentence_of(one.proposal, question);
+    next.proposals.push_back(std::move(one.proposal));
+  }
+}
+
+/// Why nothing separates a group.
+std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options,
+                    const Observations& data) {
+  double apart = 0.0, seen = 0.0;
+  const auto count = static_cast<Index>(group.rivals.size());
+  for (std::size_t i = 0; i < options; ++i) {
+    const MatrixXd sigma = separations.of(i, 5);
+    apart = std::max(apart, sigma.leftCols(count).maxCoeff());
+    seen = std::max(seen, sigma.col(count).maxCoeff());
+  }
+  const std::string names = fmt::format("{}", fmt::join(group.names, ", "));
+  if (apart < kSeparates && seen >= kSeparates)
+    return fmt::format(
+        "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
+        "the "
+        "cause itself (a setting, a level, a square)",
+        names);
+  if (apart < kSeparates)
+    return fmt::format("too weak to separate {}: no single run of up to five repeats adds more than {:.1f} sigma",
+                       names, std::max(apart, seen));
+  const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
+  return fmt::format(
+      "no single run of up to five repeats is sure to tell one of {} from another; the most that any would do is "
+      "{:.1f} "
+      "sigma, for some of them. {}",
+      names, apart, separating_measurement(group.rivals.front(), others, data));
+}
+
+Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+  next.rivals = group.names;
+  const auto options = all_options(in.data, group.rivals, in.times);
+  const WithProposals all = with_proposals(in.data, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, group.settled, {group.rivals.front()}, in.data, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  std::vector<Explanation> explanations;
+  bool zero_matters = false;
+  for (std::size_t i = 0; i < group.rivals.size(); ++i) {
+    explanations.push_back(explained_by(group.names[i], group.rivals[i], *belief, all, regressors));
+    zero_matters = zero_matters || shows_at_zero(group.rivals[i].id);
+  }
+  const Separations separations(all, options, *belief, explanations, zero_matters);
+  const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
+  take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
+  if (next.proposals.empty())
+    next.notes.push_back(why_not(group, separations, options.size(), in.data));
+  else if (next.proposals.front().separation_sigma < kSeparates)
+    next.notes.push_back(fmt::format("no run of up to five repeats reaches {:.0f} sigma; these do most", kSeparates));
+  return {};
+}
+
+/// The line as it is measured now, once more: whether what is left comes back.
+void take_repetition(NextMeasurement& next, const Setting& in) {
+  std::vector<MeasuredLine> lines = measured_lines(in.data, in.times);
+  if (lines.empty()) return;
+  MeasurementProposal again = lines.front().now;
+  constexpr int kRuns = 2;
+  again.runs = kRuns;
+  again.minutes = minutes_of(again, in.times);
+  again.sentence = sentence_of(again, Question::repeat);
+  next.proposals.push_back(std::move(again));
+}
+
+Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
+  constexpr std::size_t kMostVariables = 3;
+  const auto options = all_options(in.data, {}, in.times);
+  const WithProposals all = with_proposals(in.data, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, {}, {}, in.data, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  std::vector<Explanation> explanations;
+  std::vector<std::string> names;
+  for (const Dependence& dependence : diagnosis.where) {
+    if (next.rivals.size() == kMostVariables) break;
+    next.rivals.push_back(dependence.variable);
+    if (!says_what_comes(dependence.variable)) continue;
+    explanations.push_back(depends_on(dependence, all.data));
+    names.push_back(dependence.variable);
+  }
+  next.notes.push_back(
+      fmt::format("no effect of the library explains what is left; it depends on {}, and the run is to show whether it "
+                  "does so again",
+                  fmt::join(next.rivals, " or ")));
+  // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
+  const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
+  if (foretold) {
+    const Separations separations(all, options, *belief, explanations, false);
+    const Question question = explanations.size() > 1 ? Question::separate : Question::confirm;
+    take_proposals(next, weighed(options, separations, names, question, in.times), question);
+    std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
+  }
+  if (next.proposals.empty()) take_repetition(next, in);
+  return {};
+}
+
+Result<void> ask_power(NextMeasurement& next, const Setting& in) {
+  const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
+  const auto options = all_options(part, {}, in.times);
+  const WithProposals all = with_proposals(part, options);
+  const Regressors regressors(all.data);
+  const auto belief = belief_of(in.model, {}, {}, part, regressors);
+  if (!belief) return tl::unexpected(belief.error());
+  const std::vector<Explanation> unseen = unseen_causes(*belief, all, regressors, in.model, kMostUnseen);
+  const double noise_um = belief->noise.pure.noise_um;
+  if (unseen.empty()) {
+    next.notes.push_back(fmt::format(
+        "nothing to separate: the model is adequate, and any cause of one size as large as the noise of one reading "
+        "({:.2g} um) would have been seen",
+        noise_um));
+    return {};
+  }
+  std::vector<std::string> names;
+  for (const Explanation& one : unseen) names.push_back(one.name);
+  next.rivals = names;
+  next.notes.push_back(fmt::format(
+      "the model is adequate, but these could be there unseen, as large as the noise of one reading ({:.2g} um): {}",
+      noise_um, fmt::join(names, ", ")));
+  const bool zero_matters = true;
+  const Separations separations(all, options, *belief, unseen, zero_matters);
+  take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
+  std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
+  if (next.proposals.empty())
+    next.notes.emplace_back("no single run of up to five repeats along the lines measured now would show any of them");
+  return {};
+}
+
+}  // namespace
+
+NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
+                                 const MeasuringTimes& times) {
+  NextMeasurement next;
+  if (data.size() == 0) {
+    next.notes.emplace_back("no readings: nothing to go on from");
+    return next;
+  }
+  const Setting setting{model, data, times};
+  Result<void> asked;
+  if (diagnosis.verdict == Verdict::missing_effect && !diagnosis.candidates.empty())
+    asked = ask_group(next, setting, open_group(diagnosis));
+  else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
+    asked = ask_structure(next, setting, diagnosis);
+  else
+    asked = ask_power(next, setting);
+  if (!asked) next.notes.push_back(to_text(asked.error()));
+  return next;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,94 @@
+// What to measure next: the run that tells rivals apart best per minute, and whether a planned set can determine a
+// model at all. Does not live here: the diagnosis that leaves the rivals (model/diagnosis/diagnose.hpp), the same run
+// as a part program (part_program.hpp).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/diagnosis/diagnose.hpp"
+
+namespace ecs::model {
+
+/// How far a run separates one explanation, if true, from the best that the model with another can do.
+struct PairSeparation {
+  std::string truth;
+  std::string rival;   ///< empty: the model as it is
+  double sigma = 0.0;  ///< that the run adds to what the present readings say
+};
+
+/// One run as a person sets it up. Positions in machine coordinates.
+struct MeasurementProposal {
+  std::string condition;  ///< what differs from the present set-up, in words: "as now", "at a quarter of the feed", …
+  Axis axis = Axis::X;    ///< moving
+  Sense sense = Sense::EX;
+  std::vector<double> targets_mm;  ///< ascending
+  Vector3 parked_mm{};             ///< of the other axes; 0 for the moving one
+  bool bidirectional = true;
+  int approach = 1;            ///< of the first pass; of every pass where not bidirectional
+  double overrun_mm = 5.0;     ///< motion in the sense of approach before the first target of a pass, at least
+  bool short_overrun = false;  ///< that much before every target, after a reversal (pilgrim step)
+  int runs = 1;
+  int first_run = 1;  ///< number of the first run, so that the run can join the present readings
+  double feed_mm_min = 2000.0;
+  std::optional<double> second_feed_mm_min;                      ///< all runs once more at this feed
+  double dwell_s = 2.0;                                          ///< at a target before the reading; 0: on the fly
+  double trigger_s = 1.0;                                        ///< between M08 and M09
+  int set_up = 1;                                                ///< number of the optical set-up, column `set_up`
+  bool new_set_up = false;                                       ///< optics aligned and reset anew for this run
+  bool other_line = false;                                       ///< the other axes stand elsewhere than now
+  std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
+  std::optional<double> pressure_hPa, humidity_pct, load_kg;
+  std::optional<bool> compensated;  ///< absent: no map is known
+  double wait_minutes = 0.0;        ///< until the condition holds
+  double set_up_minutes = 5.0;      ///< work before the first reading
+  double minutes = 0.0;             ///< everything
+  double separation_sigma = 0.0;    ///< that the group is sure to lose a member by, from the best mimicking
+  std::vector<PairSeparation> pairs;
+  std::string sentence;
+};
+
+/// What work takes; the defaults are those of a machine shop with a laser interferometer.
+struct MeasuringTimes {
+  double rapid_mm_min = 6000.0;
+  double start_minutes = 5.0;              ///< same line again
+  double line_minutes = 25.0;              ///< optics moved to another line
+  double align_minutes = 15.0;             ///< beam aligned and reset anew
+  double load_minutes = 20.0;              ///< load put on or taken off
+  double map_minutes = 2.0;                ///< compensation switched
+  double warm_minutes_per_degC = 15.0;     ///< by moving the axes
+  double room_minutes_per_degC = 45.0;     ///< the workshop and all in it
+  double cold_minutes = 600.0;             ///< overnight
+  double weather_minutes = 1440.0;         ///< another day
+  double least_degC = 15.0;                ///< sensible range for machine and workshop
+  double greatest_degC = 30.0;             ///<
+  double greatest_feed_mm_min = 10'000.0;  ///<
+};
+
+/// Proposals, best separation per minute first; empty where nothing separates (said in `notes`, with the reason).
+struct NextMeasurement {
+  std::vector<std::string> rivals;  ///< what is to be told apart
+  std::vector<MeasurementProposal> proposals;
+  std::vector<std::string> notes;
+};
+
+/// For the first group of rivals; for a lone cause its confirmation; for `unexplained_structure` the variables that the
+/// residual may depend on; for `adequate` the causes that could be there unseen.
+/// @param data  what `diagnosis` was made from
+[[nodiscard]] NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
+                                               const MeasuringTimes& times = {});
+
+/// Whether readings at the rows of `plan` (their values do not count) determine the model.
+struct PlanCheck {
+  std::vector<EffectFit> effects;  ///< parameters with the sigma to expect
+  double condition = 1.0;          ///< of the scaled problem
+  std::vector<std::string> undetermined;
+  std::vector<std::string> assumed;  ///< values taken for nonlinear parameters and sizes that the model does not give
+  bool determines = false;
+};
+/// @param noise_um  standard deviation of one reading to expect, above 0
+[[nodiscard]] Result<PlanCheck> check_plan(const Model& model, const Observations& plan, double noise_um);
+
+}  // namespace ecs::model

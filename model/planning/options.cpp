@@ -1,0 +1,310 @@
+#include "model/planning/options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "model/data/curve_basis.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr std::size_t kManyTargets = 41;
+constexpr std::size_t kFewTargets = 7;
+constexpr double kWarmer_degC = 4.0;
+constexpr double kOtherPressure_hPa = 15.0;
+constexpr double kTypicalLoad_kg = 100.0;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return kNotMeasured;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+/// Median of a column over some rows; nothing where none of them has it.
+std::optional<double> median_of(const Column& column, const std::vector<std::size_t>& rows) {
+  std::vector<double> values;
+  for (const std::size_t k : rows)
+    if (!column.empty() && !std::isnan(column[k])) values.push_back(column[k]);
+  if (values.empty()) return std::nullopt;
+  return median(std::move(values));
+}
+
+/// The last measured value: what is so now.
+std::optional<double> last_of(const Column& column, const std::vector<std::size_t>& rows) {
+  for (auto k = rows.rbegin(); k != rows.rend() && !column.empty(); ++k)
+    if (!std::isnan(column[*k])) return column[*k];
+  return std::nullopt;
+}
+
+std::vector<double> thinned(const std::vector<double>& values, std::size_t most) {
+  if (values.size() <= most) return values;
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(values[i * (values.size() - 1) / (most - 1)]);
+  return kept;
+}
+
+/// Inside the range, with room for the overrun at both ends; no two closer than a micrometre.
+std::vector<double> with_room(std::vector<double> targets, const Range& range, double overrun_mm) {
+  const double least = range[0] + overrun_mm, greatest = range[1] - overrun_mm;
+  if (least > greatest) return {};
+  for (double& target : targets) target = std::clamp(target, least, greatest);
+  return distinct(std::move(targets), 1e-3);
+}
+
+MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, const std::vector<std::size_t>& rows,
+                           const MeasuringTimes& times) {
+  MeasurementProposal now;
+  now.condition = "as now";
+  now.axis = axis;
+  now.sense = sense;
+  now.parked_mm = data.position_mm[rows.front()];
+  now.parked_mm[index_of(axis)] = 0.0;
+  now.first_run = 1 + *std::max_element(data.run.begin(), data.run.end());
+  now.set_up_minutes = times.start_minutes;
+  std::vector<double> targets;
+  bool forward = false, reverse = false;
+  for (const std::size_t k : rows) {
+    targets.push_back(data.position_mm[k][index_of(axis)]);
+    forward = forward || data.approach[k] > 0;
+    reverse = reverse || data.approach[k] < 0;
+    if (data.map) now.compensated = data.compensated[k];
+  }
+  now.targets_mm = distinct(std::move(targets), 1e-3);
+  now.approach = reverse && !forward ? -1 : 1;
+  now.feed_mm_min = std::max(1.0, median_of(data.feed_mm_min, rows).value_or(now.feed_mm_min));
+  now.load_kg = median_of(data.load_kg, rows);
+  now.pressure_hPa = last_of(data.pressure_hPa, rows);
+  now.humidity_pct = last_of(data.humidity_pct, rows);
+  if (const auto column = data.extras.find("set_up"); column != data.extras.end())
+    now.set_up = static_cast<int>(last_of(column->second, rows).value_or(1.0));
+  for (const auto& [sensor, column] : data.sensors_degC)
+    if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
+  const Range range = range_of(data, axis);
+  now.overrun_mm = std::min(now.overrun_mm, 0.02 * (range[1] - range[0]));
+  now.targets_mm = with_room(now.targets_mm, range, now.overrun_mm);
+  return now;
+}
+
+/// How far all these sensors may be moved, up first; 0 where the sensible range has no room.
+double temperature_change(const MeasurementProposal& now, const std::vector<std::string>& sensors, double sign,
+                          const MeasuringTimes& times) {
+  double room = kWarmer_degC;
+  for (const std::string& sensor : sensors) {
+    const double degC = now.temperatures_degC.at(sensor);
+    room = std::min(room, sign > 0.0 ? times.greatest_degC - degC : degC - times.least_degC);
+  }
+  constexpr double kWorthIt = 2.0;
+  return sensors.empty() || room < kWorthIt ? 0.0 : sign * room;
+}
+
+/// The conditions of a line, each as a changed copy of how it is measured now.
+class Conditions {
+ public:
+  Conditions(const Observations& data, const MeasurementProposal& now, const MeasuringTimes& times)
+      : data_(data), now_(now), times_(times) {}
+
+  std::vector<MeasurementProposal> all() {
+    add("as now, another run", [](MeasurementProposal&) {});
+    motion();
+    temperatures();
+    time_and_air();
+    set_up();
+    lines();
+    return std::move(list_);
+  }
+
+ private:
+  void add(std::string condition, const std::function<void(MeasurementProposal&)>& change) {
+    MeasurementProposal one = now_;
+    one.condition = std::move(condition);
+    change(one);
+    list_.push_back(std::move(one));
+  }
+
+  void motion() {
+    add("as now, targets between the present ones", [](MeasurementProposal& p) {
+      std::vector<double> between;
+      for (std::size_t i = 0; i + 1 < p.targets_mm.size(); ++i)
+        between.push_back(std::round(500.0 * (p.targets_mm[i] + p.targets_mm[i + 1])) / 1000.0);
+      if (!between.empty()) p.targets_mm = std::move(between);
+    });
+    if (!data_.feed_mm_min.empty()) {
+      const double fast = std::min(2.0 * now_.feed_mm_min, times_.greatest_feed_mm_min);
+      const double slow = 0.25 * now_.feed_mm_min;
+      add("at a quarter of the feed", [&](MeasurementProposal& p) { p.feed_mm_min = slow; });
+      if (fast > 1.2 * now_.feed_mm_min) {
+        add("at a higher feed", [&](MeasurementProposal& p) { p.feed_mm_min = fast; });
+        add("at two feeds, a quarter of the present one and a higher one", [&](MeasurementProposal& p) {
+          p.feed_mm_min = slow;
+          p.second_feed_mm_min = fast;
+        });
+      }
+    }
+    if (!data_.travel_since_reversal_mm.empty())
+      add("each target shortly after a reversal (pilgrim step)", [&](MeasurementProposal& p) {
+        p.overrun_mm = std::min(2.0, p.overrun_mm);
+        p.short_overrun = true;
+      });
+  }
+
+  void move_sensors(const std::string& condition, const std::vector<std::string>& sensors, double sign,
+                    double minutes) {
+    const double change = temperature_change(now_, sensors, sign, times_);
+    if (change == 0.0) return;
+    add(fmt::format("{} {:.0f} degC {}", condition, std::abs(change), change > 0.0 ? "warmer" : "colder"),
+        [&](MeasurementProposal& p) {
+          for (const std::string& sensor : sensors) p.temperatures_degC[sensor] += change;
+          p.wait_minutes = minutes > 0.0 ? minutes * std::abs(change) : times_.cold_minutes;
+        });
+  }
+
+  void temperatures() {
+    std::vector<std::string> all, of_machine;
+    for (const auto& each : now_.temperatures_degC) {
+      all.push_back(each.first);
+      if (each.first != "t_air_degC") of_machine.push_back(each.first);
+    }
+    move_sensors("with the machine, warmed by moving its axes,", of_machine, 1.0, times_.warm_minutes_per_degC);
+    if (all.size() > of_machine.size())
+      move_sensors("with workshop and machine", all, 1.0, times_.room_minutes_per_degC);
+    move_sensors("with workshop and machine, after a night,", all, -1.0, 0.0);
+    if (of_machine.size() > 1)
+      for (const std::string& sensor : of_machine)
+        move_sensors(fmt::format("with {} alone", sensor), {sensor}, 1.0, times_.warm_minutes_per_degC);
+  }
+
+  void time_and_air() {
+    if (!data_.time_s.empty())
+      for (const double minutes : {30.0, 120.0, 480.0})
+        add(minutes < 60.0 ? "half an hour later" : fmt::format("{:.0f} hours later", minutes / 60.0),
+            [&](MeasurementProposal& p) { p.wait_minutes = minutes; });
+    if (now_.pressure_hPa)
+      add("on a day with another air pressure", [&](MeasurementProposal& p) {
+        *p.pressure_hPa += *p.pressure_hPa < 1000.0 ? kOtherPressure_hPa : -kOtherPressure_hPa;
+        p.wait_minutes = times_.weather_minutes;
+      });
+  }
+
+  void set_up() {
+    if (now_.load_kg)
+      add(*now_.load_kg > 0.0 ? "without load" : "with a load", [&](MeasurementProposal& p) {
+        p.load_kg = *now_.load_kg > 0.0 ? 0.0 : kTypicalLoad_kg;
+        p.set_up_minutes += times_.load_minutes;
+      });
+    if (data_.map && now_.compensated.value_or(false))
+      add("with compensation switched off, the map's values added to the readings", [&](MeasurementProposal& p) {
+        p.compensated = false;
+        p.set_up_minutes += times_.map_minutes;
+      });
+    if (!is_rotation(now_.sense) && direction_of(now_.sense) == now_.axis)
+      add("after aligning the beam and resetting anew, optics close together", [&](MeasurementProposal& p) {
+        p.new_set_up = true;
+        p.set_up = next_set_up();
+        p.set_up_minutes += times_.align_minutes;
+      });
+  }
+
+  void lines() {
+    std::vector<Vector3> places;
+    Vector3 both = now_.parked_mm;
+    for (const Axis other : kAllAxes) {
+      if (other == now_.axis) continue;
+      const Range range = range_of(data_, other);
+      if (range[1] - range[0] < 1.0) continue;
+      const std::size_t o = index_of(other);
+      for (const double end : range) {
+        Vector3 one = now_.parked_mm;
+        one[o] = end;
+        if (std::abs(end - now_.parked_mm[o]) > 0.2 * (range[1] - range[0])) places.push_back(one);
+      }
+      both[o] = std::abs(range[0] - both[o]) > std::abs(range[1] - both[o]) ? range[0] : range[1];
+    }
+    if (places.size() > 1) places.push_back(both);
+    for (const Vector3& place : places)
+      add(line_name(place), [&](MeasurementProposal& p) {
+        p.parked_mm = place;
+        p.other_line = p.new_set_up = true;
+        p.set_up = next_set_up();
+        p.set_up_minutes = times_.line_minutes;
+      });
+  }
+
+  [[nodiscard]] int next_set_up() const {
+    double last = 1.0;
+    if (const auto column = data_.extras.find("set_up"); column != data_.extras.end())
+      for (const double number : column->second)
+        if (number > last) last = number;
+    return 1 + static_cast<int>(last);
+  }
+
+  [[nodiscard]] std::string line_name(const Vector3& place) const {
+    std::string text = "on another line, parked at";
+    for (const Axis a : kAllAxes)
+      if (a != now_.axis && place[index_of(a)] != now_.parked_mm[index_of(a)])
+        text += fmt::format(" {} {:g} mm", letter_of(a), place[index_of(a)]);
+    return text;
+  }
+
+  const Observations& data_;
+  const MeasurementProposal& now_;
+  const MeasuringTimes& times_;
+  std::vector<MeasurementProposal> list_;
+};
+
+}  // namespace
+
+Range range_of(const Observations& data, Axis axis) {
+  if (const auto& facts = data.machine.axes[index_of(axis)]) return facts->travel_mm;
+  Range range{1e300, -1e300};
+  for (const Vector3& position : data.position_mm) {
+    range[0] = std::min(range[0], position[index_of(axis)]);
+    range[1] = std::max(range[1], position[index_of(axis)]);
+  }
+  return range;
+}
+
+std::vector<MeasuredLine> measured_lines(const Observations& data, const MeasuringTimes& times) {
+  std::map<std::pair<Axis, Sense>, std::map<Vector3, std::vector<std::size_t>>> places;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    Vector3 parked = data.position_mm[k];
+    parked[index_of(data.axis[k])] = 0.0;
+    places[{data.axis[k], data.sense[k]}][parked].push_back(k);
+  }
+  std::vector<MeasuredLine> lines;
+  for (const auto& [pair, parked] : places) {
+    const auto most = std::max_element(parked.begin(), parked.end(),
+                                       [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    std::vector<std::size_t> all;  // of scattered poses no line has readings enough: their axis and sense count
+    for (const auto& each : parked) all.insert(all.end(), each.second.begin(), each.second.end());
+    const bool scattered = most->second.size() < kFewTargets && parked.size() > 1;
+    MeasuredLine line{pair.first, pair.second,
+                      as_now(data, pair.first, pair.second, scattered ? all : most->second, times), all.size()};
+    if (!line.now.targets_mm.empty()) lines.push_back(std::move(line));
+  }
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const MeasuredLine& a, const MeasuredLine& b) { return a.readings > b.readings; });
+  return lines;
+}
+
+std::vector<MeasurementProposal> measuring_options(const Observations& data, const MeasuredLine& line,
+                                                   const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
+  std::vector<MeasurementProposal> options;
+  for (const MeasurementProposal& condition : Conditions(data, line.now, times).all())
+    for (const std::size_t most : {kManyTargets, kFewTargets})
+      for (const bool both : {true, false}) {
+        MeasurementProposal one = condition;
+        one.targets_mm = thinned(one.targets_mm, most);
+        if (most == kManyTargets && condition.targets_mm.size() <= kFewTargets) continue;
+        if (of_approach && !both) continue;
+        one.bidirectional = both;
+        if (on_the_fly) one.dwell_s = 0.0;
+        options.push_back(std::move(one));
+      }
+  return options;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,206 @@
+#include "model/planning/part_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "laser/writers/measurement_writer.hpp"
+#include "model/planning/run.hpp"
+
+namespace ecs::model {
+namespace {
+
+/// As a control takes it: three decimals at most, one at least.
+std::string word(double mm) {
+  const double rounded = std::round(mm * 1000.0) / 1000.0;
+  std::string text = fmt::format("{:.3f}", rounded == 0.0 ? 0.0 : rounded);
+  while (text.back() == '0' && text[text.size() - 2] != '.') text.pop_back();
+  return text;
+}
+
+double rounded(double mm) { return std::round(mm * 1000.0) / 1000.0; }
+
+class ProgramWriter {
+ public:
+  ProgramWriter(const MeasurementProposal& plan, const params::Machine& machine) : plan_(plan), machine_(machine) {
+    for (const double target : plan.targets_mm)
+      (rounded(target) == limited(rounded(target)) ? targets_ : left_out_).push_back(rounded(target));
+  }
+
+  std::string text() {
+    head();
+    if (targets_.empty()) {
+      note("no target inside the travel");
+      return text_;
+    }
+    park();
+    runs(plan_.feed_mm_min);
+    if (plan_.second_feed_mm_min) runs(*plan_.second_feed_mm_min);
+    return text_;
+  }
+
+ private:
+  void line(const std::string& code, const std::string& remark = "") {
+    text_ += remark.empty() ? code + "\n" : fmt::format("{:<22};{}\n", code, remark);
+  }
+  void block(const std::string& code, const std::string& remark = "") { line("> " + code, remark); }
+  void note(const std::string& remark) { text_ += "; " + remark + "\n"; }
+
+  [[nodiscard]] double limited(double mm) const {
+    const auto& axis = machine_.axes[index_of(plan_.axis)];
+    return axis ? std::clamp(mm, axis->travel_mm[0], axis->travel_mm[1]) : mm;
+  }
+  [[nodiscard]] std::string to(double mm) const { return letter_of(plan_.axis) + word(mm); }
+
+  void conditions() {
+    for (const auto& [sensor, degC] : plan_.temperatures_degC)
+      note(fmt::format("  {} at about {:.1f} degC, to be recorded with every reading", sensor, degC));
+    if (plan_.pressure_hPa) note(fmt::format("  air pressure about {:.0f} hPa, to be recorded", *plan_.pressure_hPa));
+    if (plan_.load_kg) note(fmt::format("  load on the machine: {:.0f} kg", *plan_.load_kg));
+    if (plan_.compensated) note(*plan_.compensated ? "  compensation on" : "  COMPENSATION OFF");
+    if (plan_.wait_minutes > 0.0) note(fmt::format("  wait before starting: about {:.0f} min", plan_.wait_minutes));
+  }
+
+  void head() {
+    note(fmt::format("{} along {}, {}", name_of(plan_.sense), letter_of(plan_.axis), plan_.condition));
+    note("Set up:");
+    std::string where;
+    for (const Axis a : kAllAxes)
+      if (a != plan_.axis && machine_.axes[index_of(a)])
+        where += fmt::format(" {} {} mm", letter_of(a), word(plan_.parked_mm[index_of(a)]));
+    note(fmt::format("  optics for {} on the line with{}", name_of(plan_.sense),
+                     where.empty() ? " the other axes as now" : where));
+    if (plan_.new_set_up)
+      note(fmt::format("  align the beam and reset anew, optics close together; write set_up = {}", plan_.set_up));
+    conditions();
+    note(fmt::format("{} targets, {} {}, {}", targets_.size(), plan_.runs, plan_.runs == 1 ? "run" : "runs",
+                     plan_.bidirectional  ? "both ways"
+                     : plan_.approach < 0 ? "downwards only"
+                                          : "upwards only"));
+    if (plan_.dwell_s <= 0.0) note("readings on the fly: no dwell before the trigger");
+    note(fmt::format("about {:.0f} min in all", plan_.minutes));
+    for (const int d : pass_senses(plan_)) {
+      if (targets_.empty()) break;
+      const double first = d > 0 ? targets_.front() : targets_.back();
+      if (limited(first - d * plan_.overrun_mm) == first)
+        note(fmt::format("no room before {}: its first reading has the approach of the way there", word(first)));
+    }
+    for (const double target : left_out_) note(fmt::format("target {} left out: beyond the travel", word(target)));
+    note("check that the optics clear every motion before starting");
+  }
+
+  void park() {
+    std::string code;
+    for (const Axis a : kAllAxes) {
+      const auto& axis = machine_.axes[index_of(a)];
+      if (a == plan_.axis || !axis) continue;
+      const double mm = std::clamp(plan_.parked_mm[index_of(a)], axis->travel_mm[0], axis->travel_mm[1]);
+      code += letter_of(a) + word(mm);
+    }
+    if (!code.empty()) block("G90G00" + code, "PARK THE OTHER AXES");
+  }
+
+  void reading() {
+    if (plan_.dwell_s > 0.0) block(fmt::format("G04H{:g}", plan_.dwell_s), "DELAY FOR AXIS POSITION TO SETTLE");
+    block("M08", "TRIGGER MEASUREMENT SYSTEM TO TAKE READING");
+    block(fmt::format("G04H{:g}", plan_.trigger_s));
+    block("M09");
+  }
+
+  void runs(double feed_mm_min) {
+    if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
+    for (const int d : pass_senses(plan_)) {
+      std::vector<double> targets = targets_;
+      if (d < 0) std::reverse(targets.begin(), targets.end());
+      block("G90G00" + to(limited(targets.front() - d * plan_.overrun_mm)), "REMOVE BACKLASH BEFORE FIRST READING");
+      pass(targets, d, feed_mm_min);
+    }
+    if (plan_.runs > 1) line("$END", "END OF RUNS");
+  }
+
+  /// Number of equal steps from place i on.
+  static std::size_t equal_steps(const std::vector<double>& targets, std::size_t i) {
+    if (i + 1 >= targets.size()) return 0;
+    const double step = rounded(targets[i + 1] - targets[i]);
+    std::size_t count = 0;
+    while (i + count + 1 < targets.size() &&
+           std::abs(targets[i + count + 1] - targets[i] - step * static_cast<double>(count + 1)) < 1e-6)
+      ++count;
+    return count;
+  }
+
+  void pass(const std::vector<double>& targets, int d, double feed_mm_min) {
+    absolute(targets.front(), d, feed_mm_min);
+    std::size_t i = 0;
+    while (i + 1 < targets.size()) {
+      constexpr std::size_t kWorthALoop = 3;
+      const std::size_t steps = equal_steps(targets, i);
+      if (steps < kWorthALoop || plan_.short_overrun) {
+        absolute(targets[++i], d, feed_mm_min);
+        continue;
+      }
+      const double step = rounded(targets[i + 1] - targets[i]);
+      line(fmt::format("$REP {}", steps));
+      block(to(step) + "G91", fmt::format("MOVE INCREMENTALLY {} mm", word(step)));
+      reading();
+      line("$END");
+      i += steps;
+    }
+  }
+
+  void absolute(double target, int d, double feed_mm_min) {
+    if (plan_.short_overrun) {
+      block("G90G00" + to(limited(target + d * plan_.overrun_mm)));
+      block("G90G00" + to(limited(target - d * plan_.overrun_mm)), "REVERSE SHORTLY BEFORE THE TARGET");
+    }
+    block(fmt::format("G90G01{}F{:g}", to(target), feed_mm_min));
+    reading();
+  }
+
+  const MeasurementProposal& plan_;
+  const params::Machine& machine_;
+  std::vector<double> targets_, left_out_;
+  std::string text_;
+};
+
+laser::Reading row_of(const MeasurementProposal& plan, const Stop& stop) {
+  laser::Reading row;
+  row.axis = plan.axis;
+  row.sense = plan.sense;
+  row.position_mm = plan.parked_mm;
+  row.position_mm[index_of(plan.axis)] = stop.target_mm;
+  row.approach = static_cast<Approach>(stop.approach);
+  row.run = stop.run;
+  row.time_s = std::round(stop.after_s * 10.0) / 10.0;
+  row.feed_mm_min = stop.feed_mm_min;
+  row.travel_since_reversal_mm = stop.since_reversal_mm;
+  row.load_kg = plan.load_kg;
+  row.pressure_hPa = plan.pressure_hPa;
+  row.humidity_pct = plan.humidity_pct;
+  row.compensated = plan.compensated;
+  row.sensors_degC = plan.temperatures_degC;
+  if (plan.set_up != 1) row.extras["set_up"] = plan.set_up;
+  return row;
+}
+
+}  // namespace
+
+std::string part_program(const MeasurementProposal& proposal, const params::Machine& machine) {
+  return ProgramWriter(proposal, machine).text();
+}
+
+laser::MeasurementSet target_set(const MeasurementProposal& proposal) {
+  laser::MeasurementSet set;
+  set.metadata = {{"content", "target list: to be measured, every reading is 0 until then"},
+                  {"condition", proposal.condition}};
+  for (const Stop& stop : stops_of(proposal)) {
+    set.readings.push_back(row_of(proposal, stop));
+    set.readings.back().row = static_cast<int>(set.readings.size());
+  }
+  return set;
+}
+
+std::string target_list(const MeasurementProposal& proposal) { return laser::to_csv(target_set(proposal)); }
+
+}  // namespace ecs::model

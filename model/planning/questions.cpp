@@ -1,0 +1,153 @@
+#include "model/planning/questions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/diagnosis/candidates.hpp"
+#include "model/diagnosis/search.hpp"
+#include "model/fit/compare.hpp"
+
+namespace ecs::model {
+namespace {
+
+using enum EffectId;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool same_effect(const EffectInstance& a, const EffectInstance& b) {
+  return same_place(a, b) && a.sensor == b.sensor && a.approach == b.approach && to_text(a) == to_text(b);
+}
+
+bool lists(const Candidate& candidate, const EffectInstance& other) {
+  const auto& list = candidate.indistinguishable_from;
+  return std::find(list.begin(), list.end(), to_text(other)) != list.end();
+}
+
+/// Causes whose size depends on a condition that a run can set: as large as the noise where that is set.
+bool of_condition(EffectId id) {
+  return id == thermal_scale || id == thermal_drift || id == air_refraction || id == dead_path || id == load;
+}
+
+/// Least separation at which a cause counts as seen.
+constexpr double kSeen = 3.0;
+
+double rms_where_not_zero(const VectorXd& column) {
+  double sum = 0.0, count = 0.0;
+  for (Index k = 0; k < column.size(); ++k) {
+    sum += column(k) * column(k);
+    count += column(k) != 0.0 ? 1.0 : 0.0;
+  }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
+}  // namespace
+
+std::string name_with_sensor(const EffectInstance& effect) {
+  std::string name = to_text(effect);
+  if (!effect.sensor.empty()) name += fmt::format(" ({})", effect.sensor);
+  if (effect.approach != ApproachMode::both) name += fmt::format(" ({})", name_of(effect.approach));
+  return name;
+}
+
+bool shows_at_zero(EffectId id) {
+  return id == offset || id == dead_path || id == thermal_drift || id == time_drift || id == warm_up || id == load;
+}
+
+OpenGroup open_group(const Diagnosis& diagnosis) {
+  OpenGroup group;
+  if (diagnosis.candidates.empty()) return group;
+  const Candidate* first = &diagnosis.candidates.front();
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (candidate.named && !candidate.indistinguishable_from.empty()) {
+      first = &candidate;
+      break;
+    }
+  group.rivals.push_back(first->effect);
+  for (const Candidate& other : diagnosis.candidates) {
+    if (&other == first) continue;
+    const bool rival = lists(*first, other.effect) && !same_effect(other.effect, first->effect);
+    if (rival && !other.named)
+      group.rivals.push_back(other.effect);
+    else if (other.named)
+      group.settled.push_back(other.effect);
+  }
+  for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
+  return group;
+}
+
+bool says_what_comes(const std::string& variable) { return variable != "run" && variable != "time_s"; }
+
+Explanation depends_on(const Dependence& dependence, const Observations& all) {
+  const auto n = static_cast<Index>(all.size());
+  const std::vector<double>& at = dependence.at;
+  Explanation one;
+  one.name = dependence.variable;
+  one.fixed = one.truth = VectorXd::Zero(n);
+  one.columns = MatrixXd::Zero(n, static_cast<Index>(at.size()));
+  const bool unknown_beyond = !says_what_comes(one.name);
+  for (Index k = 0; k < n; ++k) {
+    const double value = variable_of(all, static_cast<std::size_t>(k), one.name);
+    if (std::isnan(value) || at.empty()) continue;
+    if (unknown_beyond && (value < at.front() || value > at.back())) continue;
+    const auto above = std::upper_bound(at.begin(), at.end(), value);
+    const auto j = static_cast<Index>(
+        std::clamp<std::ptrdiff_t>(above - at.begin() - 1, 0, std::max<std::ptrdiff_t>(0, std::ssize(at) - 2)));
+    if (at.size() == 1) {
+      one.columns(k, 0) = 1.0;
+      continue;
+    }
+    const auto jj = static_cast<std::size_t>(j);
+    const double part = std::clamp((value - at[jj]) / (at[jj + 1] - at[jj]), 0.0, 1.0);
+    one.columns(k, j) = 1.0 - part;
+    one.columns(k, j + 1) = part;
+  }
+  one.truth = one.columns * Eigen::Map<const VectorXd>(dependence.mean_um.data(), std::ssize(dependence.mean_um));
+  return one;
+}
+
+std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals& all, const Regressors& regressors,
+                                       const Model& model, std::size_t most) {
+  const auto present = static_cast<Index>(all.present);
+  NoiseModel noise = belief.noise;
+  std::vector<std::size_t> rows(all.present);
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  const Observations now = subset(all.data, rows);
+  const Whitener whitener(now, noise, belief.left_out);
+  Space base;
+  base.y = VectorXd::Zero(present);
+  base.q.resize(present, 0);
+  absorb(base, whitener(MatrixXd(belief.columns.topRows(present))));
+  std::vector<std::pair<double, Explanation>> unseen;
+  for (const EffectInstance& effect : candidate_instances(now)) {
+    const bool free_shape = effect.id == progressive || effect.id == reversal_curve || has_fixed_size(effect.id) ||
+                            !nonlinear_parameter_of(effect.id).empty();
+    const bool believed = std::any_of(model.effects.begin(), model.effects.end(),
+                                      [&](const EffectInstance& e) { return same_effect(e, effect); });
+    if (free_shape || believed) continue;
+    Explanation one;
+    one.name = name_with_sensor(effect);
+    // of an angle its slope: the mean is lost where the readout is zeroed on another line
+    const Index shown = effect.id == angular ? 1 : 0;
+    one.columns = regressors.columns(effect, 0.0).of.leftCols(shown + 1);
+    const VectorXd shape = one.columns.col(shown);
+    double size = rms_where_not_zero(shape.head(present));
+    if (of_condition(effect.id) || size <= 0.0)
+      size = std::max(size, rms_where_not_zero(shape.tail(shape.size() - present)));
+    if (size <= 0.0) continue;
+    one.truth = shape * (noise.pure.noise_um / size);
+    one.fixed = VectorXd::Zero(one.truth.size());
+    VectorXd left = whitener(VectorXd(one.truth.head(present)));
+    left -= base.q * (base.q.transpose() * left);
+    if (left.norm() < kSeen) unseen.emplace_back(left.norm(), std::move(one));
+  }
+  std::stable_sort(unseen.begin(), unseen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (unseen.size() > most) unseen.resize(most);
+  std::vector<Explanation> list;
+  for (auto& each : unseen) list.push_back(std::move(each.second));
+  return list;
+}
+
+}  // namespace ecs::model

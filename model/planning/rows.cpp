@@ -1,0 +1,69 @@
+#include "model/planning/rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecs::model {
+namespace {
+
+/// A present reading of the same axis and sense, to take from what a proposal does not say.
+std::size_t pattern_of(const Observations& present, const MeasurementProposal& proposal) {
+  for (std::size_t k = 0; k < present.size(); ++k)
+    if (present.axis[k] == proposal.axis && present.sense[k] == proposal.sense) return k;
+  return 0;
+}
+
+void set(Column& column, std::size_t k, const std::optional<double>& value) {
+  if (!column.empty() && value) column[k] = *value;
+}
+
+void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal, const Stop& stop, double start_s) {
+  data.axis[k] = proposal.axis;
+  data.sense[k] = proposal.sense;
+  data.run[k] = stop.run;
+  data.approach[k] = stop.approach;
+  data.position_mm[k] = proposal.parked_mm;
+  data.position_mm[k][index_of(proposal.axis)] = stop.target_mm;
+  if (proposal.compensated) data.compensated[k] = *proposal.compensated;
+  set(data.time_s, k, start_s + stop.after_s);
+  set(data.feed_mm_min, k, stop.feed_mm_min);
+  set(data.load_kg, k, proposal.load_kg);
+  set(data.travel_since_reversal_mm, k, stop.since_reversal_mm);
+  set(data.pressure_hPa, k, proposal.pressure_hPa);
+  set(data.humidity_pct, k, proposal.humidity_pct);
+  for (auto& [sensor, column] : data.sensors_degC)
+    if (const auto degC = proposal.temperatures_degC.find(sensor); degC != proposal.temperatures_degC.end())
+      set(column, k, degC->second);
+  if (const auto set_up = data.extras.find("set_up"); set_up != data.extras.end()) set_up->second[k] = proposal.set_up;
+}
+
+}  // namespace
+
+WithProposals with_proposals(const Observations& present, const std::vector<MeasurementProposal>& proposals) {
+  WithProposals all;
+  all.present = present.size();
+  std::vector<std::size_t> rows(present.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  std::vector<std::vector<Stop>> stops;
+  for (MeasurementProposal one : proposals) {
+    one.runs = 1;
+    stops.push_back(stops_of(one));
+    all.first.push_back(rows.size());
+    all.count.push_back(stops.back().size());
+    rows.insert(rows.end(), stops.back().size(), pattern_of(present, one));
+  }
+  all.data = subset(present, rows);
+  double last_s = 0.0;
+  for (const double t : present.time_s)
+    if (!std::isnan(t)) last_s = std::max(last_s, t);
+  if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.set_up != 1; }))
+    all.data.extras.try_emplace("set_up", Column(rows.size(), 1.0));
+  for (std::size_t i = 0; i < proposals.size(); ++i) {
+    const double start_s = last_s + 60.0 * (proposals[i].wait_minutes + proposals[i].set_up_minutes);
+    for (std::size_t j = 0; j < stops[i].size(); ++j)
+      fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
+  }
+  return all;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,24 @@
+// Readings yet to be taken as observations beside the present ones, so that effects can be evaluated on both alike.
+// Does not live here: which runs to propose (options.hpp).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "model/data/observations.hpp"
+#include "model/planning/run.hpp"
+
+namespace ecs::model {
+
+/// The present readings, then those of each proposal (one run of it, twice with a second feed). The new values of
+/// `reading` mean nothing.
+struct WithProposals {
+  Observations data;
+  std::size_t present = 0;         ///< the first readings
+  std::vector<std::size_t> first;  ///< of each proposal
+  std::vector<std::size_t> count;  ///< of each proposal
+};
+[[nodiscard]] WithProposals with_proposals(const Observations& present,
+                                           const std::vector<MeasurementProposal>& proposals);
+
+}  // namespace ecs::model

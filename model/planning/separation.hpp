@@ -1,0 +1,66 @@
+// How many sigmas a run not yet made would put between explanations: each, if true, against the best that the model
+// with another can do on present and new readings together. Internal to this room (Eigen).
+// Does not live here: which runs there are (options.hpp), their rank (next_measurement.cpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "model/fit/core.hpp"
+#include "model/planning/rows.hpp"
+
+namespace ecs::model {
+
+/// One thing that may be true, over present and new readings.
+struct Explanation {
+  std::string name;
+  Eigen::MatrixXd columns;  ///< what its refit may use
+  Eigen::VectorXd fixed;    ///< part of it that no coefficient scales
+  Eigen::VectorXd truth;    ///< its contribution at the sizes that the present readings give
+};
+
+/// What is believed whatever is true: the model, fitted to the present readings.
+struct Belief {
+  Eigen::MatrixXd columns;  ///< over present and new readings; slopes of nonlinear parameters included
+  Eigen::VectorXd target;   ///< present readings less what the model holds
+  NoiseModel noise;         ///< of the present readings
+  std::vector<bool> left_out;
+};
+
+/// The model with the effects `known` fitted, and noise taken with the effects `likely` added to it.
+[[nodiscard]] Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& known,
+                                       const std::vector<EffectInstance>& likely, const Observations& present,
+                                       const Regressors& all);
+
+/// An effect at the size that the present readings give it beside the belief.
+[[nodiscard]] Explanation explained_by(const std::string& name, const EffectInstance& effect, const Belief& belief,
+                                       const WithProposals& all, const Regressors& regressors);
+
+/// Separations by each proposal.
+class Separations {
+ public:
+  /// @param zero_matters  explanations differ where the readout was zeroed: a new zero then tells nothing
+  Separations(const WithProposals& all, const std::vector<MeasurementProposal>& proposals, const Belief& belief,
+              const std::vector<Explanation>& explanations, bool zero_matters);
+
+  /// [i][j]: explanation i true, j refitted; the last column: the model alone. What `runs` runs of the proposal add to
+  /// what the present readings say.
+  [[nodiscard]] Eigen::MatrixXd of(std::size_t proposal, int runs) const;
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd squares(const Eigen::MatrixXd& rows, bool own_zero) const;
+
+  const WithProposals& all_;
+  const std::vector<MeasurementProposal>& proposals_;
+  bool zero_matters_ = false;
+  Eigen::Index base_ = 0;                    ///< columns of the belief
+  std::vector<Eigen::Index> first_, count_;  ///< columns of each explanation, then fixed and truth
+  Eigen::MatrixXd white_;                    ///< everything, new rows only
+  Eigen::MatrixXd present_;                  ///< everything, present rows compressed to a triangle
+  Eigen::MatrixXd present_squares_;          ///< separations so far, squared
+  std::vector<double> sigma_;                ///< of one reading of each proposal
+};
+
+}  // namespace ecs::model

@@ -1,0 +1,286 @@
+// Commands of the host: given once, followed until they end.
+#include <algorithm>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "protocol/client/client.hpp"
+#include "protocol/registers/unit_registers.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kShortLimit = 5s;
+constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole bank, checking and switching it
+constexpr milliseconds kRamTestLimit = 10min;
+constexpr milliseconds kFirstPoll = 5ms;
+constexpr milliseconds kSlowestPoll = 200ms;
+
+Command command_of(CommandCode code) {
+  Command command;
+  command.code = code;
+  return command;
+}
+
+Command command_of(CommandCode code, Axis axis) {
+  Command command = command_of(code);
+  command.axis = axis;
+  return command;
+}
+
+std::string reason_in(const CommandResult& result) {
+  if (result.text.empty()) return std::string(text_of(result.error));
+  if (result.error == UnitError::none) return result.text;
+  return fmt::format("{}: {}", text_of(result.error), result.text);
+}
+
+Result<CommandResult> outcome_of(const Command& command, const CommandResult& result) {
+  switch (result.state) {
+    case CommandState::done:
+      return result;
+    case CommandState::refused:
+      return problem(ProblemKind::refused,
+                     fmt::format("the unit refuses to {}: {}", name_of(command.code), reason_in(result)));
+    case CommandState::failed:
+      return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason_in(result)));
+    default:
+      return problem(ProblemKind::link,
+                     fmt::format("{}: the unit has forgotten the command; was it restarted?", name_of(command.code)));
+  }
+}
+
+constexpr std::string_view kOpensByItself =
+    "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
+
+std::string another_is_active(const UnitStatus& now) {
+  return fmt::format(
+      "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
+      "line now; compare before compensating",
+      now.image_length_bytes, now.commit_sequence);
+}
+
+}  // namespace
+
+Result<CommandResult> UnitClient::result_now() {
+  return link_.ask(kEcho, Registers{0}, kCommandResult).and_then(command_result_in);
+}
+
+Result<CommandResult> UnitClient::exchange(const Command& command) {
+  return link_.ask(kCommand, registers_of(command, 0), kCommandResult).and_then(command_result_in);
+}
+
+/// By chance: two hosts that counted would meet at the same number, and each take the other's result for its own.
+std::uint16_t UnitClient::next_sequence() {
+  std::random_device chance;
+  const std::uint16_t last = sequence_;
+  while (sequence_ == last || sequence_ == 0) sequence_ = static_cast<std::uint16_t>(chance() & 0xFFFFu);
+  return sequence_;
+}
+
+Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
+  if (sequence_ == 0) {
+    const auto before = result_now();
+    if (!before) return before;
+    sequence_ = before->sequence;
+  }
+  command.sequence = next_sequence();
+  auto first = exchange(command);
+  if (!first && link_.cancelled()) return stopped(command, false);  // it may have arrived
+  if (!first) return first;
+  return wait_for(command, std::move(*first), limit, busy);
+}
+
+Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult result,
+                                           std::chrono::milliseconds limit, const CommandCallback& busy) {
+  const auto until = std::chrono::steady_clock::now() + limit;
+  milliseconds poll = kFirstPoll;
+  while (result.sequence == command.sequence && result.state == CommandState::busy) {
+    if (busy) busy(result);
+    const bool over = std::chrono::steady_clock::now() >= until;
+    if (over || !link_.pause(poll)) return stopped(command, over);
+    poll = std::min(2 * poll, kSlowestPoll);
+    auto next = result_now();
+    if (!next && link_.cancelled()) return stopped(command, false);
+    if (!next) return next;
+    result = std::move(*next);
+  }
+  if (result.sequence != command.sequence) {
+    sequence_ = 0;
+    return problem(ProblemKind::link,
+                   fmt::format("{}: the unit answers another command; it was restarted, or another host uses it",
+                               name_of(command.code)));
+  }
+  return outcome_of(command, result);
+}
+
+/// Ends a command that is taking too long, or that is no longer wanted.
+Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
+  link_.heed_cancel(false);
+  Command stop = command_of(CommandCode::stop);
+  stop.sequence = next_sequence();
+  const auto taken = exchange(stop);
+  link_.heed_cancel(true);
+  return problem(ProblemKind::link,
+                 fmt::format("{}: {}{}", name_of(command.code), over ? "not done in time; stopped" : "cancelled",
+                             taken ? "" : " (the unit could not be told to stop)"));
+}
+
+Result<void> UnitClient::run_plain(const Command& command, std::chrono::milliseconds limit) {
+  return run(command, limit).map([](const CommandResult&) {});
+}
+
+/// Of a command that acts on the machine: without an answer nobody knows whether it was done, and that is said.
+Result<void> UnitClient::run_acting(const Command& command, std::chrono::milliseconds limit,
+                                    std::string_view if_unanswered) {
+  auto done = run_plain(command, limit);
+  if (!done && done.error().kind == ProblemKind::link)
+    done.error().message += fmt::format("; it may have been carried out: {}", if_unanswered);
+  return done;
+}
+
+Result<void> UnitClient::enter_integration() {
+  return run_acting(command_of(CommandCode::enter_integration), kShortLimit,
+                    "until the unit's status says so, count on it compensating as before");
+}
+
+Result<void> UnitClient::enter_compensation() {
+  return run_acting(command_of(CommandCode::enter_compensation), kRamTestLimit,
+                    "the unit then closes its relays as soon as every axis is referenced; read its status");
+}
+
+Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
+  Command command = command_of(CommandCode::set_axis_position, axis);
+  command.position_mm = position_mm;
+  return run_acting(command, kShortLimit, "compare the position with the control's");
+}
+
+Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
+  Command command = command_of(CommandCode::output_compensation, axis);
+  command.output_um = output_um;
+  command.relay_on = relay_on;
+  return run_acting(command, kShortLimit,
+                    fmt::format("the relay of {} may be closed, or still be closed, and {} um act; {}", letter_of(axis),
+                                output_um, kOpensByItself));
+}
+
+Result<void> UnitClient::output_off() {
+  return run_acting(command_of(CommandCode::output_off), kShortLimit,
+                    fmt::format("if it was not, a relay that was closed still is; {}", kOpensByItself));
+}
+
+Result<Address> UnitClient::begin_staging(bool copy_active) {
+  Command command = command_of(CommandCode::begin_staging);
+  command.copy_active = copy_active;
+  return run(command, kStagingLimit).map([](const CommandResult& result) { return Address{result.value}; });
+}
+
+/// The status once no command is under way; a problem if one stays busy.
+Result<UnitStatus> UnitClient::status_when_idle() {
+  if (!link_.connected())
+    if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
+  const auto until = std::chrono::steady_clock::now() + kShortLimit;
+  for (auto result = result_now(); result; result = result_now()) {
+    if (result->state != CommandState::busy) return status();
+    if (std::chrono::steady_clock::now() >= until || !link_.pause(kSlowestPoll)) break;
+  }
+  return problem(ProblemKind::link, "the unit does not say what became of the commit");
+}
+
+/// Whether the active map is of that length and CRC: its sequence alone does not tell whose it is.
+Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc) {
+  if (now.active_bank == Bank::none || now.image_length_bytes != length) return false;
+  return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
+}
+
+/// A commit was given and it was not answered with `done`: the unit itself says what became of it.
+Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why) {
+  const bool cancelled = link_.cancelled();
+  link_.heed_cancel(false);
+  const auto now = status_when_idle();
+  const bool changed = now && now->commit_sequence != before.commit_sequence;
+  const auto ours = changed ? holds(*now, length, crc) : Result<bool>(false);
+  if (now && !changed) static_cast<void>(abandon_staged());
+  link_.heed_cancel(true);
+  if (!now || !ours)
+    why.message +=
+        "; the commit had been sent and its reply did not come: the unit may have taken the new map; read its status "
+        "(`ecs utility status`) before it is used";
+  else if (!changed)
+    why.message += before.active_bank == Bank::none ? "; the unit has not taken the map: it holds none, as before"
+                                                    : "; the unit has not taken the new map: the old map is active";
+  else if (!*ours)
+    why.message += "; " + another_is_active(*now);
+  else if (cancelled)
+    why.message +=
+        fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
+  else if (why.kind == ProblemKind::refused)
+    why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
+  else
+    return {};
+  return tl::unexpected(std::move(why));
+}
+
+Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) {
+  const auto before = status();
+  if (!before) return tl::unexpected(given_up(before.error()));
+  Command command = command_of(CommandCode::commit_staged);
+  command.length = length;
+  command.crc = crc;
+  auto done = run_plain(command, kStagingLimit);
+  return done ? confirmed(*before, length, crc) : settled(*before, length, crc, std::move(done.error()));
+}
+
+/// Whether the unit at the end of the line now holds, active, what was committed: another host or another unit on the
+/// same line may have come between.
+Result<void> UnitClient::confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
+  const auto now = status_when_idle();
+  if (!now) return tl::unexpected(now.error());
+  const auto ours = now->commit_sequence != before.commit_sequence ? holds(*now, length, crc) : Result<bool>(false);
+  if (!ours) return tl::unexpected(ours.error());
+  if (*ours) return {};
+  return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
+}
+
+Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }
+
+Result<CommandResult> UnitClient::test_datum(Axis axis, std::chrono::milliseconds limit, const CommandCallback& busy) {
+  return run(command_of(CommandCode::test_datum, axis), limit, busy);
+}
+
+Result<CommandResult> UnitClient::record_datum(Axis axis, std::chrono::milliseconds limit,
+                                               const CommandCallback& busy) {
+  return run(command_of(CommandCode::record_datum, axis), limit, busy);
+}
+
+Result<std::uint32_t> UnitClient::run_user_software(Address address, std::uint32_t argument,
+                                                    std::chrono::milliseconds limit) {
+  Command command = command_of(CommandCode::run_user_software);
+  command.address = address;
+  command.argument = argument;
+  return run(command, limit).map([](const CommandResult& result) { return result.value; });
+}
+
+Result<CommandResult> UnitClient::run_ram_test(const CommandCallback& busy) {
+  return run(command_of(CommandCode::run_ram_test), kRamTestLimit, busy);
+}
+
+Result<void> UnitClient::clear_fault() { return run_plain(command_of(CommandCode::clear_fault), kShortLimit); }
+
+Result<void> UnitClient::reset_unit() {
+  auto done = run_acting(command_of(CommandCode::reset_unit), kShortLimit, "read the unit's status");
+  sequence_ = 0;
+  return done;
+}
+
+Result<std::uint32_t> UnitClient::check_memory(Address address, std::uint32_t bytes) {
+  Command command = command_of(CommandCode::check_memory);
+  command.address = address;
+  command.length = bytes;
+  return run(command, kStagingLimit).map([](const CommandResult& result) { return result.value; });
+}
+
+}  // namespace ecs::protocol

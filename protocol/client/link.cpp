@@ -1,0 +1,257 @@
+// One request and its own reply: echo, retries, silence after errors, and the words for each failure.
+// Does not live here: the descriptor and the library calls that wait (protocol/line/modbus_line.cpp).
+#include "protocol/client/link.hpp"
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <modbus.h>
+
+#include "protocol/line/modbus_line.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+using Bytes = ModbusLine::Bytes;
+using Clock = ModbusLine::Clock;
+
+void put_word(Bytes& bytes, std::uint16_t word) {
+  bytes.push_back(static_cast<std::uint8_t>(word >> 8));
+  bytes.push_back(static_cast<std::uint8_t>(word & 0xFF));
+}
+
+void put_words(Bytes& bytes, std::span<const std::uint16_t> words) {
+  for (const std::uint16_t word : words) put_word(bytes, word);
+}
+
+/// MODBUS Application Protocol V1.1b3, 6.17.
+Bytes read_write_request(const Block& request, std::span<const std::uint16_t> values, const Block& answer) {
+  Bytes pdu{MODBUS_FC_WRITE_AND_READ_REGISTERS};
+  put_words(pdu, std::array{answer.first, answer.count, request.first, static_cast<std::uint16_t>(values.size())});
+  pdu.push_back(static_cast<std::uint8_t>(2 * values.size()));
+  put_words(pdu, values);
+  return pdu;
+}
+
+/// MODBUS Application Protocol V1.1b3, 6.12.
+Bytes write_request(std::uint16_t first, std::span<const std::uint16_t> values) {
+  Bytes pdu{MODBUS_FC_WRITE_MULTIPLE_REGISTERS};
+  put_words(pdu, std::array{first, static_cast<std::uint16_t>(values.size())});
+  pdu.push_back(static_cast<std::uint8_t>(2 * values.size()));
+  put_words(pdu, values);
+  return pdu;
+}
+
+std::string_view exception_text(unsigned code) {
+  switch (code) {
+    case MODBUS_EXCEPTION_ILLEGAL_FUNCTION:
+      return "it does not know this function; is it a unit of this kind?";
+    case MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS:
+      return "it has no such registers or memory";
+    case MODBUS_EXCEPTION_ILLEGAL_DATA_VALUE:
+      return "it does not accept a value of the request";
+    case MODBUS_EXCEPTION_SLAVE_OR_SERVER_FAILURE:
+      return "it failed while carrying out the request";
+    case MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY:
+      return "it is busy";
+    case MODBUS_EXCEPTION_GATEWAY_PATH:
+    case MODBUS_EXCEPTION_GATEWAY_TARGET:
+      return "no unit of this number is there";
+    default:
+      return "an exception that this program does not know";
+  }
+}
+
+/// A Modbus problem of one try; `exception` is its code where there is one.
+struct Trouble {
+  LinkFailure failure = LinkFailure::none;
+  unsigned exception = 0;
+};
+
+std::uint16_t random_start() { return static_cast<std::uint16_t>(std::random_device{}()); }
+
+}  // namespace
+
+struct Link::Line {
+  Line(LinkAddress where, const LinkTiming& times, const std::atomic<bool>* flag)
+      : address(std::move(where)), timing(times), cancel_flag(flag), line(address, timing) {}
+
+  LinkAddress address;
+  LinkTiming timing;
+  const std::atomic<bool>* cancel_flag;
+  bool heeds_cancel = true;
+  ModbusLine line;
+  LinkStatistics statistics;
+  LinkFailure failure = LinkFailure::none;
+  std::uint16_t echo = random_start();
+  bool late_replies_possible = false;  ///< since an error, until a reply with the right echo
+
+  [[nodiscard]] bool cancelled() const {
+    return heeds_cancel && cancel_flag != nullptr && cancel_flag->load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] std::string name() const { return to_text(address); }
+
+  [[nodiscard]] tl::expected<Bytes, Trouble> transact(const Bytes& pdu);
+  [[nodiscard]] tl::expected<Registers, Trouble> ask_once(const Block& request, const Registers& values,
+                                                          const Block& answer);
+  [[nodiscard]] Trouble recover(Trouble trouble);
+  [[nodiscard]] tl::unexpected<Problem> fail(const Trouble& trouble, int tries);
+  void count(const Trouble& trouble);
+};
+
+/// One request and its reply, taken for what it is: nothing here knows whether it is the reply to this request.
+tl::expected<Bytes, Trouble> Link::Line::transact(const Bytes& pdu) {
+  const auto listening = [this] { return cancelled(); };
+  if (cancelled()) return tl::unexpected(Trouble{LinkFailure::cancelled, 0});
+  const auto begun = Clock::now();
+  const auto sent = line.send(pdu);
+  if (!sent) return tl::unexpected(Trouble{sent.error(), 0});
+  statistics.bytes_sent += *sent;
+  auto reply = line.receive(listening);
+  if (!reply) return tl::unexpected(Trouble{reply.error(), 0});
+  const double round_trip_ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+  statistics.bytes_received += reply->size() + (address.is_serial() ? 3 : 7);
+  ++statistics.replies;
+  statistics.total_round_trip_ms += round_trip_ms;
+  statistics.worst_round_trip_ms = std::max(statistics.worst_round_trip_ms, round_trip_ms);
+  if (reply->size() == 2 && (*reply)[0] == (pdu[0] | 0x80u)) {
+    if (late_replies_possible) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+    return tl::unexpected(Trouble{LinkFailure::exception, (*reply)[1]});
+  }
+  if ((*reply)[0] != pdu[0]) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+  return std::move(*reply);
+}
+
+tl::expected<Registers, Trouble> Link::Line::ask_once(const Block& request, const Registers& values,
+                                                      const Block& answer) {
+  const auto reply = transact(read_write_request(request, values, answer));
+  if (!reply) return tl::unexpected(reply.error());
+  const std::size_t bytes = 2u * answer.count;
+  if (reply->size() != bytes + 2 || (*reply)[1] != bytes) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+  Registers registers(answer.count);
+  for (std::size_t i = 0; i < registers.size(); ++i)
+    registers[i] = static_cast<std::uint16_t>((*reply)[2 + 2 * i] << 8 | (*reply)[3 + 2 * i]);
+  if (registers.front() != values.front()) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+  late_replies_possible = false;
+  return registers;
+}
+
+void Link::Line::count(const Trouble& trouble) {
+  if (trouble.failure == LinkFailure::no_answer) ++statistics.timeouts;
+  if (trouble.failure == LinkFailure::garbled) ++statistics.crc_errors;
+  if (trouble.failure == LinkFailure::stale) ++statistics.stale_replies;
+  if (trouble.failure == LinkFailure::exception) ++statistics.exceptions;
+}
+
+/// After an error the line stays silent until even the slowest reply has come, and is flushed.
+Trouble Link::Line::recover(Trouble trouble) {
+  count(trouble);
+  const bool is_final = trouble.failure == LinkFailure::exception || trouble.failure == LinkFailure::disconnected;
+  if (is_final) return trouble;
+  late_replies_possible = true;
+  if (trouble.failure == LinkFailure::cancelled) return trouble;
+  if (line.stay_quiet(timing.quiet_time, [this] { return cancelled(); })) return trouble;
+  return {line.connected() ? LinkFailure::cancelled : LinkFailure::disconnected, 0};
+}
+
+tl::unexpected<Problem> Link::Line::fail(const Trouble& trouble, int tries) {
+  failure = trouble.failure;
+  const auto say = [&](std::string text) {
+    return problem(ProblemKind::link, fmt::format("{}: {}", name(), std::move(text)));
+  };
+  const auto wait_ms = std::chrono::duration_cast<std::chrono::milliseconds>(timing.response_timeout).count();
+  const std::string_view what_to_check =
+      address.is_serial() ? "power, cable, baud rate and unit number" : "power and unit number";
+  switch (trouble.failure) {
+    case LinkFailure::no_answer:
+      return say(fmt::format("no answer within {} ms ({} {}); check {}", wait_ms, tries, tries == 1 ? "try" : "tries",
+                             what_to_check));
+    case LinkFailure::garbled:
+      return say(fmt::format("garbled replies, bad CRC ({} {}); check cable, baud rate, parity and grounding", tries,
+                             tries == 1 ? "try" : "tries"));
+    case LinkFailure::stale:
+      return say(fmt::format(
+          "only late replies to earlier requests ({} tries); the unit is too slow or two hosts use one line", tries));
+    case LinkFailure::exception:
+      return say(
+          fmt::format("the unit answers exception {}: {}", trouble.exception, exception_text(trouble.exception)));
+    case LinkFailure::cancelled:
+      return say("cancelled");
+    default:
+      return say("the line is gone (port unplugged, or connection closed); connect again");
+  }
+}
+
+Link::Link(std::unique_ptr<Line> line) : line_(std::move(line)) {}
+Link::Link(Link&&) noexcept = default;
+Link& Link::operator=(Link&&) noexcept = default;
+Link::~Link() = default;
+
+Result<Link> Link::open(const LinkAddress& address, const LinkOptions& options) {
+  Link link(std::make_unique<Line>(address, options.timing.value_or(timing_of(address)), options.cancelled));
+  if (const auto connected = link.reconnect(); !connected) return tl::unexpected(connected.error());
+  return link;
+}
+
+Result<void> Link::reconnect() {
+  const auto connected = line_->line.connect();
+  if (connected) return {};
+  line_->failure = connected.error().failure;
+  return tl::unexpected(connected.error().problem);
+}
+
+Result<Registers> Link::ask(const Block& request, Registers values, const Block& answer) {
+  auto& line = *line_;
+  ++line.statistics.requests;
+  Trouble trouble;
+  for (int tried = 1; tried <= line.timing.tries; ++tried) {
+    if (tried > 1) ++line.statistics.retries;
+    values.front() = ++line.echo;
+    auto reply = line.ask_once(request, values, answer);
+    if (reply) {
+      line.failure = LinkFailure::none;
+      return std::move(*reply);
+    }
+    trouble = line.recover(reply.error());
+    const bool worth_another = trouble.failure == LinkFailure::no_answer || trouble.failure == LinkFailure::garbled ||
+                               trouble.failure == LinkFailure::stale;
+    if (!worth_another) return line.fail(trouble, tried);
+  }
+  return line.fail(trouble, line.timing.tries);
+}
+
+Result<void> Link::write_once(std::uint16_t first, std::span<const std::uint16_t> values) {
+  auto& line = *line_;
+  ++line.statistics.requests;
+  const auto reply = line.transact(write_request(first, values));
+  if (!reply) return line.fail(line.recover(reply.error()), 1);
+  Bytes expected{MODBUS_FC_WRITE_MULTIPLE_REGISTERS};
+  put_words(expected, std::array{first, static_cast<std::uint16_t>(values.size())});
+  if (*reply != expected) return line.fail(line.recover({LinkFailure::stale, 0}), 1);
+  line.failure = LinkFailure::none;
+  return {};
+}
+
+bool Link::pause(std::chrono::nanoseconds span) const {
+  constexpr auto kSlice = std::chrono::milliseconds(20);
+  const auto until = Clock::now() + span;
+  while (!cancelled()) {
+    const auto left = until - Clock::now();
+    if (left <= Clock::duration::zero()) return true;
+    std::this_thread::sleep_for(std::min<Clock::duration>(left, kSlice));
+  }
+  return false;
+}
+
+void Link::heed_cancel(bool heed) { line_->heeds_cancel = heed; }
+bool Link::cancelled() const { return line_->cancelled(); }
+bool Link::connected() const { return line_->line.connected(); }
+LinkFailure Link::last_failure() const { return line_->failure; }
+const LinkStatistics& Link::statistics() const { return line_->statistics; }
+const LinkTiming& Link::timing() const { return line_->timing; }
+const LinkAddress& Link::address() const { return line_->address; }
+
+}  // namespace ecs::protocol

@@ -1,0 +1,156 @@
+// Memory in bulk: read in checked pieces, written through the window.
+#include <algorithm>
+#include <bit>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "protocol/client/client.hpp"
+#include "protocol/registers/unit_registers.hpp"
+#include "protocol/server/memory_window.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+/// Rounds of sending what is missing that may pass without one block arriving.
+constexpr int kFruitlessRounds = 3;
+
+/// Tells how far a transfer is and how long it will take at its mean speed so far.
+class Meter {
+ public:
+  Meter(const ProgressCallback& callback, std::size_t total) : callback_(callback), total_(total) {}
+  void add(std::size_t bytes) { reach(done_ + bytes); }
+  void reach(std::size_t bytes) {
+    done_ = std::min(bytes, total_);
+    if (!callback_) return;
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun_;
+    const double share_left =
+        static_cast<double>(total_ - done_) / static_cast<double>(std::max<std::size_t>(done_, 1));
+    callback_({done_, total_, spent.count() * share_left});
+  }
+
+ private:
+  const ProgressCallback& callback_;
+  std::size_t total_;
+  std::size_t done_ = 0;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+
+Registers block_registers(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> bytes) {
+  Registers registers{window.tag, number, block_check(window.tag, number, bytes)};
+  const Registers payload = packed(bytes);
+  registers.insert(registers.end(), payload.begin(), payload.end());
+  return registers;
+}
+
+bool has(std::uint64_t received, std::size_t number) { return (received >> number & 1) != 0; }
+
+}  // namespace
+
+Result<std::vector<std::uint8_t>> UnitClient::read_piece(Address address, std::size_t bytes) {
+  const ReadSelect select{address, static_cast<std::uint16_t>(bytes)};
+  const Block answer{kMemory.first, static_cast<std::uint16_t>(kMemoryHeaderRegisters + (bytes + 1) / 2)};
+  const auto registers = link_.ask(kReadSelect, registers_of(select, 0), answer);
+  if (!registers) return tl::unexpected(registers.error());
+  const auto number_at = [&](std::size_t at) {
+    return static_cast<std::uint32_t>((*registers)[at]) << 16 | (*registers)[at + 1];
+  };
+  auto held = unpacked(std::span(*registers).subspan(kMemoryHeaderRegisters), bytes);
+  if (number_at(1) != address || number_at(3) != crc32_of(held))
+    return problem(
+        ProblemKind::link,
+        fmt::format("memory at {:06X}: the unit's reply does not agree with its CRC; read it again", address));
+  return held;
+}
+
+Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::size_t bytes,
+                                                          const ProgressCallback& progress) {
+  Meter meter(progress, bytes);
+  std::vector<std::uint8_t> memory;
+  memory.reserve(bytes);
+  while (memory.size() < bytes) {
+    const std::size_t size = std::min(kMemoryBytes, bytes - memory.size());
+    const auto piece = read_piece(static_cast<Address>(address + memory.size()), size);
+    if (!piece) return piece;
+    memory.insert(memory.end(), piece->begin(), piece->end());
+    meter.add(size);
+  }
+  return memory;
+}
+
+Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window, bool open) {
+  const auto registers =
+      open ? link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck) : link_.ask(kEcho, Registers{0}, kWindowAck);
+  auto ack = registers.and_then([](const Registers& block) { return window_ack_in(block); });
+  if (!ack) return ack;
+  if (ack->tag != window.tag || ack->address != window.address || ack->length != window.length)
+    return problem(ProblemKind::link, "the unit has lost the transfer; it was restarted, or another host uses it");
+  if (ack->error != UnitError::none)
+    return problem(ProblemKind::refused,
+                   fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address, text_of(ack->error)));
+  return ack;
+}
+
+/// Sends the blocks that have not arrived. A block whose reply fails may have arrived, and a block that the unit does
+/// not take has its reason: the next acknowledgement tells.
+Result<void> UnitClient::send_missing(const WindowOpen& window, std::span<const std::uint8_t> bytes,
+                                      std::uint64_t received, const std::function<void(std::size_t)>& sent) {
+  int failures_in_a_row = 0;
+  for (std::size_t number = 0; number < blocks_in(window.length); ++number) {
+    if (has(received, number)) continue;
+    const auto part = bytes.subspan(number * kBlockBytes, bytes_in_block(window.length, number));
+    const auto registers = block_registers(window, static_cast<std::uint16_t>(number), part);
+    const auto written = link_.write_once(kBlockWrite.first, registers);
+    if (!written && link_.last_failure() == LinkFailure::exception) return {};
+    failures_in_a_row = written ? 0 : failures_in_a_row + 1;
+    const bool hopeless = link_.cancelled() || !link_.connected() || failures_in_a_row >= link_.timing().tries;
+    if (!written && hopeless) return written;
+    if (written) sent(part.size());
+  }
+  return {};
+}
+
+Result<void> UnitClient::write_window(Address address, std::span<const std::uint8_t> bytes,
+                                      const std::function<void(std::size_t)>& sent) {
+  if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
+  if (++window_tag_ == 0) ++window_tag_;
+  const WindowOpen window{window_tag_, address, static_cast<std::uint32_t>(bytes.size())};
+  auto ack = ask_ack(window, true);
+  int fruitless = 0;
+  while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks_in(window.length)) {
+    if (const auto done = send_missing(window, bytes, ack->received, sent); !done) return done;
+    const auto before = ack->received;
+    ack = ask_ack(window, false);
+    fruitless = ack && ack->received == before ? fruitless + 1 : 0;
+    if (fruitless >= kFruitlessRounds)
+      return problem(ProblemKind::link, fmt::format("memory at {:06X}: the unit answers, but takes no block", address));
+  }
+  if (!ack) return tl::unexpected(ack.error());
+  if (ack->crc != crc32_of(bytes))
+    return problem(ProblemKind::link,
+                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", address));
+  return {};
+}
+
+Result<void> UnitClient::write_memory(Address address, std::span<const std::uint8_t> bytes,
+                                      const ProgressCallback& progress) {
+  if (bytes.empty()) return {};
+  Meter meter(progress, bytes.size());
+  for (std::size_t at = 0; at < bytes.size(); at += kWindowBytes) {
+    const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));
+    const auto done =
+        write_window(static_cast<Address>(address + at), part, [&](std::size_t sent) { meter.add(sent); });
+    if (!done) return done;
+    meter.reach(at + part.size());
+  }
+  const auto crc = check_memory(address, static_cast<std::uint32_t>(bytes.size()));
+  if (!crc) return tl::unexpected(crc.error());
+  if (*crc != crc32_of(bytes))
+    return problem(ProblemKind::link,
+                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", address));
+  return {};
+}
+
+}  // namespace ecs::protocol

@@ -1,0 +1,188 @@
+// libmodbus on the client's side: connect, send, receive, close.
+// Does not live here: what to do about a failure (protocol/client/link.cpp).
+#include "protocol/line/modbus_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <thread>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <modbus.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+namespace ecs::protocol {
+
+namespace {
+
+constexpr auto kCancelSlice = std::chrono::milliseconds(50);
+
+struct Parts {
+  std::uint32_t s = 0;
+  std::uint32_t us = 0;
+};
+
+Parts parts_of(std::chrono::nanoseconds span) {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(span).count();
+  return {static_cast<std::uint32_t>(us / 1'000'000), static_cast<std::uint32_t>(us % 1'000'000)};
+}
+
+tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message) {
+  return tl::unexpected(PortProblem{failure, problem(ProblemKind::link, std::move(message)).value()});
+}
+
+bool host_is_known(const TcpPeer& peer) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int rc = ::getaddrinfo(peer.host.c_str(), nullptr, &hints, &found);
+  if (rc == 0) ::freeaddrinfo(found);
+  return rc == 0;
+}
+
+bool is_line_lost(int error) {
+  constexpr std::array kLost{EIO, ECONNRESET, EPIPE, EBADF, ENXIO, ENODEV, ECONNABORTED, ENOTCONN, ECONNREFUSED};
+  return std::find(kLost.begin(), kLost.end(), error) != kLost.end();
+}
+
+}  // namespace
+
+tl::expected<void, PortProblem> ModbusLine::connect() {
+  disconnect();
+  if (const auto* serial = std::get_if<SerialLine>(&address_.line)) return connect_serial(*serial);
+  return connect_tcp(std::get<TcpPeer>(address_.line));
+}
+
+void ModbusLine::disconnect() {
+  if (context_ != nullptr) {
+    modbus_close(context_);
+    modbus_free(context_);
+    context_ = nullptr;
+  }
+  lock_.reset();
+}
+
+tl::expected<void, PortProblem> ModbusLine::connect_serial(const SerialLine& line) {
+  auto lock = PortLock::take(line.device);
+  if (!lock) return tl::unexpected(lock.error());
+  lock_.emplace(std::move(*lock));
+  context_ = modbus_new_rtu(line.device.c_str(), line.baud, line.parity, 8, line.stop_bits);
+  if (prepare()) return {};
+  const int error = errno;
+  if (context_ != nullptr) modbus_free(context_);
+  context_ = nullptr;
+  lock_.reset();
+  return failed(LinkFailure::no_such_port, fmt::format("{}: cannot set up this port for {} baud: {}", line.device,
+                                                       line.baud, modbus_strerror(error)));
+}
+
+tl::expected<void, PortProblem> ModbusLine::connect_tcp(const TcpPeer& peer) {
+  if (!host_is_known(peer)) return failed(LinkFailure::no_such_port, fmt::format("{}: no such host", peer.host));
+  context_ = modbus_new_tcp_pi(peer.host.c_str(), std::to_string(peer.port).c_str());
+  if (prepare()) return {};
+  const int error = errno;
+  if (context_ != nullptr) modbus_free(context_);
+  context_ = nullptr;
+  return failed(LinkFailure::no_connection,
+                fmt::format("{}:{}: cannot connect: {}; check that the unit is on and the port is right", peer.host,
+                            peer.port, modbus_strerror(error)));
+}
+
+bool ModbusLine::prepare() {
+  if (context_ == nullptr) return false;
+  const Parts patience = parts_of(timing_.connect_timeout);
+  const Parts response = parts_of(timing_.response_timeout);
+  const Parts byte = parts_of(timing_.byte_timeout);
+  if (modbus_set_slave(context_, address_.unit) != 0 ||
+      modbus_set_error_recovery(context_, MODBUS_ERROR_RECOVERY_NONE) != 0 ||
+      modbus_set_response_timeout(context_, patience.s, patience.us) != 0 || modbus_connect(context_) != 0)
+    return false;
+  modbus_set_response_timeout(context_, response.s, response.us);
+  modbus_set_byte_timeout(context_, byte.s, byte.us);
+  ::fcntl(modbus_get_socket(context_), F_SETFD, FD_CLOEXEC);
+  modbus_flush(context_);
+  return true;
+}
+
+tl::expected<std::size_t, LinkFailure> ModbusLine::send(std::span<const std::uint8_t> pdu) {
+  if (!connected()) return tl::unexpected(LinkFailure::disconnected);
+  std::this_thread::sleep_until(last_activity_ + timing_.frame_gap);
+  if (modbus_flush(context_) < 0 && is_line_lost(errno)) {
+    disconnect();
+    return tl::unexpected(LinkFailure::disconnected);
+  }
+  Bytes request{static_cast<std::uint8_t>(address_.unit)};
+  request.insert(request.end(), pdu.begin(), pdu.end());
+  const int sent = modbus_send_raw_request(context_, request.data(), static_cast<int>(request.size()));
+  last_activity_ = Clock::now();
+  if (sent > 0) return static_cast<std::size_t>(sent);
+  disconnect();
+  return tl::unexpected(LinkFailure::disconnected);
+}
+
+ModbusLine::Wait ModbusLine::wait_readable(Clock::time_point until, const std::function<bool()>& cancelled) const {
+  while (true) {
+    if (cancelled()) return Wait::cancelled;
+    const auto left = until - Clock::now();
+    if (left <= Clock::duration::zero()) return Wait::over;
+    const auto slice = std::chrono::ceil<std::chrono::milliseconds>(std::min<Clock::duration>(left, kCancelSlice));
+    pollfd fd{modbus_get_socket(context_), POLLIN, 0};
+    const int ready = ::poll(&fd, 1, static_cast<int>(slice.count()));
+    if (ready <= 0) continue;
+    int unread = 0;  // readable without a byte to read: the other end is gone
+    const bool has_bytes = (fd.revents & POLLIN) != 0 && ::ioctl(fd.fd, FIONREAD, &unread) == 0 && unread > 0;
+    return has_bytes ? Wait::ready : Wait::lost;
+  }
+}
+
+tl::expected<ModbusLine::Bytes, LinkFailure> ModbusLine::receive(const std::function<bool()>& cancelled) {
+  if (!connected()) return tl::unexpected(LinkFailure::disconnected);
+  switch (wait_readable(Clock::now() + timing_.response_timeout, cancelled)) {
+    case Wait::over:
+      return tl::unexpected(LinkFailure::no_answer);
+    case Wait::cancelled:
+      return tl::unexpected(LinkFailure::cancelled);
+    case Wait::lost:
+      disconnect();
+      return tl::unexpected(LinkFailure::disconnected);
+    case Wait::ready:
+      break;
+  }
+  std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> frame{};
+  const int length = modbus_receive_confirmation(context_, frame.data());
+  const int error = errno;
+  last_activity_ = Clock::now();
+  if (length < 0 && is_line_lost(error)) {
+    disconnect();
+    return tl::unexpected(LinkFailure::disconnected);
+  }
+  const bool serial = address_.is_serial();
+  const std::size_t head = serial ? 1 : 7;
+  const std::size_t tail = serial ? 2 : 0;
+  if (length <= static_cast<int>(head + tail) || frame[head - 1] != address_.unit)
+    return tl::unexpected(LinkFailure::garbled);
+  return Bytes(frame.begin() + static_cast<std::ptrdiff_t>(head),
+               frame.begin() + (length - static_cast<std::ptrdiff_t>(tail)));
+}
+
+bool ModbusLine::stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled) {
+  constexpr int kMostExtensions = 4;
+  const auto give_up = Clock::now() + kMostExtensions * span;
+  auto until = Clock::now() + span;
+  while (connected()) {
+    const Wait wait = wait_readable(std::min(until, give_up), cancelled);
+    if (wait == Wait::lost) disconnect();
+    if (wait == Wait::lost || wait == Wait::cancelled) return false;
+    if (modbus_flush(context_) < 0 && is_line_lost(errno)) disconnect();
+    if (wait == Wait::over) return connected();
+    until = Clock::now() + span;
+  }
+  return false;
+}
+
+}  // namespace ecs::protocol

@@ -1,0 +1,31 @@
+// A serial port for one program at a time: an advisory lock on the device.
+#pragma once
+
+#include <string>
+
+#include "base/result.hpp"
+#include "protocol/client/link.hpp"
+
+namespace ecs::protocol {
+
+/// Why a port cannot be had, and the words for it.
+struct PortProblem {
+  LinkFailure failure = LinkFailure::none;
+  Problem problem;
+};
+
+/// Opens the device beside the library's own handle, checks that it is a serial port and locks it. Destroying it
+/// unlocks.
+class PortLock {
+ public:
+  [[nodiscard]] static tl::expected<PortLock, PortProblem> take(const std::string& device);
+  PortLock(PortLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  PortLock& operator=(PortLock&&) = delete;
+  ~PortLock();
+
+ private:
+  explicit PortLock(int fd) : fd_(fd) {}
+  int fd_ = -1;
+};
+
+}  // namespace ecs::protocol

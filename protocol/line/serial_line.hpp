@@ -1,0 +1,59 @@
+// Where a unit is: the text that names a link, and the times that follow from its speed.
+// Does not live here: the link itself (protocol/client/link.hpp); `emulator:` addresses, which start a program (app/).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "base/result.hpp"
+
+namespace ecs::protocol {
+
+/// An RS-232, RS-485 or pseudo-terminal line. RTU always has 8 data bits.
+struct SerialLine {
+  std::string device;
+  int baud = 115'200;
+  char parity = 'N';  ///< N, E or O
+  int stop_bits = 1;  ///< 1 or 2
+  friend bool operator==(const SerialLine&, const SerialLine&) = default;
+};
+
+struct TcpPeer {
+  std::string host;
+  std::uint16_t port = 502;
+  friend bool operator==(const TcpPeer&, const TcpPeer&) = default;
+};
+
+inline constexpr int kDefaultUnit = 1;
+
+struct LinkAddress {
+  std::variant<SerialLine, TcpPeer> line;
+  int unit = kDefaultUnit;  ///< Modbus unit number, 1 … 247
+  [[nodiscard]] bool is_serial() const { return std::holds_alternative<SerialLine>(line); }
+  friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
+};
+
+/// `rtu:DEVICE:BAUD[:FORMAT[:UNIT]]` or `tcp:HOST:PORT[:UNIT]`, for example `rtu:/dev/ttyUSB0:115200:8N1:1`. DEVICE may
+/// hold colons; an IPv6 HOST stands in brackets. Anything else is a `usage` problem that says what was expected.
+[[nodiscard]] Result<LinkAddress> link_address_of(std::string_view text);
+
+/// The full form, as link_address_of reads it.
+[[nodiscard]] std::string to_text(const LinkAddress& address);
+
+/// Every time and count of a link; one place.
+struct LinkTiming {
+  using Span = std::chrono::nanoseconds;
+  Span byte_time{};         ///< one character on the wire; 0 for TCP
+  Span frame_gap{};         ///< silence between frames: 3.5 characters, 1.75 ms above 19,200 baud
+  Span response_timeout{};  ///< from the request to the first byte of its reply, both frames on the wire included
+  Span byte_timeout{};      ///< between two bytes of one reply; well below the response time-out
+  Span quiet_time{};        ///< silence after an error: longer than the slowest late reply
+  Span connect_timeout{};
+  int tries = 4;  ///< of one request, the first included
+};
+[[nodiscard]] LinkTiming timing_of(const LinkAddress& address);
+
+}  // namespace ecs::protocol

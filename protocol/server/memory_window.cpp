@@ -1,0 +1,68 @@
+// Blocks of a bulk write into the memory of a unit.
+// Does not live here: the registers around it (register_server.cpp), the sender (protocol/client/memory.cpp).
+#include "protocol/server/memory_window.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/file.hpp"
+#include "protocol/registers/frame_check.hpp"
+#include "protocol/registers/unit_registers.hpp"
+#include "protocol/server/register_server.hpp"
+
+namespace ecs::protocol {
+
+std::size_t blocks_in(std::uint32_t length) { return (length + kBlockBytes - 1) / kBlockBytes; }
+
+std::size_t bytes_in_block(std::uint32_t length, std::size_t number) {
+  const std::size_t before = number * kBlockBytes;
+  return before >= length ? 0 : std::min(kBlockBytes, length - before);
+}
+
+std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(tag >> 8), static_cast<std::uint8_t>(tag & 0xFF),
+                                  static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number & 0xFF)};
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return crc16_of(bytes);
+}
+
+void MemoryWindow::open(const WindowOpen& window) {
+  if (window == window_ && error_ == UnitError::none) return;
+  window_ = window;
+  received_ = 0;
+  if (window.tag == 0 || window.length == 0 || window.length > kWindowBytes)
+    error_ = UnitError::bad_argument;
+  else
+    error_ = unit_->may_write(window.address, window.length);
+}
+
+bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
+  if (error_ != UnitError::none || registers.size() < kBlockHeaderRegisters) return false;
+  const std::uint16_t tag = registers[0];
+  const std::uint16_t number = registers[1];
+  const std::size_t bytes = bytes_in_block(window_.length, number);
+  const auto payload = registers.subspan(kBlockHeaderRegisters);
+  if (tag == 0 || tag != window_.tag || bytes == 0 || payload.size() != (bytes + 1) / 2) return false;
+  const auto content = unpacked(payload, bytes);
+  if (block_check(tag, number, content) != registers[2]) return false;
+  error_ = unit_->write_memory(static_cast<Address>(window_.address + number * kBlockBytes), content);
+  if (error_ != UnitError::none) return false;
+  received_ |= std::uint64_t{1} << number;
+  return true;
+}
+
+std::uint64_t MemoryWindow::all_blocks() const {
+  const std::size_t blocks = blocks_in(window_.length);
+  return blocks >= kWindowBlocks ? ~std::uint64_t{0} : (std::uint64_t{1} << blocks) - 1;
+}
+
+WindowAck MemoryWindow::ack() const {
+  WindowAck ack{window_.tag, error_, window_.address, window_.length, received_, 0};
+  if (window_.tag == 0 || error_ != UnitError::none || received_ != all_blocks()) return ack;
+  std::vector<std::uint8_t> held(window_.length);
+  ack.error = unit_->read_memory(window_.address, held);
+  if (ack.error == UnitError::none) ack.crc = crc32_of(held);
+  return ack;
+}
+
+}  // namespace ecs::protocol

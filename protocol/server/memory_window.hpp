@@ -1,0 +1,44 @@
+// The unit's side of a bulk write: numbered blocks of one stretch of memory, in any order, each checked by itself.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "protocol/registers/unit_data.hpp"
+
+namespace ecs::protocol {
+
+class UnitPort;
+
+/// Assembles blocks into the memory of a unit. Blocks may come twice or out of order; one that is not intact, not of
+/// this window or beyond its end is not taken. Memory is only written inside the stretch that the unit agreed to.
+class MemoryWindow {
+ public:
+  explicit MemoryWindow(UnitPort& unit) : unit_(&unit) {}
+
+  /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written leaves the
+  /// window closed with the reason in ack().error.
+  void open(const WindowOpen& window);
+
+  /// One block: tag, number, check, payload. False: not taken.
+  [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
+
+  [[nodiscard]] WindowAck ack() const;
+
+ private:
+  [[nodiscard]] std::uint64_t all_blocks() const;
+
+  UnitPort* unit_;
+  WindowOpen window_;
+  UnitError error_ = UnitError::none;
+  std::uint64_t received_ = 0;
+};
+
+/// Bytes that block `number` of a window of `length` bytes carries; 0: no such block.
+[[nodiscard]] std::size_t bytes_in_block(std::uint32_t length, std::size_t number);
+/// Blocks of a window of `length` bytes.
+[[nodiscard]] std::size_t blocks_in(std::uint32_t length);
+/// The check of a block: CRC-16 (Modbus) over tag, number and payload bytes.
+[[nodiscard]] std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload);
+
+}  // namespace ecs::protocol

@@ -1,0 +1,148 @@
+// Registers read and written, as the unit understands them.
+// Does not live here: what a command does (the unit behind UnitPort).
+#include "protocol/server/register_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "base/file.hpp"
+#include "protocol/registers/unit_registers.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory};
+constexpr std::array kEchoed{kEcho, kReadSelect, kWindowOpen, kCommand};
+constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
+
+std::optional<Block> answer_block(std::uint16_t first, std::uint16_t count) {
+  for (const Block& block : kAnswers)
+    if (block.contains(first, count)) return block;
+  return std::nullopt;
+}
+
+std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
+  for (const Block& block : kEchoed)
+    if (block.contains(first, static_cast<std::uint32_t>(count))) return block;
+  return std::nullopt;
+}
+
+}  // namespace
+
+tl::expected<Registers, ModbusException> UnitFace::read(std::uint16_t first, std::uint16_t count) {
+  if (first + std::uint32_t{count} <= requests_.size())
+    return Registers(requests_.begin() + first, requests_.begin() + first + count);
+  const auto block = answer_block(first, count);
+  if (!block) return tl::unexpected(ModbusException::illegal_address);
+  Registers whole;
+  if (*block == kMemory) {
+    auto memory = memory_answer();
+    if (!memory) return memory;
+    whole = std::move(*memory);
+  } else {
+    whole = answer(*block);
+  }
+  const auto from = whole.begin() + (first - block->first);
+  return Registers(from, from + count);
+}
+
+Registers UnitFace::answer(const Block& block) {
+  if (block == kIdentity) return registers_of(unit_->identity(), echo_);
+  if (block == kStatus) return registers_of(unit_->status(), echo_);
+  if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
+  if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
+  if (block == kCommandResult) return registers_of(result_now(), echo_);
+  return registers_of(window_.ack(), echo_);
+}
+
+tl::expected<Registers, ModbusException> UnitFace::memory_answer() {
+  const auto select = read_select_in(std::span(requests_).subspan(kReadSelect.first, kReadSelect.count));
+  if (!select || select->bytes == 0 || select->bytes > kMemoryBytes)
+    return tl::unexpected(ModbusException::illegal_value);
+  std::vector<std::uint8_t> bytes(select->bytes);
+  if (unit_->read_memory(select->address, bytes) != UnitError::none)
+    return tl::unexpected(ModbusException::illegal_address);
+  const std::uint32_t crc = crc32_of(bytes);
+  Registers registers{echo_, static_cast<std::uint16_t>(select->address >> 16),
+                      static_cast<std::uint16_t>(select->address & 0xFFFF), static_cast<std::uint16_t>(crc >> 16),
+                      static_cast<std::uint16_t>(crc & 0xFFFF)};
+  const Registers data = packed(bytes);
+  registers.insert(registers.end(), data.begin(), data.end());
+  registers.resize(kMemory.count, 0);
+  return registers;
+}
+
+tl::expected<void, ModbusException> UnitFace::write(std::uint16_t first, std::span<const std::uint16_t> values) {
+  if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
+    if (!window_.take(values)) return tl::unexpected(ModbusException::illegal_value);
+    return {};
+  }
+  const auto block = request_block(first, values.size());
+  if (!block) return tl::unexpected(ModbusException::illegal_address);
+  std::copy(values.begin(), values.end(), requests_.begin() + first);
+  if (first == block->first) echo_ = values.front();
+  const bool key_written = block->count > 1 && first <= block->first + 1 && first + values.size() > block->first + 1u;
+  if (key_written) act_on(*block);
+  return {};
+}
+
+void UnitFace::act_on(const Block& block) {
+  const auto whole = std::span<const std::uint16_t>(requests_).subspan(block.first, block.count);
+  if (block == kWindowOpen) {
+    if (const auto window = window_open_in(whole)) window_.open(*window);
+  } else if (block == kCommand) {
+    const std::uint16_t sequence = whole[1];
+    if (sequence == 0 || sequence == result_.sequence) return;
+    if (const auto command = command_in(whole))
+      take_command(*command);
+    else
+      result_ = {sequence,
+                 CommandState::refused,
+                 whole[2] >= kCommandCount ? UnitError::unknown_command : UnitError::bad_argument,
+                 0,
+                 0,
+                 {}};
+  }
+}
+
+void UnitFace::take_command(const Command& command) {
+  (void)result_now();
+  if (command.code == CommandCode::check_memory) {
+    result_ = check_memory(command);
+  } else if (port_busy_ && command.code != CommandCode::stop) {
+    result_ = {command.sequence, CommandState::refused, UnitError::busy, 0, 0, {}};
+  } else {
+    result_ = unit_->begin(command);
+    result_.sequence = command.sequence;
+    port_busy_ = result_.state == CommandState::busy;
+    busy_sequence_ = command.sequence;
+  }
+}
+
+CommandResult UnitFace::check_memory(const Command& command) {
+  CommandResult result{command.sequence, CommandState::done, UnitError::none, 0, 0, {}};
+  std::vector<std::uint8_t> bytes(std::min(command.length, kLongestCheck));
+  if (command.length == 0 || command.length > kLongestCheck)
+    result.error = UnitError::bad_argument;
+  else
+    result.error = unit_->read_memory(command.address, bytes);
+  if (result.error != UnitError::none)
+    result.state = CommandState::refused;
+  else
+    result.value = crc32_of(bytes);
+  return result;
+}
+
+const CommandResult& UnitFace::result_now() {
+  if (!port_busy_) return result_;
+  CommandResult now = unit_->progress();
+  now.sequence = busy_sequence_;
+  port_busy_ = now.state == CommandState::busy;
+  if (result_.sequence == busy_sequence_) result_ = std::move(now);
+  return result_;
+}
+
+}  // namespace ecs::protocol

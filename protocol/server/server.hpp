@@ -1,0 +1,67 @@
+// The unit's end of the line: a Modbus server on a pseudo-terminal (RTU) or on TCP, driven by a single-threaded event
+// loop; it never blocks longer than asked. Does not live here: what the registers mean (register_server.hpp).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <poll.h>
+
+#include "base/result.hpp"
+#include "protocol/line/faults.hpp"
+#include "protocol/line/serial_line.hpp"
+#include "protocol/registers/register_handler.hpp"
+
+namespace ecs::protocol {
+
+class ServerLine;
+
+struct PtyOptions {
+  std::filesystem::path link_path;  ///< symbolic link to make to the pseudo-terminal; empty: none
+  int baud = 115'200;               ///< for pacing and for address()
+  bool paced = false;               ///< take the time that a wire would: 10 bits a byte, both ways, and the gaps
+  int unit = kDefaultUnit;
+};
+
+struct TcpOptions {
+  std::uint16_t port = 0;  ///< on 127.0.0.1; 0: any free one
+  int unit = kDefaultUnit;
+  std::size_t most_connections = 8;
+};
+
+class ModbusServer {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] static Result<ModbusServer> on_pty(const PtyOptions& options);
+  [[nodiscard]] static Result<ModbusServer> on_tcp(const TcpOptions& options);
+  ModbusServer(ModbusServer&&) noexcept;
+  ModbusServer& operator=(ModbusServer&&) noexcept;
+  ~ModbusServer();  ///< closes the line and removes the symbolic link
+
+  /// What a client opens; with the symbolic link, if there is one.
+  [[nodiscard]] LinkAddress address() const;
+
+  /// Descriptors to watch; ask again before every poll().
+  [[nodiscard]] std::vector<pollfd> poll_fds() const;
+  /// When serve_ready has something to do even if no descriptor is ready (a paced or delayed reply, a byte time-out).
+  [[nodiscard]] std::optional<Clock::time_point> next_deadline() const;
+
+  /// Waits up to `timeout` for something to do, then does all there is to do without waiting.
+  /// @return requests answered
+  std::size_t serve_ready(RegisterHandler& handler, std::chrono::milliseconds timeout);
+
+  [[nodiscard]] LineFaults& faults();
+  /// When the last valid request to this unit came; nothing: never ("link present", design of the unit).
+  [[nodiscard]] std::optional<Clock::time_point> last_request() const;
+
+ private:
+  explicit ModbusServer(std::unique_ptr<ServerLine> line);
+  std::unique_ptr<ServerLine> line_;
+};
+
+}  // namespace ecs::protocol

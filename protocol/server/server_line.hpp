@@ -1,0 +1,63 @@
+// The two kinds of line a server sits on; what they share is one step of the event loop.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "protocol/line/frame_codec.hpp"
+#include "protocol/line/reply_channel.hpp"
+#include "protocol/server/server.hpp"
+
+namespace ecs::protocol {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor();
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] explicit operator bool() const { return fd_ >= 0; }
+  int release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_ = -1;
+};
+
+/// How long bytes take on this line.
+struct WirePace {
+  std::chrono::nanoseconds byte_time{};  ///< 0: not paced
+  std::chrono::nanoseconds gap{};        ///< silence between request and reply
+};
+
+class ServerLine {
+ public:
+  using Clock = std::chrono::steady_clock;
+  virtual ~ServerLine() = default;
+  [[nodiscard]] virtual LinkAddress address() const = 0;
+  [[nodiscard]] virtual std::vector<pollfd> poll_fds() const = 0;
+  [[nodiscard]] virtual std::optional<Clock::time_point> next_deadline() const = 0;
+  /// Reads what is there, answers what is complete and due, writes what is due. @return requests answered
+  virtual std::size_t step(RegisterHandler& handler) = 0;
+
+  LineFaults faults;
+  std::optional<Clock::time_point> last_request;
+
+ protected:
+  ServerLine(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
+  /// Carries out one request and puts its reply, spoilt or not, into the channel. The reply begins one gap after
+  /// `request_end`, when the request's last byte had passed the wire, or now if that is over.
+  void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
+                 Clock::time_point request_end, const WirePace& pace);
+
+ private:
+  FrameCodec codec_;
+  Framing framing_;
+};
+
+[[nodiscard]] Result<std::unique_ptr<ServerLine>> open_pty_line(const PtyOptions& options);
+[[nodiscard]] Result<std::unique_ptr<ServerLine>> open_tcp_line(const TcpOptions& options);
+
+}  // namespace ecs::protocol

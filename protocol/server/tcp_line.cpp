@@ -1,0 +1,128 @@
+// Modbus TCP on the loopback interface, a few connections at once.
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include "protocol/line/frame_cut.hpp"
+#include "protocol/server/server_line.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+struct Connection {
+  Descriptor socket;
+  std::vector<std::uint8_t> heard;
+  ReplyChannel channel;
+  bool ended = false;
+};
+
+class TcpLine : public ServerLine {
+ public:
+  TcpLine(FrameCodec codec, const TcpOptions& options, Descriptor listener, std::uint16_t port)
+      : ServerLine(std::move(codec), Framing::tcp), options_(options), listener_(std::move(listener)), port_(port) {}
+
+  [[nodiscard]] LinkAddress address() const override { return {TcpPeer{"127.0.0.1", port_}, options_.unit}; }
+  [[nodiscard]] std::vector<pollfd> poll_fds() const override {
+    std::vector<pollfd> fds{{listener_.get(), POLLIN, 0}};
+    for (const auto& connection : connections_) fds.push_back({connection.socket.get(), POLLIN, 0});
+    return fds;
+  }
+  [[nodiscard]] std::optional<Clock::time_point> next_deadline() const override {
+    std::optional<Clock::time_point> earliest;
+    for (const auto& connection : connections_)
+      if (const auto next = connection.channel.next()) earliest = earliest ? std::min(*earliest, *next) : *next;
+    return earliest;
+  }
+  std::size_t step(RegisterHandler& handler) override {
+    take_newcomers();
+    std::size_t answered = 0;
+    for (auto& connection : connections_) {
+      listen(connection);
+      answered += answer(connection, handler);
+      speak(connection);
+    }
+    std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
+    return answered;
+  }
+
+ private:
+  /// Beyond the most connections a newcomer is closed at once: those that are served are not disturbed.
+  void take_newcomers() {
+    while (true) {
+      Descriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+      if (!socket) return;
+      const int on = 1;
+      (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      if (connections_.size() < options_.most_connections) connections_.push_back({std::move(socket), {}, {}, false});
+    }
+  }
+
+  static void listen(Connection& connection) {
+    std::array<std::uint8_t, 4096> bytes{};
+    const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (got > 0) connection.heard.insert(connection.heard.end(), bytes.begin(), bytes.begin() + got);
+    connection.ended = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
+  }
+
+  std::size_t answer(Connection& connection, RegisterHandler& handler) {
+    std::size_t answered = 0;
+    while (!connection.ended) {
+      const TcpCut cut = tcp_request_length(connection.heard);
+      connection.ended = cut.broken;
+      if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
+      carry_out(std::span(connection.heard).first(cut.length), handler, connection.channel, Clock::now(), {});
+      connection.heard.erase(connection.heard.begin(),
+                             connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
+      ++answered;
+    }
+    return answered;
+  }
+
+  static void speak(Connection& connection) {
+    while (const auto bytes = connection.channel.take_due(Clock::now()))
+      if (::send(connection.socket.get(), bytes->data(), bytes->size(), MSG_DONTWAIT | MSG_NOSIGNAL) !=
+          static_cast<ssize_t>(bytes->size()))
+        connection.ended = true;
+  }
+
+  TcpOptions options_;
+  Descriptor listener_;
+  std::uint16_t port_;
+  std::vector<Connection> connections_;
+};
+
+tl::unexpected<Problem> listen_problem(std::uint16_t port) {
+  return problem(ProblemKind::output, fmt::format("cannot listen on 127.0.0.1:{}: {}", port, std::strerror(errno)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ServerLine>> open_tcp_line(const TcpOptions& options) {
+  Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!listener) return listen_problem(options.port);
+  const int on = 1;
+  (void)::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  place.sin_port = htons(options.port);
+  socklen_t size = sizeof place;
+  auto* const general = reinterpret_cast<sockaddr*>(&place);
+  constexpr int kWaiting = 8;
+  if (::bind(listener.get(), general, size) != 0 || ::listen(listener.get(), kWaiting) != 0 ||
+      ::getsockname(listener.get(), general, &size) != 0)
+    return listen_problem(options.port);
+  auto codec = FrameCodec::make(Framing::tcp, options.unit);
+  if (!codec) return tl::unexpected(codec.error());
+  return std::make_unique<TcpLine>(std::move(*codec), options, std::move(listener), ntohs(place.sin_port));
+}
+
+}  // namespace ecs::protocol
