@@ -6,10 +6,10 @@
 #include "base/interrupt.hpp"
 
 int main(int argc, char** argv) {
-  ecs::app::catch_signals();
+  ecs::catch_signals();
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (const auto left = ecs::app::screens_started(words)) return *left;
-  ecs::app::FaceOptions options = ecs::app::options_of_stderr();
+  ecs::app::ConsoleOptions options = ecs::app::options_of_stderr();
   options.keyboard = ecs::app::keyboard_of_stdin();
   return ecs::app::run_program(words, std::cout, std::cerr, options);
 }

@@ -1,8 +1,9 @@
 #include "base/clock.hpp"
 
+#include <chrono>
 #include <ctime>
 
-namespace ecs::app {
+namespace ecs {
 
 std::string now_utc() {
   const std::time_t now = std::time(nullptr);
@@ -13,4 +14,6 @@ std::string now_utc() {
   return {text, length};
 }
 
-}  // namespace ecs::app
+double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace ecs

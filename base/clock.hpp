@@ -3,9 +3,12 @@
 
 #include <string>
 
-namespace ecs::app {
+namespace ecs {
 
 /// "2026-05-04T09:30:00Z"
 [[nodiscard]] std::string now_utc();
 
-}  // namespace ecs::app
+/// Of a clock that never runs back, for spans of time only.
+[[nodiscard]] double steady_s();
+
+}  // namespace ecs

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace ecs::app {
+namespace ecs {
 namespace {
 
 std::atomic<bool> flag{false};
@@ -30,4 +30,4 @@ void ask_to_stop() { flag.store(true); }
 void stop_asking() { flag.store(number.load() != 0); }
 int interrupting_signal() { return number.load(); }
 
-}  // namespace ecs::app
+}  // namespace ecs

@@ -3,7 +3,7 @@
 
 #include <atomic>
 
-namespace ecs::app {
+namespace ecs {
 
 /// From now on these signals set the flag in place of ending the program. SIGPIPE and SIGXFSZ are ignored, so that a
 /// closed pipe or a file that may not grow is a write error like any other.
@@ -20,4 +20,4 @@ void stop_asking();
 /// The number of the first signal; 0: none.
 [[nodiscard]] int interrupting_signal();
 
-}  // namespace ecs::app
+}  // namespace ecs

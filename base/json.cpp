@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::app {
+namespace ecs {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number_or_null(const std::optional<double>& value) { return value ? number_or_null(*value) : Json(nullptr); }
@@ -24,4 +24,4 @@ Json json_of(const Problem& problem) {
 
 std::string hex_address(std::uint32_t address) { return fmt::format("0x{:06X}", address); }
 
-}  // namespace ecs::app
+}  // namespace ecs

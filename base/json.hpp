@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 
-namespace ecs::app {
+namespace ecs {
 
 /// Keys stay in the order in which they are written.
 using Json = nlohmann::ordered_json;
@@ -26,4 +26,4 @@ using Json = nlohmann::ordered_json;
 /// "0x100000"
 [[nodiscard]] std::string hex_address(std::uint32_t address);
 
-}  // namespace ecs::app
+}  // namespace ecs

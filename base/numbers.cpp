@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs {
 
 Result<std::uint32_t> whole_number(std::string_view text, std::string_view what) {
   std::string_view digits = trimmed(text);
@@ -25,4 +25,6 @@ Result<Axis> axis_named(std::string_view text) {
   return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", text));
 }
 
-}  // namespace ecs::app
+std::string cell_text(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
+
+}  // namespace ecs

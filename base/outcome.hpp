@@ -6,7 +6,7 @@
 
 #include "base/result.hpp"
 
-namespace ecs::app {
+namespace ecs {
 
 /// The answer of a verb that ran to its end. `text` goes to stdout without --json, `json` (one object) with it.
 /// A verb that printed as it went leaves both empty.
@@ -36,4 +36,4 @@ inline constexpr int kDoesNotHold = 1;
   return 5;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs

@@ -4,7 +4,7 @@
 
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs {
 
 std::size_t columns_of(std::string_view text) {
   return static_cast<std::size_t>(
@@ -41,4 +41,4 @@ std::string paragraph_after(std::string_view head, std::string_view text) {
 
 std::string paragraph(std::string_view text, std::size_t indent) { return paragraph(text, indent, indent); }
 
-}  // namespace ecs::app
+}  // namespace ecs

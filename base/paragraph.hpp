@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace ecs::app {
+namespace ecs {
 
 inline constexpr std::size_t kTerminalColumns = 80;
 
@@ -24,4 +24,4 @@ inline constexpr std::size_t kTerminalColumns = 80;
 /// At least `width` columns, blanks at the end.
 [[nodiscard]] std::string padded(std::string_view text, std::size_t width);
 
-}  // namespace ecs::app
+}  // namespace ecs

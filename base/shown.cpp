@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace ecs::app {
+namespace ecs {
 namespace {
 
 struct Character {
@@ -53,4 +53,4 @@ std::string shown(std::string_view text) {
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs

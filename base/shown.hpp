@@ -5,10 +5,10 @@
 #include <string>
 #include <string_view>
 
-namespace ecs::app {
+namespace ecs {
 
 /// The same text, with nothing in it that a terminal would obey: control characters (C0 without line feed and tab, DEL,
 /// C1), marks that turn the direction of writing, and bytes that are no UTF-8 each become '?'. Valid UTF-8 stays.
 [[nodiscard]] std::string shown(std::string_view text);
 
-}  // namespace ecs::app
+}  // namespace ecs

@@ -69,6 +69,11 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
+std::vector<std::string> owned_lines_of(std::string_view text) {
+  const auto lines = lines_of(text);
+  return {lines.begin(), lines.end()};
+}
+
 std::optional<double> number_in(std::string_view text) {
   text = without_plus(trimmed(text));
   double value = 0.0;

@@ -20,6 +20,9 @@ namespace ecs {
 /// Lines without their ends; LF, CRLF and CR all end a line. The last line needs no end.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
+/// The same, as strings of their own.
+[[nodiscard]] std::vector<std::string> owned_lines_of(std::string_view text);
+
 /// The whole of `text` (blanks around it allowed, leading '+' allowed) as a finite decimal number; else nothing.
 [[nodiscard]] std::optional<double> number_in(std::string_view text);
 

@@ -8,6 +8,8 @@ target_compile_options(ecs_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 target_include_directories(ecs_flags INTERFACE ${CMAKE_SOURCE_DIR})
 
+set(ECS_SOURCES_A_UNIT 10 CACHE STRING "Sources of a folder that are compiled as one unit; 1 compiles each by itself")
+
 # The library of a folder is named after its path: model/fit is model_fit.
 function(ecs_folder_name result)
   file(RELATIVE_PATH path ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -26,6 +28,11 @@ function(ecs_library)
   if(sources)
     add_library(${name} STATIC ${sources})
     target_link_libraries(${name} PUBLIC ecs_flags ${ARG_LINKS})
+    # The sources of a folder are compiled together: most of the time of a build goes into the headers they share.
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ECS_SOURCES_A_UNIT})
+    if(name MATCHES "^(core|model)")
+      target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
+    endif()
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE ecs_flags ${ARG_LINKS})

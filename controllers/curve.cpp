@@ -255,4 +255,11 @@ double deviation_from_unit(const ControlCurve& written, const ErrorMap& map, Com
   return largest;
 }
 
+double largest_in(const ControlCurve& curve) {
+  double largest = 0.0;
+  for (const auto* side : {&curve.forward, &curve.reverse})
+    for (const double value : *side) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 }  // namespace ecs::laser

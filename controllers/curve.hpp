@@ -53,4 +53,7 @@ struct EvenGrid {
 [[nodiscard]] double deviation_from_unit(const ControlCurve& written, const ErrorMap& map, Component component,
                                          Interpolation interpolation);
 
+/// Largest value of either side, by size.
+[[nodiscard]] double largest_in(const ControlCurve& curve);
+
 }  // namespace ecs::laser

@@ -8,13 +8,11 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "controllers/curve.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kUrad = 1e-6;  ///< um/m
 
 /// The mean of both approaches of a component, by position [um, um/m of compensation].
 ControlCurve mean_of(const ControlCurve& curve) {
@@ -129,7 +127,7 @@ double add_functions(const ExportSource& source, const TermTable& terms, const E
     const auto curve = curve_for(source, terms, component, options.levers_from_zero);
     if (!curve) continue;
     const ControlCurve whole = mean_of(*curve);
-    const double scale = is_angular(component) ? kUrad * source.parameters.angular_scale : 1.0 / kUmPerMm;
+    const double scale = is_angular(component) ? kRadPerUmPerM * source.parameters.angular_scale : 1.0 / kUmPerMm;
     const ControlCurve kept =
         in_digits(options.most_points >= 2 ? thinned(whole, options.most_points) : whole, component, scale);
     ExportedTable report{
@@ -154,7 +152,7 @@ void add_squareness(const UnitParameters& parameters, ControllerExport& made, st
   for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
     const double value = squareness[index_of(square)];
     if (value == 0.0) continue;
-    text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), number_text(value * kUrad, 11));
+    text += fmt::format("[{}]\nVALUE = {}\n", name_of(square), number_text(value * kRadPerUmPerM, 11));
     made.tables.push_back({std::string(name_of(square)), "value", 1, 1, std::abs(value), 0.0, 0.0, "um/m"});
   }
 }

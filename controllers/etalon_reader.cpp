@@ -8,14 +8,12 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "controllers/etalon.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kUrad = 1e-6;
 
 /// E or a letter of a constant, then two of X Y Z A B C 0: the shape that all names have, rotary axes among them.
 bool is_a_name(std::string_view name) {
@@ -25,9 +23,9 @@ bool is_a_name(std::string_view name) {
   return among(name[0], "XYZABC") && name[1] == '0' && among(name[2], "XYZABCUVW");
 }
 
-class Reader {
+class EtalonReader {
  public:
-  explicit Reader(const std::string& file) : findings(file) {}
+  explicit EtalonReader(const std::string& file) : findings(file) {}
 
   void take(std::string_view raw, int number) {
     line_ = number;
@@ -114,11 +112,11 @@ class Reader {
 
   void value(std::string_view text) {
     const auto number = number_in(text);
-    if (!number || std::abs(*number) / kUrad > kLargestValue_um * kUmPerMm) return wrong_value(text);
+    if (!number || std::abs(*number) / kRadPerUmPerM > kLargestValue_um * kUmPerMm) return wrong_value(text);
     if (!component_) return;
     if (is_squareness(*component_)) {
-      if (std::abs(*number) / kUrad > kLargestValue_um) return wrong_value(text);
-      read.squareness[index_of(*component_)] = *number / kUrad;
+      if (std::abs(*number) / kRadPerUmPerM > kLargestValue_um) return wrong_value(text);
+      read.squareness[index_of(*component_)] = *number / kRadPerUmPerM;
       any_square_ = true;
     } else if (*number != 0.0) {
       findings.add(line_, 1, fmt::format("{} varies along its axis: expected Gridpoints", name_));
@@ -167,7 +165,7 @@ class Reader {
       return findings.add(opened_line_, 1, fmt::format("{} is one VALUE, not grid points", name_));
     if (points.size() > 1 && points.back().position_mm < points.front().position_mm)
       std::reverse(points.begin(), points.end());
-    const double scale = is_angular(*component_) ? 1.0 / kUrad : kUmPerMm;
+    const double scale = is_angular(*component_) ? 1.0 / kRadPerUmPerM : kUmPerMm;
     MapTable table{*component_, Approach::unknown, {}, {}};
     for (const Point& point : points) {
       if (!table.position_mm.empty() && point.position_mm <= table.position_mm.back())
@@ -198,7 +196,7 @@ class Reader {
 }  // namespace
 
 Result<ControllerTables> parse_etalon(std::string_view text, const std::string& file_name) {
-  Reader reader(file_name);
+  EtalonReader reader(file_name);
   int number = 0;
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
   reader.finish();

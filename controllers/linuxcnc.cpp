@@ -7,13 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "controllers/curve.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kMmPerInch = 25.4;
 
 double mm_per_unit(MachineUnits units) { return units == MachineUnits::inch ? kMmPerInch : 1.0; }
 
@@ -36,13 +34,6 @@ std::string rows_text(const ControlCurve& curve, const LinuxCncOptions& options)
     last = std::move(place);
   }
   return text;
-}
-
-double largest_in(const ControlCurve& curve) {
-  double largest = 0.0;
-  for (const auto* side : {&curve.forward, &curve.reverse})
-    for (const double value : *side) largest = std::max(largest, std::abs(value));
-  return largest;
 }
 
 /// trivkins numbers the joints in the order of the coordinates.

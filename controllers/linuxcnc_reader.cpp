@@ -6,14 +6,12 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "controllers/linuxcnc.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kMmPerInch = 25.4;
 
 struct Row {
   double nominal = 0.0, forward = 0.0, reverse = 0.0;
@@ -38,9 +36,9 @@ std::vector<Word> words_of(std::string_view line) {
 }
 
 /// Reading one file: rows, and what is to be said about them.
-class Reader {
+class LinuxCncReader {
  public:
-  Reader(const std::string& file, bool as_loaded) : file_(file), findings_(file), as_loaded_(as_loaded) {}
+  LinuxCncReader(const std::string& file, bool as_loaded) : file_(file), findings_(file), as_loaded_(as_loaded) {}
 
   void take(std::string_view line, int number) {
     const std::vector<Word> words = words_of(line);
@@ -159,7 +157,7 @@ std::optional<int> type_by_numbers(const std::vector<Row>& rows) {
 
 Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string& file_name,
                                         const LinuxCncReadOptions& options) {
-  Reader reader(file_name, options.as_loaded);
+  LinuxCncReader reader(file_name, options.as_loaded);
   const std::string source_text(text);
   if (text.starts_with("\xEF\xBB\xBF")) {
     text.remove_prefix(3);

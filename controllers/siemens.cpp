@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
 #include "controllers/siemens_tables.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;
 constexpr const char* kEncoderFile = "AX_EEC.INI";
 constexpr const char* kCrossFile = "NC_CEC.INI";
 

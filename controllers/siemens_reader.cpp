@@ -8,18 +8,18 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "controllers/siemens.hpp"
 #include "laser/findings.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;
 constexpr double kLeastStep_mm = 1e-6;
 constexpr long long kMostIndex = 100'000;
 
 /// `$AN_CEC_STEP[3]=10` taken apart. Lower case, without blanks.
-struct Assignment {
+struct SiemensAssignment {
   bool encoder = false;            ///< $AA_ENC_COMP, else $AN_CEC
   std::string field;               ///< "" a value; "step", "min", "max", "is_modulo", "input_axis" …
   std::vector<std::string> index;  ///< what stands between the brackets
@@ -78,11 +78,11 @@ std::vector<std::string> index_in(const std::string& text) {
 }
 
 /// Nothing if the line is no assignment of these two variables.
-std::optional<Assignment> assignment_in(std::string_view line) {
+std::optional<SiemensAssignment> siemens_assignment_in(std::string_view line) {
   const std::size_t open = line.find('['), close = line.find(']');
   if (open == std::string_view::npos || close == std::string_view::npos || close < open) return std::nullopt;
   std::string name = without_blanks(line.substr(0, open));
-  Assignment made;
+  SiemensAssignment made;
   for (const std::string_view variable : {"$aa_enc_comp", "$an_cec"}) {
     if (!name.starts_with(variable)) continue;
     made.encoder = variable == "$aa_enc_comp";
@@ -99,9 +99,9 @@ std::optional<Assignment> assignment_in(std::string_view line) {
   return std::nullopt;
 }
 
-class Reader {
+class SiemensReader {
  public:
-  Reader(const std::string& file, const SiemensOptions& options) : findings(file), options_(options) {
+  SiemensReader(const std::string& file, const SiemensOptions& options) : findings(file), options_(options) {
     if (options.cec_adds) cec_sign_ = 1.0;
   }
 
@@ -113,7 +113,7 @@ class Reader {
     if (plain.starts_with("%")) ended_ = 0;  // another program in the same file
     if (plain == "m17" || plain == "m30" || plain == "m02" || plain == "m2") ended_ = ended_ == 0 ? number : ended_;
     if (plain.empty() || is_frame(plain)) return;
-    auto assignment = assignment_in(content);
+    auto assignment = siemens_assignment_in(content);
     if (assignment && ended_ != 0)
       return findings.add(number, 1,
                           fmt::format("it stands behind the end of the program in line {}: a control does not read it; "
@@ -142,17 +142,17 @@ class Reader {
   Findings findings;
 
  private:
-  void wrong(const Assignment& a, int line, std::string_view expected) {
+  void wrong(const SiemensAssignment& a, int line, std::string_view expected) {
     findings.add(line, a.column, fmt::format("expected {}, found {}", expected, in_quotes(a.value)));
   }
 
-  Draft& draft_of(const Assignment& a, const std::string& key, int line) {
+  Draft& draft_of(const SiemensAssignment& a, const std::string& key, int line) {
     Draft& draft = drafts_[{a.encoder, key}];
     if (draft.line == 0) draft.line = line;
     return draft;
   }
 
-  void take_encoder(const Assignment& a, int line) {
+  void take_encoder(const SiemensAssignment& a, int line) {
     const std::size_t wanted = a.field.empty() ? 3 : 2;
     if (a.index.size() != wanted)
       return findings.add(line, 1,
@@ -163,7 +163,7 @@ class Reader {
     take_field(a, draft, wanted == 3 ? a.index[1] : "", line);
   }
 
-  void take_cross(const Assignment& a, int line) {
+  void take_cross(const SiemensAssignment& a, int line) {
     const std::size_t wanted = a.field.empty() ? 2 : 1;
     if (a.index.size() != wanted || !integer_in(a.index.front()))
       return findings.add(line, 1,
@@ -172,7 +172,7 @@ class Reader {
     take_field(a, draft, wanted == 2 ? a.index[1] : "", line);
   }
 
-  void take_field(const Assignment& a, Draft& draft, const std::string& point, int line) {
+  void take_field(const SiemensAssignment& a, Draft& draft, const std::string& point, int line) {
     if (a.field == "input_axis" || a.field == "output_axis") {
       std::string& name = a.field == "input_axis" ? draft.input : draft.output;
       name = a.value;
@@ -280,7 +280,7 @@ class Reader {
 
 Result<ControllerTables> parse_siemens(std::string_view text, const std::string& file_name,
                                        const SiemensOptions& options) {
-  Reader reader(file_name, options);
+  SiemensReader reader(file_name, options);
   int number = 0;
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
   ControllerTables read;

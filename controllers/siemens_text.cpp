@@ -1,12 +1,12 @@
 // SINUMERIK 840D, the text of the tables. Does not live here: which tables (siemens.cpp).
 #include <fmt/format.h>
 
+#include "base/units.hpp"
 #include "controllers/siemens_tables.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;
 constexpr int kDigits = 6;  ///< of mm: one nanometre
 
 std::string grid_lines(std::string_view variable, const std::string& index, const EvenGrid& grid) {

@@ -60,13 +60,6 @@ std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions
   return text;
 }
 
-double largest_in(const ControlCurve& curve) {
-  double largest = 0.0;
-  for (const auto* side : {&curve.forward, &curve.reverse})
-    for (const double value : *side) largest = std::max(largest, std::abs(value));
-  return largest;
-}
-
 /// The list is switched on and off where the axis stands; at the reference position as a rule.
 void note_step(const ControlCurve& kept, Axis axis, double reference_mm, double sign, ControllerExport& made) {
   const auto held = [&](Approach approach) {

@@ -22,18 +22,18 @@ struct Entry {
 };
 
 /// Its first word and what stands behind it, with their columns.
-struct Assignment {
+struct TwinCatAssignment {
   std::string key;
   std::string_view rest;
   std::string_view value;  ///< the first word of the rest
   int column = 0;
 };
 
-Assignment assignment_in(std::string_view line) {
+TwinCatAssignment twincat_assignment_in(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r\v\f";
   const std::string_view content = trimmed(line);
   const std::size_t end = std::min(content.find_first_of(kBlanks), content.size());
-  Assignment out;
+  TwinCatAssignment out;
   out.key = lower(content.substr(0, end));
   out.rest = trimmed(content.substr(end));
   out.value = out.rest.substr(0, out.rest.find_first_of(kBlanks));
@@ -48,15 +48,15 @@ std::optional<char> letter_in(std::string_view name) {
   return static_cast<char>(name[0] & ~0x20);
 }
 
-class Reader {
+class TwinCatReader {
  public:
-  Reader(const std::string& file, const TwinCatOptions& options) : findings(file), options_(options) {}
+  TwinCatReader(const std::string& file, const TwinCatOptions& options) : findings(file), options_(options) {}
 
   void take(std::string_view line, int number) {
     line_ = number;
     const std::string_view content = trimmed(line);
     if (content.empty() || content.front() == '#' || content.starts_with("/*")) return comment(content);
-    const Assignment a = assignment_in(line);
+    const TwinCatAssignment a = twincat_assignment_in(line);
     if (a.key == "kopf.log_achs_name") {
       name_ = std::string(trimmed(a.rest.substr(0, a.rest.find('('))));
       name_line_ = number;
@@ -160,21 +160,21 @@ class Reader {
   static const char* sign_name(bool adds) { return adds ? "adds" : "subtracts"; }
   [[nodiscard]] double sign() const { return options_.adds.value_or(says_adds_.value_or(false)) ? 1.0 : -1.0; }
 
-  std::optional<Entry> number(const Assignment& a) {
+  std::optional<Entry> number(const TwinCatAssignment& a) {
     const auto value = number_in(a.value);
     if (value) return Entry{*value, line_};
     findings.add(line_, a.column, fmt::format("expected a number, found {}", in_quotes(a.value)));
     return std::nullopt;
   }
 
-  void keep(const std::string& key, const Assignment& a) {
+  void keep(const std::string& key, const TwinCatAssignment& a) {
     const auto value = number(a);
     if (!value) return;
     if (!general_.emplace(key, *value).second)
       findings.add(line_, 1, fmt::format("{} stands twice (also in line {})", key, general_[key].line));
   }
 
-  void general(const Assignment& a) {
+  void general(const TwinCatAssignment& a) {
     static const std::set<std::string> kKnown{"unit",      "interval", "kw_startpos",       "kw_nr_max",
                                               "bilateral", "modulo",   "manual_activation", "set_pos_without_comp",
                                               "max_points"};
@@ -185,7 +185,7 @@ class Reader {
   }
 
   /// "kw.ssfk.table[12].pos"
-  void table(const Assignment& a) {
+  void table(const TwinCatAssignment& a) {
     constexpr std::size_t kOpen = 13;
     const std::size_t close = a.key.find(']', kOpen);
     const auto index =
@@ -281,7 +281,7 @@ Result<ControllerTables> parse_twincat(std::string_view text, const std::string&
                                        const TwinCatOptions& options, std::optional<Axis> axis) {
   const std::string whole(text);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  Reader reader(file_name, options);
+  TwinCatReader reader(file_name, options);
   int number = 0;
   for (const std::string_view line : lines_of(text)) reader.take(line, ++number);
   if (!axis && reader.findings.empty()) axis = reader.axis();

@@ -43,7 +43,9 @@ Problem broken(const MeasurementSet& part, const std::string& what) {
           {}};
 }
 
-std::string text_of(const MeasurementSet& part, std::string_view key) { return metadata_value(part, key).value_or(""); }
+std::string metadata_text(const MeasurementSet& part, std::string_view key) {
+  return metadata_value(part, key).value_or("");
+}
 
 std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> numbers;
@@ -76,9 +78,9 @@ MeasurementSet CaptureRecord::part() const {
 }
 
 Result<CaptureRecord> CaptureRecord::from_part(const MeasurementSet& part) {
-  if (text_of(part, kBegin) != kVersion) return tl::unexpected(broken(part, "no line \"# capture: unfinished\""));
+  if (metadata_text(part, kBegin) != kVersion) return tl::unexpected(broken(part, "no line \"# capture: unfinished\""));
   CapturePlan plan;
-  std::string stops = text_of(part, kStops) + "\n";
+  std::string stops = metadata_text(part, kStops) + "\n";
   for (const MetadataEntry& entry : part.metadata) {
     if (entry.key == kStop) stops += entry.value + "\n";
     if (!of_capture(entry.key)) plan.metadata.push_back(entry);
@@ -87,10 +89,10 @@ Result<CaptureRecord> CaptureRecord::from_part(const MeasurementSet& part) {
   if (!targets) return tl::unexpected(broken(part, "capture stops: " + targets.error().message));
   plan.stops = targets->readings;
   for (Reading& stop : plan.stops) stop.row = stop.line = 0;
-  const auto rules = numbers_in(text_of(part, kRules));
-  const auto read = numbers_in(text_of(part, kRead));
-  const auto shown = numbers_in(text_of(part, kShown));
-  const auto next = integer_in(text_of(part, kNext));
+  const auto rules = numbers_in(metadata_text(part, kRules));
+  const auto read = numbers_in(metadata_text(part, kRead));
+  const auto shown = numbers_in(metadata_text(part, kShown));
+  const auto next = integer_in(metadata_text(part, kNext));
   if (rules.size() != 4) return tl::unexpected(broken(part, "capture rules: expected four numbers"));
   if (read.size() != part.readings.size() || shown.size() != read.size())
     return tl::unexpected(

@@ -26,16 +26,16 @@ struct State {
   std::uint8_t id = 0;
 };
 
-using Bits = std::map<std::uint8_t, std::size_t>;
+using ReportBits = std::map<std::uint8_t, std::size_t>;
 
-void add(Bits& bits, const State& state) {
+void add(ReportBits& bits, const State& state) {
   std::size_t& sum = bits[state.id];
   const bool honest = state.size_bits <= kMostBits && state.count <= kMostBits;
   sum = std::min(kMostBits, sum + (honest ? state.size_bits * state.count : kMostBits));
 }
 
-Bits as_bytes(const Bits& bits, bool numbered) {
-  Bits bytes;
+ReportBits as_bytes(const ReportBits& bits, bool numbered) {
+  ReportBits bytes;
   for (const auto& [id, count] : bits) bytes[id] = (count + 7) / 8 + (numbered ? 1U : 0U);
   return bytes;
 }
@@ -45,7 +45,7 @@ Bits as_bytes(const Bits& bits, bool numbered) {
 HidReports reports_in(std::span<const std::uint8_t> descriptor) {
   State state;
   std::vector<State> stack;
-  Bits input, output, feature;
+  ReportBits input, output, feature;
   bool numbered = false;
   for (std::size_t at = 0; at < descriptor.size();) {
     const std::uint8_t head = descriptor[at];

@@ -38,4 +38,9 @@ class Findings {
 /// stays one line.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+/// Column, from 1, at which `word` begins. @pre word is part of line
+[[nodiscard]] inline int column_of(std::string_view line, std::string_view word) {
+  return static_cast<int>(word.data() - line.data()) + 1;
+}
+
 }  // namespace ecs::laser

@@ -28,14 +28,14 @@ std::string bar_of(double fraction) {
 
 }  // namespace
 
-FaceOptions options_of_stderr() {
+ConsoleOptions options_of_stderr() {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const char* kind = std::getenv("TERM");
   const bool dumb = kind == nullptr || std::string_view(kind) == "dumb";
   return {terminal, terminal && !dumb && !is_set("NO_COLOR"), nullptr};
 }
 
-void Face::say(std::string_view colour, std::string_view text) {
+void Console::say(std::string_view colour, std::string_view text) {
   end_progress();
   const std::string harmless = shown(text);
   for (const std::string_view line : lines_of(harmless)) {
@@ -47,26 +47,26 @@ void Face::say(std::string_view colour, std::string_view text) {
   messages_->flush();
 }
 
-void Face::note(std::string_view text) {
+void Console::note(std::string_view text) {
   if (!quiet) say(kPlain, text);
 }
-void Face::warn(std::string_view text) { say(kYellow, fmt::format("warning: {}", text)); }
-void Face::show(const Problem& problem) { say(kRed, to_text(problem)); }
+void Console::warn(std::string_view text) { say(kYellow, fmt::format("warning: {}", text)); }
+void Console::show(const Problem& problem) { say(kRed, to_text(problem)); }
 
-void Face::print(std::string_view text) {
+void Console::print(std::string_view text) {
   if (json) return;
   end_progress();
   *out_ << shown(text) << '\n';
   out_->flush();
 }
 
-void Face::print_json(std::string_view object) {
+void Console::print_json(std::string_view object) {
   if (!json) return;
   *out_ << object << '\n';
   out_->flush();
 }
 
-void Face::answer(std::string_view text, std::string_view json_object) {
+void Console::answer(std::string_view text, std::string_view json_object) {
   end_progress();
   const std::string chosen = json ? std::string(json_object) : shown(text);
   if (chosen.empty()) return;
@@ -76,7 +76,7 @@ void Face::answer(std::string_view text, std::string_view json_object) {
   out_->flush();
 }
 
-void Face::progress(std::string_view label, double fraction, double seconds_left) {
+void Console::progress(std::string_view label, double fraction, double seconds_left) {
   if (!options_.messages_on_terminal || quiet) return;
   const auto now = std::chrono::steady_clock::now();
   if (bar_shown_ && now - bar_drawn_ < std::chrono::milliseconds(100)) return;
@@ -87,14 +87,14 @@ void Face::progress(std::string_view label, double fraction, double seconds_left
   messages_->flush();
 }
 
-void Face::end_progress() {
+void Console::end_progress() {
   if (!bar_shown_) return;
   *messages_ << "\r\033[K";
   messages_->flush();
   bar_shown_ = false;
 }
 
-bool Face::output_is_whole() {
+bool Console::output_is_whole() {
   out_->flush();
   return out_->good();
 }

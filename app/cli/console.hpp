@@ -13,20 +13,20 @@
 
 namespace ecs::app {
 
-struct FaceOptions {
+struct ConsoleOptions {
   bool messages_on_terminal = false;   ///< progress bar wanted
   bool colour = false;                 ///< on the messages
   std::shared_ptr<Keyboard> keyboard;  ///< lines typed while a verb runs; empty: there is nobody to type
 };
 
 /// What stderr can show: a terminal, and colour unless NO_COLOR is set or TERM says "dumb".
-[[nodiscard]] FaceOptions options_of_stderr();
+[[nodiscard]] ConsoleOptions options_of_stderr();
 
 /// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/shown.hpp, so that no file and no
 /// unit can speak to the terminal.
-class Face {
+class Console {
  public:
-  Face(std::ostream& out, std::ostream& messages, FaceOptions options = {})
+  Console(std::ostream& out, std::ostream& messages, ConsoleOptions options = {})
       : out_(&out), messages_(&messages), options_(options) {}
 
   bool json = false;           ///< --json
@@ -60,7 +60,7 @@ class Face {
 
   std::ostream* out_;
   std::ostream* messages_;
-  FaceOptions options_;
+  ConsoleOptions options_;
   bool bar_shown_ = false;
   std::chrono::steady_clock::time_point bar_drawn_{};
 };

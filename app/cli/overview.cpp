@@ -37,8 +37,8 @@ std::string state_of_link(const Result<LinkChoice>& choice) {
 
 }  // namespace
 
-Result<Outcome> overview(const CLI::App& root, Session& session) {
-  const auto choice = chosen_link(session.link_option);
+Result<Outcome> overview(const CLI::App& root, VerbContext& context) {
+  const auto choice = chosen_link(context.link_option);
   std::string text = root.get_description() + "\n";
   Json verbs = Json::array();
   add_tree(root, "", text, verbs);

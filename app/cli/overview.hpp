@@ -11,6 +11,6 @@ class App;
 namespace ecs::app {
 
 /// The tree of menus with one line per verb, and which link would be used. Opens nothing.
-[[nodiscard]] Result<Outcome> overview(const CLI::App& root, Session& session);
+[[nodiscard]] Result<Outcome> overview(const CLI::App& root, VerbContext& context);
 
 }  // namespace ecs::app

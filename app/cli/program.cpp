@@ -18,31 +18,31 @@
 namespace ecs::app {
 namespace {
 
-Json with_link(Json object, const Session& session) {
-  if (!session.link_name.empty() && !object.contains("link")) object["link"] = session.link_name;
+Json with_link(Json object, const VerbContext& context) {
+  if (!context.link_name.empty() && !object.contains("link")) object["link"] = context.link_name;
   return object;
 }
 
-int failed(Session& session, const Problem& problem) {
-  session.face.end_progress();
-  if (session.face.json) {
+int failed(VerbContext& context, const Problem& problem) {
+  context.console.end_progress();
+  if (context.console.json) {
     Json object{{"error", json_of(problem)}};
-    object["error"]["message"] = session.face.message_prefix + problem.message;
-    session.face.print_json(one_line(with_link(std::move(object), session)));
+    object["error"]["message"] = context.console.message_prefix + problem.message;
+    context.console.print_json(one_line(with_link(std::move(object), context)));
   } else {
-    session.face.show(problem);
+    context.console.show(problem);
   }
   return exit_code_of(problem.kind);
 }
 
-int answered(Session& session, const Outcome& outcome) {
+int answered(VerbContext& context, const Outcome& outcome) {
   std::string object = outcome.json;
-  if (session.face.json && !object.empty() && !session.link_name.empty())
-    object = one_line(with_link(Json::parse(object), session));
-  session.face.answer(outcome.text, object);
-  if (!session.face.output_is_whole())
+  if (context.console.json && !object.empty() && !context.link_name.empty())
+    object = one_line(with_link(Json::parse(object), context));
+  context.console.answer(outcome.text, object);
+  if (!context.console.output_is_whole())
     return failed(
-        session,
+        context,
         {ProblemKind::output, "stdout could not be written: the disc is full, or the pipe is closed", {}, 0, 0, {}});
   return outcome.exit_code;
 }
@@ -59,11 +59,11 @@ Problem stopped_by_signal(Problem under_way) {
   return under_way;
 }
 
-int run_action(Session& session, const Action& action) {
-  const Result<Outcome> result = action(session);
-  if (result) return with_signal(answered(session, *result));
-  if (interrupting_signal() != 0) return with_signal(failed(session, stopped_by_signal(result.error())));
-  return failed(session, result.error());
+int run_action(VerbContext& context, const Action& action) {
+  const Result<Outcome> result = action(context);
+  if (result) return with_signal(answered(context, *result));
+  if (interrupting_signal() != 0) return with_signal(failed(context, stopped_by_signal(result.error())));
+  return failed(context, result.error());
 }
 
 std::vector<std::string> names_of_verbs(const CLI::App& app) {
@@ -171,47 +171,48 @@ std::string wrapped_help(const std::string& help) {
   return out;
 }
 
-int show_text(Session& session, const std::string& key, const std::string& text) {
-  return answered(session, {text, one_line(Json{{key, text}}), kDone});
+int show_text(VerbContext& context, const std::string& key, const std::string& text) {
+  return answered(context, {text, one_line(Json{{key, text}}), kDone});
 }
 
-int parsed_and_run(const std::vector<std::string>& words, Session& session) {
+int parsed_and_run(const std::vector<std::string>& words, VerbContext& context) {
   CLI::App root("ECS: parameters, error maps and tests of an error compensation system for machine tools", "ecs");
   Action chosen;
-  root.add_flag("--json", session.face.json, "the answer as one JSON object on stdout");
-  root.add_flag("--quiet", session.face.quiet, "no notes and no progress bar");
-  root.add_option("--link", session.link_option, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")
+  root.add_flag("--json", context.console.json, "the answer as one JSON object on stdout");
+  root.add_flag("--quiet", context.console.quiet, "no notes and no progress bar");
+  root.add_option("--link", context.link_option, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")
       ->type_name("");
   root.set_version_flag("--version", kVersion);
   root.require_subcommand(0, 1);
-  Menu menu(root, session, chosen);
+  Menu menu(root, context, chosen);
   add_all_menus(menu);
   try {
     root.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     const Place place = place_of(root, words);
-    return show_text(session, "help", wrapped_help(place.app->help(place.parent)));
+    return show_text(context, "help", wrapped_help(place.app->help(place.parent)));
   } catch (const CLI::CallForVersion&) {
-    return show_text(session, "version", kVersion);
+    return show_text(context, "version", kVersion);
   } catch (const CLI::ParseError& error) {
-    return failed(session, {ProblemKind::usage, usage_text(root, words, error.what()), {}, 0, 0, {}});
+    return failed(context, {ProblemKind::usage, usage_text(root, words, error.what()), {}, 0, 0, {}});
   }
-  if (chosen) return run_action(session, chosen);
+  if (chosen) return run_action(context, chosen);
   const Place place = place_of(root, words);
-  if (place.app != &root) return failed(session, {ProblemKind::usage, menu_text(place), {}, 0, 0, {}});
-  return run_action(session, [&root](Session& s) { return overview(root, s); });
+  if (place.app != &root) return failed(context, {ProblemKind::usage, menu_text(place), {}, 0, 0, {}});
+  return run_action(context, [&root](VerbContext& s) { return overview(root, s); });
 }
 
 }  // namespace
 
-int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages, FaceOptions options) {
-  Face face(out, messages, options);
-  face.json = std::find(words.begin(), words.end(), "--json") != words.end();
-  Session session{face, {}, {}};
+int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
+                ConsoleOptions options) {
+  Console console(out, messages, options);
+  console.json = std::find(words.begin(), words.end(), "--json") != words.end();
+  VerbContext context{console, {}, {}};
   try {
-    return parsed_and_run(words, session);
+    return parsed_and_run(words, context);
   } catch (const std::exception& error) {
-    return failed(session, {ProblemKind::output, fmt::format("internal failure: {}", error.what()), {}, 0, 0, {}});
+    return failed(context, {ProblemKind::output, fmt::format("internal failure: {}", error.what()), {}, 0, 0, {}});
   }
 }
 

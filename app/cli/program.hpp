@@ -14,6 +14,6 @@ namespace ecs::app {
 /// @param words  without the name of the program
 /// @return the exit code: 0 … 5, 128 + n if signal n came
 [[nodiscard]] int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
-                              FaceOptions options = {});
+                              ConsoleOptions options = {});
 
 }  // namespace ecs::app

@@ -109,9 +109,9 @@ Verb& Verb::uses_link() {
 
 void Verb::runs(Action action) {
   if (writes_)
-    action = [inner = std::move(action)](Session& session) {
-      announce_writing(session);
-      return inner(session);
+    action = [inner = std::move(action)](VerbContext& context) {
+      announce_writing(context);
+      return inner(context);
     };
   app_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
 }
@@ -119,15 +119,15 @@ void Verb::runs(Action action) {
 Menu Menu::menu(const std::string& name, const std::string& help) {
   CLI::App* sub = app_->add_subcommand(name, help);
   sub->require_subcommand(0, 1);
-  sub->add_flag("--json", session_->face.json, "the answer as one JSON object on stdout");
-  sub->add_flag("--quiet", session_->face.quiet, "no notes and no progress bar");
+  sub->add_flag("--json", session_->console.json, "the answer as one JSON object on stdout");
+  sub->add_flag("--quiet", session_->console.quiet, "no notes and no progress bar");
   return {*sub, *session_, *chosen_};
 }
 
 Verb Menu::verb(const std::string& name, const std::string& help, const std::string& example) {
   CLI::App* sub = app_->add_subcommand(name, help);
-  sub->add_flag("--json", session_->face.json, "the answer as one JSON object on stdout");
-  sub->add_flag("--quiet", session_->face.quiet, "no notes and no progress bar");
+  sub->add_flag("--json", session_->console.json, "the answer as one JSON object on stdout");
+  sub->add_flag("--quiet", session_->console.quiet, "no notes and no progress bar");
   sub->footer("Example:\n  " + example);
   return {*sub, *chosen_, session_->link_option};
 }

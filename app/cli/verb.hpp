@@ -18,7 +18,7 @@ class App;
 
 namespace ecs::app {
 
-using Action = std::function<Result<Outcome>(Session&)>;
+using Action = std::function<Result<Outcome>(VerbContext&)>;
 
 enum class Need { optional, required };
 
@@ -59,7 +59,7 @@ class Verb {
 /// A group of verbs, or the whole program. A menu may hold menus ("utility datum").
 class Menu {
  public:
-  Menu(CLI::App& app, Session& session, Action& chosen) : app_(&app), session_(&session), chosen_(&chosen) {}
+  Menu(CLI::App& app, VerbContext& context, Action& chosen) : app_(&app), session_(&context), chosen_(&chosen) {}
 
   [[nodiscard]] Menu menu(const std::string& name, const std::string& help);
   /// @param example  one or more full command lines
@@ -67,7 +67,7 @@ class Menu {
 
  private:
   CLI::App* app_;
-  Session* session_;
+  VerbContext* session_;
   Action* chosen_;
 };
 

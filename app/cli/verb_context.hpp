@@ -1,4 +1,4 @@
-// What every verb is given: the face it speaks through and the options that all verbs share.
+// What every verb is given: the console it speaks through and the options that all verbs share.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace ecs::app {
 
-struct Session {
-  Face& face;
+struct VerbContext {
+  Console& console;
   std::string link_option;  ///< --link as given; empty: not given
   std::string link_name;    ///< of the link that was opened; goes into the JSON answer as "link"
 };

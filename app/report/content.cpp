@@ -176,7 +176,7 @@ Result<void> of_one_machine(const std::vector<Owner>& owners) {
 
 // --- map, parameters, status
 
-Result<void> read_others(Session& session, const ReportFiles& files, ReportContent& content) {
+Result<void> read_others(VerbContext& context, const ReportFiles& files, ReportContent& content) {
   std::vector<Problem> problems;
   const auto keep = [&problems](const auto& read) {
     if (!read) problems.push_back(read.error());
@@ -184,7 +184,7 @@ Result<void> read_others(Session& session, const ReportFiles& files, ReportConte
   };
   if (!files.machine.empty())
     if (auto machine = params::read_machine(files.machine); keep(machine)) {
-      for (const Problem& warning : machine->warnings) session.face.warn(to_text(warning));
+      for (const Problem& warning : machine->warnings) context.console.warn(to_text(warning));
       content.machine = std::move(machine->machine);
     }
   if (!files.params.empty())
@@ -285,7 +285,7 @@ std::string header_value(const ReportContent& content, std::string_view key) {
   return {};
 }
 
-Result<ReportContent> report_content(Session& session, const ReportArguments& arguments) {
+Result<ReportContent> report_content(VerbContext& context, const ReportArguments& arguments) {
   ReportContent content;
   if (auto taken = take_given(arguments, content); !taken) return tl::unexpected(taken.error());
   const auto files = report_files(arguments);
@@ -293,16 +293,16 @@ Result<ReportContent> report_content(Session& session, const ReportArguments& ar
   content.has_before = !files->before.empty();
   content.has_after = !files->after.empty();
   content.planned = !files->plan.empty();
-  session.face.progress("reading the measurements", 0.1, 1.0);
-  if (auto read = read_others(session, *files, content); !read) return tl::unexpected(read.error());
+  context.console.progress("reading the measurements", 0.1, 1.0);
+  if (auto read = read_others(context, *files, content); !read) return tl::unexpected(read.error());
   if (auto added = add_rows(*files, content); !added) return tl::unexpected(added.error());
   if (auto same = of_one_machine(owners_in(*files, content)); !same) return tl::unexpected(same.error());
   if (auto noted = note_files(*files, content); !noted) return tl::unexpected(noted.error());
   complete_header(arguments, content);
   judge_map(content);
-  if (auto added = add_model(session, arguments, *files, content); !added) return tl::unexpected(added.error());
+  if (auto added = add_model(context, arguments, *files, content); !added) return tl::unexpected(added.error());
   predict_volume(content);
-  session.face.end_progress();
+  context.console.end_progress();
   return content;
 }
 

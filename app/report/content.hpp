@@ -78,7 +78,7 @@ struct ReportContent {
 
 /// Reads everything. Files that are missing or unfit among the measurements leave their rows; any other unreadable file
 /// is a problem, and files of different machines are refused, with every one that differs.
-[[nodiscard]] Result<ReportContent> report_content(Session& session, const ReportArguments& arguments);
+[[nodiscard]] Result<ReportContent> report_content(VerbContext& context, const ReportArguments& arguments);
 
 /// The value of a header entry; empty if there is none.
 [[nodiscard]] std::string header_value(const ReportContent& content, std::string_view key);

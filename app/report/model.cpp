@@ -39,7 +39,7 @@ Result<laser::MeasurementSet> joined_phase(const std::vector<const TableRow*>& r
   return joined(sets);
 }
 
-Result<Readings> readings_for(Session& session, const ReportArguments& arguments, const model::Model& model,
+Result<Readings> readings_for(VerbContext& context, const ReportArguments& arguments, const model::Model& model,
                               const ReportContent& content) {
   std::vector<const TableRow*> rows;
   for (const TableRow& row : content.rows)
@@ -52,7 +52,7 @@ Result<Readings> readings_for(Session& session, const ReportArguments& arguments
   auto after = joined_phase(rows, &TableRow::after);
   if (!after) return tl::unexpected(after.error());
   if (!arguments.data.empty()) {
-    auto before = measured_in(session, arguments.data, {});
+    auto before = measured_in(context, arguments.data, {});
     if (!before) return tl::unexpected(before.error());
     return Readings{std::move(*before), std::move(*after), fmt::format("{}", fmt::join(arguments.data, ", "))};
   }
@@ -62,7 +62,7 @@ Result<Readings> readings_for(Session& session, const ReportArguments& arguments
                   fmt::format("before compensation: {}", fmt::join(names, ", "))};
 }
 
-Result<void> judge(Session& session, const ReportArguments& arguments, const Readings& readings,
+Result<void> judge(VerbContext& context, const ReportArguments& arguments, const Readings& readings,
                    const model::Model& model, ReportContent& content) {
   const auto before = model::observations_of(readings.before, model, content.machine);
   const auto after = model::observations_of(readings.after, model, content.machine);
@@ -74,7 +74,7 @@ Result<void> judge(Session& session, const ReportArguments& arguments, const Rea
       ReportedModel{model,    model::with_values(model, *fit),        readings.name, before.size(), fit->effects,
                     *what_if, after_by_direction(*fit, before, after)};
   if (content.diagnosis) return {};
-  session.face.progress("diagnosing the error model", 0.6, 5.0);
+  context.console.progress("diagnosing the error model", 0.6, 5.0);
   model::DiagnoseOptions options;
   options.blanks = static_cast<std::size_t>(arguments.blanks);
   const auto diagnosis = model::diagnose(model, before, options);
@@ -85,7 +85,7 @@ Result<void> judge(Session& session, const ReportArguments& arguments, const Rea
 
 }  // namespace
 
-Result<void> add_model(Session& session, const ReportArguments& arguments, const ReportFiles& files,
+Result<void> add_model(VerbContext& context, const ReportArguments& arguments, const ReportFiles& files,
                        ReportContent& content) {
   if (!files.diagnosis.empty()) {
     auto diagnosis = read_diagnosis(files.diagnosis);
@@ -95,11 +95,11 @@ Result<void> add_model(Session& session, const ReportArguments& arguments, const
   if (files.model.empty()) return {};
   const auto model = model::read_model(files.model);
   if (!model) return tl::unexpected(model.error());
-  const auto readings = readings_for(session, arguments, *model, content);
+  const auto readings = readings_for(context, arguments, *model, content);
   if (!readings) return tl::unexpected(readings.error());
   if (readings->before.readings.empty())
     return problem(ProblemKind::usage, "--model: no readings before compensation to put beside it; give --data");
-  if (auto judged = judge(session, arguments, *readings, *model, content); !judged)
+  if (auto judged = judge(context, arguments, *readings, *model, content); !judged)
     return tl::unexpected(in_file(judged.error(), files.model.string()));
   return {};
 }

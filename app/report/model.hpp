@@ -8,7 +8,7 @@ namespace ecs::app {
 
 /// Adds model and diagnosis to the content, where a model or a diagnosis was given. Without --data the readings are
 /// those before compensation of the senses and axes on which the model's effects act; of all, if these are none.
-[[nodiscard]] Result<void> add_model(Session& session, const ReportArguments& arguments, const ReportFiles& files,
+[[nodiscard]] Result<void> add_model(VerbContext& context, const ReportArguments& arguments, const ReportFiles& files,
                                      ReportContent& content);
 
 }  // namespace ecs::app

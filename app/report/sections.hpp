@@ -46,7 +46,7 @@ struct ReportSection {
 [[nodiscard]] Markup facts_of(const std::vector<std::pair<std::string, std::string>>& facts);
 /// Largest and rms of the error vector in the volume, predicted, and from what.
 [[nodiscard]] std::string volume_sentence(const PredictedVolume& volume);
-/// A line of a map header as people write it: "µm/m", "least squares", real minus signs.
+/// A line of a map header as people write it: "µm/m", "least squares", real minus control.
 [[nodiscard]] std::string worded(std::string_view line);
 /// A number in a table, a dash where there is none.
 [[nodiscard]] Markup cell(const std::optional<double>& value, int decimals);

@@ -12,8 +12,8 @@ namespace {
 constexpr double kWidth = 680.0;
 constexpr double kLeft = 52.0;
 constexpr double kRight = 10.0;
-constexpr double kTitle = 17.0;   ///< above each panel
-constexpr double kPanel = 102.0;  ///< height of the plot itself
+constexpr double kPanelTitleHeight = 17.0;  ///< above each panel
+constexpr double kPanel = 102.0;            ///< height of the plot itself
 constexpr double kGap = 4.0;
 constexpr double kFoot = 31.0;  ///< numbers and name of the abscissa
 constexpr std::size_t kMarksAcross = 26;
@@ -183,17 +183,17 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
 Markup svg_of(const SvgCurves& figure) {
   Frame frame = common_frame(figure);
   const auto panels = static_cast<double>(figure.panels.size());
-  const double height = panels * (kTitle + kPanel + kGap) - kGap + kFoot;
+  const double height = panels * (kPanelTitleHeight + kPanel + kGap) - kGap + kFoot;
   std::string svg = open_svg(height, figure.label) + key_svg(figure);
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const double top = static_cast<double>(i) * (kTitle + kPanel + kGap);
-    frame.top = top + kTitle;
+    const double top = static_cast<double>(i) * (kPanelTitleHeight + kPanel + kGap);
+    frame.top = top + kPanelTitleHeight;
     svg += label_svg(kLeft, top + 11.0, "name", figure.panels[i].title);
     svg += grid_svg(frame, i + 1 == figure.panels.size());
     for (const SvgSeries& series : figure.panels[i].series) svg += series_svg(frame, series);
   }
   svg += label_svg(kLeft + (kWidth - kLeft - kRight) / 2.0, height - 3.0, "tick mid", figure.x_label);
-  const double middle = (height - kFoot) / 2.0 + kTitle / 2.0;
+  const double middle = (height - kFoot) / 2.0 + kPanelTitleHeight / 2.0;
   svg += fmt::format("<text transform=\"translate(11 {:.1f}) rotate(-90)\" class=\"tick mid\">{}</text>\n", middle,
                      text(figure.y_label).html());
   return Markup::literal(svg + "</svg>\n");

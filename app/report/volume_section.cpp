@@ -7,7 +7,7 @@ namespace ecs::app {
 namespace {
 
 constexpr int kDecimals = 1;  ///< um
-constexpr const char* kTitle = "Volumetric error, predicted";
+constexpr const char* kVolumeTitle = "Volumetric error, predicted";
 
 /// The largest band measured in that direction, and where.
 struct Achieved {
@@ -71,7 +71,7 @@ std::string volume_sentence(const PredictedVolume& volume) {
 }
 
 ReportSection volume_section(const ReportContent& content) {
-  if (!content.volume) return {"volume", kTitle, {}, content.no_volume};
+  if (!content.volume) return {"volume", kVolumeTitle, {}, content.no_volume};
   const PredictedVolume& volume = *content.volume;
   Markup body = paragraph_of(volume_sentence(volume), "class=\"lead\"");
   std::string how = fmt::format(
@@ -83,7 +83,7 @@ ReportSection volume_section(const ReportContent& content) {
   if (volume.from_map()) how += " What the map does not hold counts as zero; scatter and drift are not in it.";
   body += paragraph_of(how, "class=\"small intro\"");
   if (!volume.remark.empty()) body += paragraph_of(volume.remark, "class=\"small intro\"");
-  return {"volume", kTitle, body + volume_table(content, volume)};
+  return {"volume", kVolumeTitle, body + volume_table(content, volume)};
 }
 
 }  // namespace ecs::app

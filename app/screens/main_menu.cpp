@@ -16,33 +16,33 @@
 namespace ecs::app {
 namespace {
 
-using Desk = std::shared_ptr<UnitDesk>;
+using Connection = std::shared_ptr<UnitConnection>;
 using Choices = std::vector<MenuChoice>;
 
-MenuChoice choice_of(const VerbEntry& verb, const Desk& desk) {
-  return {verb.name(), verb.help, [verb, desk] { return std::make_unique<VerbScreen>(verb, desk); }};
+MenuChoice choice_of(const VerbEntry& verb, const Connection& connection) {
+  return {verb.name(), verb.help, [verb, connection] { return std::make_unique<VerbScreen>(verb, connection); }};
 }
 
 /// One entry of the first screen that opens a menu.
 struct TopMenu {
   const char* name;
   const char* help;
-  std::function<Choices(const Desk&)> screens;  ///< before the verbs
+  std::function<Choices(const Connection&)> screens;  ///< before the verbs
 };
 
-Choices parameters_choices(const Desk& desk) {
+Choices parameters_choices(const Connection& connection) {
   return {{"EDIT PARAMETERS", "edit in place, check, compare with file and unit, send, receive, save",
-           [desk] { return std::make_unique<ParametersScreen>(desk); }}};
+           [connection] { return std::make_unique<ParametersScreen>(connection); }}};
 }
-Choices laser_choices(const Desk& desk) {
+Choices laser_choices(const Connection& connection) {
   return {{"FROM FILES TO THE MAP", "files, what is left out, slope, ISO 230, map, header, send, verify",
-           [desk] { return std::make_unique<LaserScreen>(desk); }}};
+           [connection] { return std::make_unique<LaserScreen>(connection); }}};
 }
-Choices memory_choices(const Desk& desk) {
+Choices memory_choices(const Connection& connection) {
   return {{"VIEW MEMORY", "bytes with their names; find, compare, write with undo, dump",
-           [desk] { return std::make_unique<MemoryScreen>(desk); }}};
+           [connection] { return std::make_unique<MemoryScreen>(connection); }}};
 }
-Choices model_choices(const Desk& /*desk*/) {
+Choices model_choices(const Connection& /*connection*/) {
   return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
            [] { return std::make_unique<ModelForm>(); }}};
 }
@@ -55,7 +55,7 @@ const std::vector<TopMenu>& top_menus() {
       {"ECS UTILITY", "positions, outputs, datum sequences, status, faults", utility_choices},
       {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
       {"MODEL", "the error model beside measurements: what is missing", model_choices},
-      {"MORE", "report, tables for other controls, many units, doctor", [](const Desk&) { return Choices{}; }},
+      {"MORE", "report, tables for other controls, many units, doctor", [](const Connection&) { return Choices{}; }},
   };
   return menus;
 }
@@ -74,9 +74,9 @@ std::vector<VerbEntry> verbs_of(const std::string& name, const std::vector<MenuE
   return verbs;
 }
 
-std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Desk& desk) {
-  Choices choices = menu.screens(desk);
-  for (const VerbEntry& verb : verbs_of(menu.name, verb_catalogue())) choices.push_back(choice_of(verb, desk));
+std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Connection& connection) {
+  Choices choices = menu.screens(connection);
+  for (const VerbEntry& verb : verbs_of(menu.name, verb_catalogue())) choices.push_back(choice_of(verb, connection));
   return std::make_unique<MenuScreen>(
       menu.name,
       std::string(menu.name) + ": " + menu.help +
@@ -85,28 +85,28 @@ std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Desk& desk) {
 }
 
 /// Found from here by their names, not shown.
-void add_sought(Choices& choices, const Desk& desk) {
+void add_sought(Choices& choices, const Connection& connection) {
   const std::size_t shown = choices.size();
   for (const TopMenu& menu : top_menus())
-    for (MenuChoice& screen : menu.screens(desk)) choices.push_back(std::move(screen));
+    for (MenuChoice& screen : menu.screens(connection)) choices.push_back(std::move(screen));
   for (const MenuEntry& menu : verb_catalogue())
-    for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, desk));
+    for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, connection));
   for (std::size_t k = shown; k < choices.size(); ++k) choices[k].only_sought = true;
 }
 
 }  // namespace
 
-std::unique_ptr<Screen> main_menu(const Desk& desk) {
+std::unique_ptr<Screen> main_menu(const Connection& connection) {
   Choices choices;
   for (const TopMenu& menu : top_menus())
-    choices.push_back({menu.name, menu.help, [menu, desk] { return menu_of(menu, desk); }});
+    choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
   choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
-                                       [desk] { return std::make_unique<MonitorScreen>(desk); }});
+                                       [connection] { return std::make_unique<MonitorScreen>(connection); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
-                                     [desk] { return std::make_unique<LinkScreen>(desk); }});
+                                     [connection] { return std::make_unique<LinkScreen>(connection); }});
   choices.insert(choices.end() - 1,
                  {"LOG", "what the screens told, errors whole, to copy", [] { return std::make_unique<LogScreen>(); }});
-  add_sought(choices, desk);
+  add_sought(choices, connection);
   return std::make_unique<MenuScreen>(
       "ECS",
       "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part "

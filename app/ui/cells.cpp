@@ -60,13 +60,13 @@ void Canvas::set(int row, int column, Cell content) {
 
 int Canvas::text(const Area& area, int row, int column, std::string_view utf8, Tone tone) {
   if (row < 0 || row >= area.rows || column >= area.columns) return 0;
-  const std::vector<Sign> signs = signs_of(utf8);
+  const std::vector<Sign> control = signs_of(utf8);
   const int room = area.columns - column;
   int wanted = 0;
-  for (const Sign& sign : signs) wanted += sign.columns;
+  for (const Sign& sign : control) wanted += sign.columns;
   const bool cut = wanted > room;
   int used = 0;
-  for (const Sign& sign : signs) {
+  for (const Sign& sign : control) {
     if (used + sign.columns > (cut ? room - 1 : room)) break;
     put(area.row + row, area.column + column + used, sign.glyph, tone);
     used += sign.columns;

@@ -52,7 +52,7 @@ struct Area {
   [[nodiscard]] Area right_of(int columns_skipped) const;
 };
 
-/// Which signs the terminal can show.
+/// Which control the terminal can show.
 enum class Glyphs : std::uint8_t { ascii, unicode };
 
 class Canvas {

@@ -112,7 +112,7 @@ struct Scale {
   [[nodiscard]] double down(double value) const { return (y.to - value) / y.width() * (height - 1.0); }
 };
 
-/// Single readings too many for signs become dots.
+/// Single readings too many for control become dots.
 bool as_dots(const PlotSeries& series, int columns) {
   return !line(series.mark) && static_cast<int>(series.points.size()) > columns / 2;
 }

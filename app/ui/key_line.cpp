@@ -13,21 +13,21 @@ struct Hint {
   int column = 0;
 };
 
-int columns_of(const KeyHelp& help) { return width_of(help.keys) + 1 + width_of(help.does); }
+int help_columns(const KeyHelp& help) { return width_of(help.keys) + 1 + width_of(help.does); }
 
 std::vector<Hint> hints_on(const Area& line, const KeyLine& keys) {
   std::vector<Hint> hints;
   int end = line.columns - 1;  // the last cell of a terminal stays empty
   for (auto last = keys.ends.rbegin(); last != keys.ends.rend(); ++last) {
-    end -= columns_of(*last);
+    end -= help_columns(*last);
     hints.push_back({*last, end});
     end -= 2;
   }
   int column = 0;
   for (const KeyHelp& help : keys.keys) {
-    if (column + columns_of(help) > end) continue;
+    if (column + help_columns(help) > end) continue;
     hints.push_back({help, column});
-    column += columns_of(help) + 2;
+    column += help_columns(help) + 2;
   }
   return hints;
 }
@@ -91,7 +91,7 @@ void draw_key_line(Canvas& canvas, const Area& line, const KeyLine& keys) {
 
 std::optional<Key> clicked_key(const Area& line, const KeyLine& keys, int column) {
   for (const Hint& hint : hints_on(line, keys)) {
-    if (column < hint.column || column >= hint.column + columns_of(hint.help)) continue;
+    if (column < hint.column || column >= hint.column + help_columns(hint.help)) continue;
     std::vector<Word> words;
     add_parts(words, hint.help.keys, ' ', hint.column);
     std::optional<Key> first;

@@ -101,12 +101,14 @@ int columns_of(char32_t glyph) {
 }
 
 std::vector<Sign> signs_of(std::string_view utf8) {
-  std::vector<Sign> signs;
-  signs.reserve(utf8.size());
-  const auto add = [&signs](char32_t glyph, int columns) { signs.push_back({glyph < 0x20 ? U' ' : glyph, columns}); };
+  std::vector<Sign> control;
+  control.reserve(utf8.size());
+  const auto add = [&control](char32_t glyph, int columns) {
+    control.push_back({glyph < 0x20 ? U' ' : glyph, columns});
+  };
   if (is_ascii(utf8)) {
     for (const char c : utf8) add(c == 0x7F ? U'?' : static_cast<char32_t>(c), 1);
-    return signs;
+    return control;
   }
   std::u32string points = code_points(utf8);
   if (std::any_of(points.begin(), points.end(), [](char32_t glyph) { return columns_of(glyph) == 0; }))
@@ -118,7 +120,7 @@ std::vector<Sign> signs_of(std::string_view utf8) {
     else if (seen_columns(glyph) > 0)
       add(U'?', 1);
   }
-  return signs;
+  return control;
 }
 
 int width_of(std::string_view utf8) {
@@ -129,13 +131,13 @@ int width_of(std::string_view utf8) {
 }
 
 std::string in_columns(std::string_view utf8, int columns) {
-  const std::vector<Sign> signs = signs_of(utf8);
+  const std::vector<Sign> control = signs_of(utf8);
   int wanted = 0;
-  for (const Sign& sign : signs) wanted += sign.columns;
+  for (const Sign& sign : control) wanted += sign.columns;
   const int room = std::max(0, columns) - (wanted > columns ? 1 : 0);
   std::string out;
   int used = 0;
-  for (const Sign& sign : signs) {
+  for (const Sign& sign : control) {
     if (used + sign.columns > room) break;
     out += utf8_of(sign.glyph);
     used += sign.columns;

@@ -15,7 +15,7 @@ struct Sign {
   friend bool operator==(const Sign&, const Sign&) = default;
 };
 
-/// The signs of a text, in order. A mark that stands over another letter is joined with it where Unicode has one sign
+/// The control of a text, in order. A mark that stands over another letter is joined with it where Unicode has one sign
 /// for both, else left away; control characters become a blank or '?'.
 [[nodiscard]] std::vector<Sign> signs_of(std::string_view utf8);
 

@@ -8,7 +8,7 @@
 
 namespace ecs::app {
 
-class UnitDesk;
+class UnitConnection;
 
 struct MenuChoice {
   std::string name;
@@ -42,6 +42,6 @@ class MenuScreen final : public Screen {
 };
 
 /// The first screen: every menu, every screen, every verb.
-[[nodiscard]] std::unique_ptr<Screen> main_menu(const std::shared_ptr<UnitDesk>& desk);
+[[nodiscard]] std::unique_ptr<Screen> main_menu(const std::shared_ptr<UnitConnection>& connection);
 
 }  // namespace ecs::app

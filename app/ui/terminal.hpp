@@ -11,7 +11,7 @@
 namespace ecs::app {
 
 struct TerminalOptions {
-  bool ascii = false;  ///< no signs beyond ASCII, whatever the locale says
+  bool ascii = false;  ///< no control beyond ASCII, whatever the locale says
   bool colour = true;  ///< false with NO_COLOR
   bool mouse = true;
 };

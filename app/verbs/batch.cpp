@@ -23,7 +23,7 @@ Json json_of(const BatchReport& report) {
               {"state", name_of(report.state)},
               {"bytes", report.bytes > 0 ? Json(report.bytes) : Json(nullptr)},
               {"notes", report.notes},
-              {"error", report.problem ? app::json_of(*report.problem) : Json(nullptr)}};
+              {"error", report.problem ? ecs::json_of(*report.problem) : Json(nullptr)}};
 }
 
 std::string table_of(const std::vector<BatchReport>& reports) {
@@ -49,25 +49,25 @@ const Problem* first_problem(const std::vector<BatchReport>& reports) {
   return first;
 }
 
-Result<Outcome> batch(Session& session, const BatchArguments& arguments) {
-  if (!session.link_option.empty())
+Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
+  if (!context.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
   const auto plan = read_batch_plan(arguments.plan);
   if (!plan) return tl::unexpected(plan.error());
   const auto reports =
-      run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, [&session](const PlannedUnit& unit) {
-        session.face.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
-        session.face.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
-        return progress_bar(session, unit.name);
+      run_batch(*plan, arguments.dry_run ? BatchMode::dry_run : BatchMode::send, [&context](const PlannedUnit& unit) {
+        context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
+        context.console.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
+        return progress_bar(context, unit.name);
       });
-  session.face.end_progress();
-  session.face.message_prefix.clear();
+  context.console.end_progress();
+  context.console.message_prefix.clear();
   Json units = Json::array();
   for (const BatchReport& report : reports) units.push_back(json_of(report));
   const int exit_code = exit_code_of(reports);
   Json object{{"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units}};
   if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
-    object["error"] = app::json_of(*problem);
+    object["error"] = ecs::json_of(*problem);
   std::string text = table_of(reports);
   if (arguments.dry_run)
     text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";
@@ -84,7 +84,7 @@ void add_batch_verb(Menu& root) {
             "\"mill3.toml\"\n              map = \"mill3_map.csv\"")
       .text("PLAN", arguments->plan, "plan file (TOML)", Need::required)
       .flag("--dry-run", arguments->dry_run, "check everything, write nothing")
-      .runs([arguments](Session& session) { return batch(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return batch(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -48,19 +48,19 @@ Problem why_not(const Diagnosis& diagnosis) {
   return why;
 }
 
-Result<Outcome> examine(Session& session, const DoctorArguments& arguments) {
-  const auto choice = chosen_link(session.link_option);
+Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) {
+  const auto choice = chosen_link(context.link_option);
   if (!choice) return tl::unexpected(choice.error());
-  session.link_name = to_text(*choice);
-  if (arguments.save && session.link_option.empty())
+  context.link_name = to_text(*choice);
+  if (arguments.save && context.link_option.empty())
     return problem(ProblemKind::usage, "doctor --save: give the --link that is to be stored");
-  Diagnosis diagnosis = diagnosis_of(*choice, [&session](const std::string& note) { session.face.note(note); });
+  Diagnosis diagnosis = diagnosis_of(*choice, [&context](const std::string& note) { context.console.note(note); });
   if (arguments.save && diagnosis.works) {
-    if (auto stored = store_link(session.link_name); !stored) return tl::unexpected(stored.error());
+    if (auto stored = store_link(context.link_name); !stored) return tl::unexpected(stored.error());
     diagnosis.findings.push_back(
         {"stored", FindingState::ok, fmt::format("stored in {}", configuration_file().string()), {}});
   }
-  std::string text = fmt::format("link {} ({})\n", session.link_name, choice->origin);
+  std::string text = fmt::format("link {} ({})\n", context.link_name, choice->origin);
   Json findings = Json::array();
   for (const auto& list : {diagnosis.findings, surroundings()}) {
     for (const DoctorFinding& finding : list) {
@@ -69,14 +69,14 @@ Result<Outcome> examine(Session& session, const DoctorArguments& arguments) {
     }
   }
   text += diagnosis.works ? "the link works\n" : "the link does not work\n";
-  Json object{{"link", session.link_name},
+  Json object{{"link", context.link_name},
               {"origin", choice->origin},
               {"works", diagnosis.works},
               {"working_link", text_or_null(diagnosis.working_link)},
               {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
               {"statistics", statistics_json(diagnosis.statistics)},
               {"findings", findings}};
-  if (!diagnosis.works) object["error"] = app::json_of(why_not(diagnosis));
+  if (!diagnosis.works) object["error"] = ecs::json_of(why_not(diagnosis));
   return Outcome{text, one_line(object), diagnosis.works ? kDone : exit_code_of(ProblemKind::link)};
 }
 
@@ -88,7 +88,7 @@ void add_doctor_verb(Menu& root) {
             "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save")
       .flag("--save", arguments->save, "store the link, if it works, as the one to use without --link")
       .uses_link()
-      .runs([arguments](Session& session) { return examine(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return examine(context, *arguments); });
 }
 
 }  // namespace ecs::app

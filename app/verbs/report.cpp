@@ -24,7 +24,7 @@ Json band_of(const std::optional<MeasuredPhase>& phase) {
 Json json_of(const ReportContent& content, std::size_t i) {
   const TableRow& row = content.rows[i];
   Json problems = Json::array();
-  for (const Problem& one : row.problems) problems.push_back(app::json_of(one));
+  for (const Problem& one : row.problems) problems.push_back(ecs::json_of(one));
   return {{"name", row.planned.name},
           {"title", row.planned.title},
           {"unit", laser::unit_of(row.planned.sense)},
@@ -107,7 +107,7 @@ Json answer_of(const ReportContent& content, const Judgement& j, const std::stri
               {"next", j.next},
               {"absent", absent_from(content)},
               {"rows", std::move(rows)}};
-  if (const auto unfit = unfit_files(content)) object["error"] = app::json_of(*unfit);
+  if (const auto unfit = unfit_files(content)) object["error"] = ecs::json_of(*unfit);
   return object;
 }
 
@@ -128,10 +128,10 @@ Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles&
   for (const TableRow& row : content.rows)
     for (const auto* phase : {&row.before, &row.after})
       if (*phase) inputs.push_back((*phase)->file.string());
-  return spares_inputs(arguments.output, inputs);
+  return check_output_not_input(arguments.output, inputs);
 }
 
-Result<Outcome> report(Session& session, const ReportArguments& arguments) {
+Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
   std::error_code ignored;
   if (std::filesystem::is_directory(arguments.output, ignored))
     return problem(ProblemKind::usage,
@@ -141,7 +141,7 @@ Result<Outcome> report(Session& session, const ReportArguments& arguments) {
   if (!files) return tl::unexpected(files.error());
   if (!arguments.data.empty() && files->model.empty())
     return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
-  const auto content = report_content(session, arguments);
+  const auto content = report_content(context, arguments);
   if (!content) return tl::unexpected(content.error());
   if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
   const Judgement judgement = judgement_of(*content);
@@ -175,7 +175,7 @@ void add_report_verb(Menu& root) {
       .texts("--header", arguments->header, "key=value of the head of the page, such as customer=…; wins over files")
       .text("--date", arguments->date, "of the report; without: the last date in the files")
       .integer("--blanks", arguments->blanks, "simulated data sets of noise alone for the diagnosis", 50, 20'000)
-      .runs([arguments](Session& session) { return report(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return report(context, *arguments); });
 }
 
 }  // namespace ecs::app

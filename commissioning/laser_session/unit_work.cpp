@@ -9,10 +9,10 @@
 namespace ecs::app {
 namespace {
 
-protocol::ProgressCallback told_to(JobSigns& signs, SendSigns& seen) {
-  return [&signs, &seen](const protocol::Progress& progress) {
+protocol::ProgressCallback told_to(JobControl& control, SendProgress& seen) {
+  return [&control, &seen](const protocol::Progress& progress) {
     if (progress.bytes_total > 0)
-      signs.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+      control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
     seen.seconds_left = progress.seconds_left;
   };
 }
@@ -21,9 +21,9 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
   return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
 }
 
-/// Who answers is known already: the desk asked before it gave the line. The status is asked once, not also by
+/// Who answers is known already: the connection asked before it gave the line. The status is asked once, not also by
 /// active_check(): on a slow line it is what takes the time.
-Result<UnitHolding> holding_over(UnitDesk& unit, UnitLink& line) {
+Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& line) {
   const auto status = line.client().status();
   if (!status) return tl::unexpected(status.error());
   const WatchedUnit standing = unit.standing();
@@ -70,10 +70,10 @@ std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
   return {};
 }
 
-Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files) {
+Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
   auto prepared = prepared_map(files.map, files.parameters);
   if (!prepared) return tl::unexpected(prepared.error());
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<ReadyMap> {
+  return unit.on_line(control, [&](UnitLink& line) -> Result<ReadyMap> {
     const auto identity = line.client().identity();
     if (!identity) return tl::unexpected(identity.error());
     std::vector<std::string> objections = other_unit(*prepared, identity->serial_number);
@@ -86,8 +86,8 @@ Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& file
   });
 }
 
-Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready, SendSigns& seen) {
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<SentMap> {
+Result<SentMap> sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready, SendProgress& seen) {
+  return unit.on_line(control, [&](UnitLink& line) -> Result<SentMap> {
     const auto active = active_check(line.client());
     if (!active) return tl::unexpected(active.error());
     if (*active != ready.active)
@@ -99,15 +99,15 @@ Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready,
       seen.check_before = check.value_or(0);
       seen.begun = true;
     };
-    return send_map(line.client(), *ready.map, ready.files.map, false, before, told_to(signs, seen));
+    return send_map(line.client(), *ready.map, ready.files.map, false, before, told_to(control, seen));
   });
 }
 
-Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen) {
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<VerifiedMap> {
+Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files, SendProgress& seen) {
+  return unit.on_line(control, [&](UnitLink& line) -> Result<VerifiedMap> {
     const auto before = holding_over(unit, line);
     if (!before) return tl::unexpected(before.error());
-    const auto found = map_in(line.client(), told_to(signs, seen));
+    const auto found = map_in(line.client(), told_to(control, seen));
     if (!found) return tl::unexpected(found.error());
     auto verdict = verdict_on(*found, files.map, files.parameters);
     if (!verdict) return tl::unexpected(verdict.error());
@@ -119,12 +119,12 @@ Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles
   });
 }
 
-Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs) {
-  return unit.on_line(signs, [&](UnitLink& line) { return holding_over(unit, line); });
+Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control) {
+  return unit.on_line(control, [&](UnitLink& line) { return holding_over(unit, line); });
 }
 
-Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file) {
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
+Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
+  return unit.on_line(control, [&](UnitLink& line) -> Result<void> {
     const auto identity = line.client().identity();
     if (!identity) return tl::unexpected(identity.error());
     const auto parameters = receive_parameters(line.client());
@@ -133,8 +133,8 @@ Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std:
   });
 }
 
-Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected) {
-  return unit.on_line(signs, [&](UnitLink& line) -> Result<void> {
+Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, const ExpectedMap& expected) {
+  return unit.on_line(control, [&](UnitLink& line) -> Result<void> {
     const auto now = holding_over(unit, line);
     if (!now) return tl::unexpected(now.error());
     if (const std::string why = other_than(expected, *now); !why.empty())

@@ -20,7 +20,7 @@
 namespace ecs::app {
 
 /// Seen while a map is on its way.
-struct SendSigns {
+struct SendProgress {
   std::atomic<double> seconds_left{-1.0};  ///< below 0: not known yet
   std::atomic<bool> begun{false};          ///< bytes leave for the unit
   std::atomic<bool> had_map{false};        ///< `check_before` holds
@@ -60,18 +60,21 @@ struct ExpectedMap {
 };
 
 /// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.
-[[nodiscard]] Result<ReadyMap> ready_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files);
+[[nodiscard]] Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
 /// Whole or not at all; the old map stays active until the new one is whole and read back.
-[[nodiscard]] Result<SentMap> sent_map(UnitDesk& unit, JobSigns& signs, const ReadyMap& ready, SendSigns& seen);
+[[nodiscard]] Result<SentMap> sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready,
+                                       SendProgress& seen);
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
 /// map while it was read.
-[[nodiscard]] Result<VerifiedMap> verified_map(UnitDesk& unit, JobSigns& signs, const MapFiles& files, SendSigns& seen);
+[[nodiscard]] Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files,
+                                               SendProgress& seen);
 /// Who the unit is and what is active in it: a few short transfers.
-[[nodiscard]] Result<UnitHolding> holding_of_unit(UnitDesk& unit, JobSigns& signs);
+[[nodiscard]] Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control);
 /// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
-[[nodiscard]] Result<void> receive_parameters_into(UnitDesk& unit, JobSigns& signs, const std::string& file);
+[[nodiscard]] Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file);
 /// Compensation mode: the unit tests its memory, then waits for the axes to be referenced. Refused, saying why, unless
 /// the unit is the one, and holds the very map, that is expected.
-[[nodiscard]] Result<void> switch_to_compensation(UnitDesk& unit, JobSigns& signs, const ExpectedMap& expected);
+[[nodiscard]] Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control,
+                                                  const ExpectedMap& expected);
 
 }  // namespace ecs::app

@@ -7,10 +7,10 @@ namespace {
 
 /// Files that did not change are not read again.
 std::vector<LaserFile> read_files(const LaserChoices& choices, const LaserWork* before, bool& changed,
-                                  JobSigns& signs) {
+                                  JobControl& control) {
   std::vector<LaserFile> files;
   changed = before == nullptr || before->files.size() != choices.files.size();
-  for (std::size_t k = 0; k < choices.files.size() && !signs.cancelled; ++k) {
+  for (std::size_t k = 0; k < choices.files.size() && !control.cancelled; ++k) {
     const LaserFileChoice& choice = choices.files[k];
     const LaserFile* known = nullptr;
     if (before != nullptr)
@@ -20,7 +20,7 @@ std::vector<LaserFile> read_files(const LaserChoices& choices, const LaserWork* 
           known = &file;
     changed = changed || known == nullptr || known != &before->files[k];
     files.push_back(known != nullptr ? *known : read_laser_file(choice));
-    signs.part = static_cast<double>(k + 1) / static_cast<double>(choices.files.size());
+    control.part = static_cast<double>(k + 1) / static_cast<double>(choices.files.size());
   }
   return files;
 }
@@ -93,16 +93,16 @@ std::vector<LaserCurve> curves_of(const LaserWork& work, const LaserWork* before
 }  // namespace
 
 LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before, const std::filesystem::path& folder,
-                        bool with_map, JobSigns& signs) {
+                        bool with_map, JobControl& control) {
   auto work = std::make_shared<LaserWork>();
   work->choices = choices;
   bool changed = true;
-  work->files = read_files(choices, before.get(), changed, signs);
+  work->files = read_files(choices, before.get(), changed, control);
   work->lines = changed || !before ? laser_lines(work->files) : before->lines;
   work->results = results_of(*work, before.get());
   const LaserAssignment assignment = before ? before->map.assignment : LaserAssignment{};
   if (before) work->map = before->map;
-  if (with_map && !signs.cancelled) {
+  if (with_map && !control.cancelled) {
     take_parameters(work->map, choices);
     assign_lines(work->map, choices, work->lines, assignment, folder);
   } else if (changed) {
@@ -110,8 +110,8 @@ LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
     work->map.parameters.reset();
   }
   work->curves = curves_of(*work, before.get(), folder);
-  if (with_map && !signs.cancelled) build_laser_map(work->map, choices, work->lines, folder);
-  work->map_current = with_map && !signs.cancelled;
+  if (with_map && !control.cancelled) build_laser_map(work->map, choices, work->lines, folder);
+  work->map_current = with_map && !control.cancelled;
   return work;
 }
 

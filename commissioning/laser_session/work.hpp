@@ -30,6 +30,6 @@ using LaserWorkPtr = std::shared_ptr<const LaserWork>;
 /// @param folder   for files that a map needs prepared
 /// @param with_map false: lines and curves of the readings alone, the map is taken over from before
 [[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
-                                      const std::filesystem::path& folder, bool with_map, JobSigns& signs);
+                                      const std::filesystem::path& folder, bool with_map, JobControl& control);
 
 }  // namespace ecs::app

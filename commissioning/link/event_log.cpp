@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kKept = 1000;
 constexpr std::uintmax_t kMostBytes = 1 << 20;
 
-std::mutex mutex;
+std::mutex log_mutex;
 std::deque<LogEntry> entries;
 std::vector<std::string> left;
 
@@ -37,7 +37,7 @@ std::filesystem::path log_file() {
 
 void log_event(Tone tone, const std::string& text) {
   if (text.empty()) return;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(log_mutex);
   if (!entries.empty() && entries.back().text == text) return;
   const std::tm now = fmt::localtime(std::time(nullptr));
   entries.push_back({fmt::format("{:%H:%M:%S}", now), tone, text});
@@ -48,17 +48,17 @@ void log_event(Tone tone, const std::string& text) {
 
 void leave_word(const std::string& text) {
   log_event(Tone::bad, text);
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(log_mutex);
   left.push_back(text);
 }
 
 std::vector<std::string> words_left() {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(log_mutex);
   return left;
 }
 
 std::vector<LogEntry> logged() {
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(log_mutex);
   return {entries.begin(), entries.end()};
 }
 

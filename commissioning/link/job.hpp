@@ -12,7 +12,7 @@
 namespace ecs::app {
 
 /// What the work sees of its owner.
-struct JobSigns {
+struct JobControl {
   std::atomic<bool> cancelled{false};
   std::atomic<double> part{0.0};  ///< 0 … 1
 };
@@ -21,27 +21,27 @@ struct JobSigns {
 template <class T>
 class Job {
  public:
-  using Work = std::function<T(JobSigns&)>;
+  using Work = std::function<T(JobControl&)>;
   Job() = default;
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
   ~Job() { cancel(); }
 
   [[nodiscard]] bool running() const { return shared_ != nullptr; }
-  [[nodiscard]] double part() const { return shared_ ? shared_->signs.part.load() : 0.0; }
+  [[nodiscard]] double part() const { return shared_ ? shared_->control.part.load() : 0.0; }
 
   /// @pre !running()
   void start(Work work) {
     shared_ = std::make_shared<Shared>();
     thread_ = std::jthread([shared = shared_, work = std::move(work)] {
-      T result = work(shared->signs);
+      T result = work(shared->control);
       const std::lock_guard lock(shared->mutex);
       shared->result.emplace(std::move(result));
     });
   }
   /// Asks the work to stop; its result still comes.
   void cancel() {
-    if (shared_) shared_->signs.cancelled = true;
+    if (shared_) shared_->control.cancelled = true;
   }
   /// The result, once; nothing as long as it is not there.
   [[nodiscard]] std::optional<T> take() {
@@ -60,7 +60,7 @@ class Job {
 
  private:
   struct Shared {
-    JobSigns signs;
+    JobControl control;
     std::mutex mutex;
     std::optional<T> result;
   };

@@ -26,7 +26,7 @@ std::string where_of(const protocol::UnitClient& client) {
 
 }  // namespace
 
-UnitDesk::UnitDesk(std::string link) : link_(std::move(link)) {
+UnitConnection::UnitConnection(std::string link) : link_(std::move(link)) {
   guard_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       {
@@ -40,7 +40,7 @@ UnitDesk::UnitDesk(std::string link) : link_(std::move(link)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-UnitDesk::~UnitDesk() {
+UnitConnection::~UnitConnection() {
   leaving_ = true;
   thread_.request_stop();
   thread_.join();
@@ -48,12 +48,12 @@ UnitDesk::~UnitDesk() {
   guard_.join();
 }
 
-WatchedUnit UnitDesk::now() const {
+WatchedUnit UnitConnection::now() const {
   const std::lock_guard lock(mutex_);
   return state_;
 }
 
-WatchedUnit UnitDesk::standing() const {
+WatchedUnit UnitConnection::standing() const {
   const std::lock_guard lock(mutex_);
   WatchedUnit standing;
   standing.link = state_.link;
@@ -73,20 +73,20 @@ WatchedUnit UnitDesk::standing() const {
   return standing;
 }
 
-std::optional<protocol::MonitorSample> UnitDesk::newest() const {
+std::optional<protocol::MonitorSample> UnitConnection::newest() const {
   const std::lock_guard lock(mutex_);
   if (!state_.open || state_.samples.empty() || state_.newest_at < state_.opened_at) return std::nullopt;
   return state_.samples.back();
 }
 
-std::string UnitDesk::link() const {
+std::string UnitConnection::link() const {
   const std::lock_guard lock(mutex_);
   return link_;
 }
 
-void UnitDesk::choose(const std::string& link) {
-  JobSigns signs;
-  const Turn turn(*this, signs);
+void UnitConnection::choose(const std::string& link) {
+  JobControl control;
+  const Turn turn(*this, control);
   close();
   emulator_.reset();
   next_try_ = {};
@@ -97,39 +97,39 @@ void UnitDesk::choose(const std::string& link) {
   ++changes_;
 }
 
-UnitDesk::Turn::Turn(UnitDesk& desk, JobSigns& signs) : desk_(&desk) {
-  ++desk.waiting_;
-  line_lock_ = std::unique_lock(desk.line_mutex_);
-  --desk.waiting_;
-  const std::lock_guard lock(desk.signs_mutex_);
-  desk.signs_ = &signs;
-  desk.cancelled_ = desk.leaving_ || signs.cancelled;
+UnitConnection::Turn::Turn(UnitConnection& connection, JobControl& control) : connection_(&connection) {
+  ++connection.waiting_;
+  line_lock_ = std::unique_lock(connection.line_mutex_);
+  --connection.waiting_;
+  const std::lock_guard lock(connection.signs_mutex_);
+  connection.signs_ = &control;
+  connection.cancelled_ = connection.leaving_ || control.cancelled;
 }
 
-UnitDesk::Turn::~Turn() {
-  const std::lock_guard lock(desk_->signs_mutex_);
-  desk_->signs_ = nullptr;
-  desk_->cancelled_ = desk_->leaving_.load();
+UnitConnection::Turn::~Turn() {
+  const std::lock_guard lock(connection_->signs_mutex_);
+  connection_->signs_ = nullptr;
+  connection_->cancelled_ = connection_->leaving_.load();
 }
 
-UnitDesk::Lent::Lent(UnitDesk& desk) : desk_(&desk) {
-  ++desk.waiting_;
-  line_lock_ = std::unique_lock(desk.line_mutex_);
-  --desk.waiting_;
-  desk.close();
-  const std::lock_guard lock(desk.mutex_);
-  desk.state_.lent = true;
-  ++desk.changes_;
+UnitConnection::Lent::Lent(UnitConnection& connection) : connection_(&connection) {
+  ++connection.waiting_;
+  line_lock_ = std::unique_lock(connection.line_mutex_);
+  --connection.waiting_;
+  connection.close();
+  const std::lock_guard lock(connection.mutex_);
+  connection.state_.lent = true;
+  ++connection.changes_;
 }
 
-UnitDesk::Lent::~Lent() {
-  desk_->next_try_ = {};
-  const std::lock_guard lock(desk_->mutex_);
-  desk_->state_.lent = false;
-  ++desk_->changes_;
+UnitConnection::Lent::~Lent() {
+  connection_->next_try_ = {};
+  const std::lock_guard lock(connection_->mutex_);
+  connection_->state_.lent = false;
+  ++connection_->changes_;
 }
 
-void UnitDesk::run(const std::stop_token& stop) {
+void UnitConnection::run(const std::stop_token& stop) {
   auto next = Clock::now();
   while (!stop.stop_requested()) {
     const bool fast = watchers_ > 0;
@@ -143,7 +143,7 @@ void UnitDesk::run(const std::stop_token& stop) {
   close();
 }
 
-void UnitDesk::look() {
+void UnitConnection::look() {
   const std::lock_guard line_lock(line_mutex_);
   if (!line_ && Clock::now() < next_try_) return;
   if (const auto line = opened(); !line) return;
@@ -158,7 +158,7 @@ void UnitDesk::look() {
 }
 
 /// Opens the line if there is none. @pre the line is ours
-Result<void> UnitDesk::opened() {
+Result<void> UnitConnection::opened() {
   if (line_) return {};
   const auto choice = chosen_link(link());
   auto line = choice ? open_link(*choice, cancelled_) : tl::unexpected(choice.error());
@@ -185,7 +185,7 @@ Result<void> UnitDesk::opened() {
 }
 
 /// A gateway, or a cable put elsewhere, may lead to another unit than the one that the screens speak of.
-Result<void> UnitDesk::same_unit(const std::optional<protocol::Identity>& shown) {
+Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& shown) {
   const auto now = line_->client().identity();
   if (!now) {
     ++failures_;
@@ -208,14 +208,14 @@ Result<void> UnitDesk::same_unit(const std::optional<protocol::Identity>& shown)
   return other;
 }
 
-void UnitDesk::close() {
+void UnitConnection::close() {
   line_.reset();
   const std::lock_guard lock(mutex_);
   state_.open = false;
 }
 
 /// After a look or a piece of work: what the line counted, and whether it is to be given up.
-void UnitDesk::settle() {
+void UnitConnection::settle() {
   if (!line_) return;
   const bool gone = !line_->client().link().connected() || (line_->emulator() && !line_->emulator()->running());
   {
@@ -231,7 +231,7 @@ void UnitDesk::settle() {
   next_try_ = Clock::now() + kBeforeNextTry;
 }
 
-void UnitDesk::take(const protocol::MonitorSample& sample) {
+void UnitConnection::take(const protocol::MonitorSample& sample) {
   const std::lock_guard lock(mutex_);
   const auto now = Clock::now();
   arrivals_.push_back(now);
@@ -245,7 +245,7 @@ void UnitDesk::take(const protocol::MonitorSample& sample) {
   ++changes_;
 }
 
-void UnitDesk::lost(const Problem& why) {
+void UnitConnection::lost(const Problem& why) {
   const std::lock_guard lock(mutex_);
   if (state_.problem.empty() && !leaving_) log_event(Tone::bad, to_text(why));  // once, not at every look
   state_.problem = to_text(why);

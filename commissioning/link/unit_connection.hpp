@@ -1,5 +1,5 @@
 // The one line to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
-// the screens; work on it is done one piece after the other. A bundled emulator runs as long as the desk.
+// the screens; work on it is done one piece after the other. A bundled emulator runs as long as the connection.
 // Does not live here: what is said over the line (protocol/client/client.hpp), drawing.
 #pragma once
 
@@ -40,14 +40,14 @@ struct WatchedUnit {
   std::string problem;                                ///< why there is no line now; empty: there is one
 };
 
-class UnitDesk {
+class UnitConnection {
  public:
   static constexpr std::size_t kKept = 1200;
   /// @param link  --link as given; empty: the stored one, else the emulator
-  explicit UnitDesk(std::string link);
-  ~UnitDesk();
-  UnitDesk(const UnitDesk&) = delete;
-  UnitDesk& operator=(const UnitDesk&) = delete;
+  explicit UnitConnection(std::string link);
+  ~UnitConnection();
+  UnitConnection(const UnitConnection&) = delete;
+  UnitConnection& operator=(const UnitConnection&) = delete;
 
   [[nodiscard]] WatchedUnit now() const;
   /// Without the samples: cheap, for every picture.
@@ -66,8 +66,8 @@ class UnitDesk {
   /// ends what is under way. Opens the line first where there is none. Refused if another unit answers than the one
   /// that is shown: it is shown from then on.
   template <class Work>
-  [[nodiscard]] auto on_line(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
-    const Turn turn(*this, signs);
+  [[nodiscard]] auto on_line(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+    const Turn turn(*this, control);
     const auto shown = standing().identity;
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
@@ -77,8 +77,8 @@ class UnitDesk {
   }
   /// The same, whichever unit answers: to switch everything off.
   template <class Work>
-  [[nodiscard]] auto on_line_of_any_unit(JobSigns& signs, Work work) -> decltype(work(std::declval<UnitLink&>())) {
-    const Turn turn(*this, signs);
+  [[nodiscard]] auto on_line_of_any_unit(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+    const Turn turn(*this, control);
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     auto result = work(*line_);
     settle();
@@ -88,13 +88,13 @@ class UnitDesk {
   /// Closes the line and keeps hands off it as long as the token lives, so that a verb can open it by itself.
   class Lent {
    public:
-    explicit Lent(UnitDesk& desk);
+    explicit Lent(UnitConnection& connection);
     ~Lent();
     Lent(const Lent&) = delete;
     Lent& operator=(const Lent&) = delete;
 
    private:
-    UnitDesk* desk_;
+    UnitConnection* connection_;
     std::unique_lock<std::mutex> line_lock_;
   };
   [[nodiscard]] Lent lend() { return Lent(*this); }
@@ -102,26 +102,28 @@ class UnitDesk {
   /// While a token lives, samples come as fast as the line carries them (at most forty a second), else one a second.
   class Watching {
    public:
-    explicit Watching(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) { ++desk_->watchers_; }
-    ~Watching() { --desk_->watchers_; }
+    explicit Watching(std::shared_ptr<UnitConnection> connection) : connection_(std::move(connection)) {
+      ++connection_->watchers_;
+    }
+    ~Watching() { --connection_->watchers_; }
     Watching(const Watching&) = delete;
     Watching& operator=(const Watching&) = delete;
 
    private:
-    std::shared_ptr<UnitDesk> desk_;
+    std::shared_ptr<UnitConnection> connection_;
   };
 
  private:
-  /// The line to oneself, before the next look at the unit; `signs` can cancel.
+  /// The line to oneself, before the next look at the unit; `control` can cancel.
   class Turn {
    public:
-    Turn(UnitDesk& desk, JobSigns& signs);
+    Turn(UnitConnection& connection, JobControl& control);
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
 
    private:
-    UnitDesk* desk_;
+    UnitConnection* connection_;
     std::unique_lock<std::mutex> line_lock_;
   };
 
@@ -149,7 +151,7 @@ class UnitDesk {
   std::atomic<int> waiting_{0};  ///< pieces of work that want the line
   std::atomic<int> watchers_{0};
   std::mutex signs_mutex_;
-  JobSigns* signs_ = nullptr;  ///< of the work on the line
+  JobControl* signs_ = nullptr;  ///< of the work on the line
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> leaving_{false};
   std::jthread guard_;  ///< carries a cancel over to the line

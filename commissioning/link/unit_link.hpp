@@ -45,17 +45,17 @@ class UnitLink {
 /// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
 [[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
 
-/// Sets the session's message prefix if the link that it names, or the default, is an emulator.
-void announce_writing(Session& session);
+/// Sets the context's message prefix if the link that it names, or the default, is an emulator.
+void announce_writing(VerbContext& context);
 
-/// Opens the link that the session names, tells the session its name and sets its message prefix.
-[[nodiscard]] Result<UnitLink> open_unit(Session& session, Access access);
+/// Opens the link that the context names, tells the context its name and sets its message prefix.
+[[nodiscard]] Result<UnitLink> open_unit(VerbContext& context, Access access);
 
 /// Says that the machine must be referenced now; with a bundled emulator, how.
-void ask_to_reference(Session& session, const UnitLink& unit, std::string_view axes);
+void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes);
 
 /// Feeds the progress bar.
-[[nodiscard]] protocol::ProgressCallback progress_bar(Session& session, std::string label);
+[[nodiscard]] protocol::ProgressCallback progress_bar(VerbContext& context, std::string label);
 
 /// A usage problem unless `yes`: what moves, runs or overwrites needs --yes.
 [[nodiscard]] Result<void> confirmed(bool yes, std::string_view what_happens);

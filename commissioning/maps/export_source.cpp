@@ -117,12 +117,12 @@ void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::st
       .uses_link();
 }
 
-Result<ExportWork> export_work(Session& session, const ExportArguments& arguments) {
+Result<ExportWork> export_work(VerbContext& context, const ExportArguments& arguments) {
   if (!arguments.model.empty() && arguments.machine.empty())
     return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
-  auto found = found_map(session, arguments.map, arguments.unit);
+  auto found = found_map(context, arguments.map, arguments.unit);
   if (!found) return tl::unexpected(found.error());
-  const auto machine = machine_in(session, arguments.machine);
+  const auto machine = machine_in(context, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   ExportWork work;
   const auto with = parameters_for(arguments, *found, *machine, work);
@@ -181,11 +181,11 @@ laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std
   };
 }
 
-Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments, const ExportWork& work) {
+Result<laser::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments, const ExportWork& work) {
   if (arguments.model.empty()) return laser::errors_of_map(work.source);
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(session, arguments.machine);
+  const auto machine = machine_in(context, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   return errors_of_model(*model, **machine, arguments.model);
 }

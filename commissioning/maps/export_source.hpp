@@ -41,7 +41,7 @@ struct ExportWork {
 /// Reads everything. Refused: a map whose header names another configuration than the parameters, or (unless
 /// `other_machine`) another machine or serial number. Without --params those of the unit, else of --machine, else what
 /// the header of the map says.
-[[nodiscard]] Result<ExportWork> export_work(Session& session, const ExportArguments& arguments);
+[[nodiscard]] Result<ExportWork> export_work(VerbContext& context, const ExportArguments& arguments);
 
 /// The travels of the axes that the parameters name: those of the machine, else as far as the map reaches.
 [[nodiscard]] PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map,
@@ -54,7 +54,7 @@ struct ExportWork {
 
 /// The error of the machine at places: from the model if one is given, else from the map.
 /// @param work  must outlive what is returned
-[[nodiscard]] Result<laser::ErrorsAt> errors_for(Session& session, const ExportArguments& arguments,
+[[nodiscard]] Result<laser::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
                                                  const ExportWork& work);
 
 }  // namespace ecs::app

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "length"};
 
-std::string tables_text(const ToldExport& told) {
+std::string tables_text(const ExportReport& told) {
   std::string text = fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
                                  "off unit", "unit");
   for (const laser::ExportedTable& table : told.made.tables) {
@@ -31,7 +31,7 @@ std::string cell(const laser::ResidualSize& size, std::size_t direction) {
   return fmt::format("{:>7.1f} /{:>7.1f}", size.largest_um[direction], size.rms_um[direction]);
 }
 
-std::string residual_text(const ToldExport& told) {
+std::string residual_text(const ExportReport& told) {
   std::string text = fmt::format("what is left, predicted from {}: largest / rms, um\n", told.work.errors_from);
   text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "whole map, unit",
                       "this export");
@@ -73,11 +73,11 @@ std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
   return text;
 }
 
-Json json_of(const laser::LeftBehind& one) {
+Json left_behind_json(const laser::LeftBehind& one) {
   return {{"what", one.what}, {"largest", number_or_null(one.largest)}, {"unit", one.unit}, {"why", one.why}};
 }
 
-Json json_of(const laser::ResidualSize& size, const PerAxis<bool>& present) {
+Json residual_json(const laser::ResidualSize& size, const PerAxis<bool>& present) {
   Json object = Json::object();
   for (std::size_t d = 0; d <= kAxes; ++d) {
     if (d < kAxes && !present[d]) continue;
@@ -89,7 +89,7 @@ Json json_of(const laser::ResidualSize& size, const PerAxis<bool>& present) {
 
 }  // namespace
 
-std::string export_text(const ToldExport& told) {
+std::string export_text(const ExportReport& told) {
   std::string text = fmt::format("{} from {}\n\n", told.control, told.work.map_name) + tables_text(told) + "\n";
   text += left_behind_text(told.made.not_carried);
   text += "\n" + residual_text(told) + "\n";
@@ -101,14 +101,14 @@ std::string export_text(const ToldExport& told) {
   return text;
 }
 
-Json json_of(const ToldExport& told) {
+Json json_of(const ExportReport& told) {
   Json tables = Json::array(), rows = Json::array(), files = Json::array(), left = Json::array();
   Json written = Json::array(), replaced = Json::array();
   for (const WrittenFile& file : told.written) {
     written.push_back(file.path);
     if (file.replaced) replaced.push_back(file.path);
   }
-  for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(json_of(one));
+  for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(left_behind_json(one));
   const PerAxis<bool>& present = told.work.source.parameters.axis_present;
   for (const laser::ExportedTable& table : told.made.tables)
     tables.push_back({{"component", table.component},
@@ -122,9 +122,9 @@ Json json_of(const ToldExport& told) {
   for (const laser::ResidualRow& row : told.residuals)
     rows.push_back({{"where", row.where},
                     {"places", row.places},
-                    {"not_compensated", json_of(row.before, present)},
-                    {"whole_map", json_of(row.unit, present)},
-                    {"this_export", json_of(row.control, present)}});
+                    {"not_compensated", residual_json(row.before, present)},
+                    {"whole_map", residual_json(row.unit, present)},
+                    {"this_export", residual_json(row.control, present)}});
   for (const laser::ExportFile& file : told.made.files)
     files.push_back({{"name", file.name}, {"bytes", file.content.size()}});
   std::vector<std::string> notes = told.made.notes;

@@ -12,7 +12,7 @@
 namespace ecs::app {
 
 /// One export as it is told.
-struct ToldExport {
+struct ExportReport {
   std::string control;  ///< "LinuxCNC"
   const ExportWork& work;
   const laser::ControllerExport& made;
@@ -21,7 +21,7 @@ struct ToldExport {
   std::string output_hint;           ///< how to have it written
 };
 
-[[nodiscard]] std::string export_text(const ToldExport& told);
-[[nodiscard]] Json json_of(const ToldExport& told);
+[[nodiscard]] std::string export_text(const ExportReport& told);
+[[nodiscard]] Json json_of(const ExportReport& told);
 
 }  // namespace ecs::app

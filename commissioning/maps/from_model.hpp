@@ -25,6 +25,6 @@ struct FromModelArguments {
   std::string date;
 };
 
-[[nodiscard]] Result<Outcome> map_from_model(Session& session, const FromModelArguments& arguments);
+[[nodiscard]] Result<Outcome> map_from_model(VerbContext& context, const FromModelArguments& arguments);
 
 }  // namespace ecs::app

@@ -28,7 +28,8 @@ struct SentMap {
   double seconds = 0.0;
 };
 
-/// Told before the first byte leaves: the block check of the image that is active until the new one is whole.
+/// RankedCandidate before the first byte leaves: the block check of the image that is active until the new one is
+/// whole.
 using BeforeSending = std::function<void(std::optional<std::uint32_t>)>;
 
 /// Refused, before anything is sent, if the unit is another one than the map's or its parameters' (unless

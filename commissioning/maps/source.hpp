@@ -21,10 +21,10 @@ struct FoundMap {
 
 /// The map in the unit, decoded, with its parameters. Refused, saying why, if it holds none or an unsound one.
 [[nodiscard]] Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress = {});
-/// The same; the session shows how far it is.
-[[nodiscard]] Result<FoundMap> map_in(Session& session, UnitLink& unit);
+/// The same; the context shows how far it is.
+[[nodiscard]] Result<FoundMap> map_in(VerbContext& context, UnitLink& unit);
 
 /// `file`, or the unit's map with `from_unit`. A `usage` problem unless exactly one of the two is asked for.
-[[nodiscard]] Result<FoundMap> found_map(Session& session, const std::string& file, bool from_unit);
+[[nodiscard]] Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit);
 
 }  // namespace ecs::app

@@ -209,11 +209,11 @@ Result<laser::Imported> read_measurements(const std::string& file, const ImportA
   return imported;
 }
 
-Result<laser::Imported> read_said(Session& session, const std::string& file, const ImportArguments& arguments) {
+Result<laser::Imported> read_said(VerbContext& context, const std::string& file, const ImportArguments& arguments) {
   auto imported = read_measurements(file, arguments);
   if (!imported) return imported;
-  session.face.note(fmt::format("{}: {}", file, laser::name_of(imported->format)));
-  for (const std::string& note : imported->set.notes) session.face.note(fmt::format("{}: {}", file, note));
+  context.console.note(fmt::format("{}: {}", file, laser::name_of(imported->format)));
+  for (const std::string& note : imported->set.notes) context.console.note(fmt::format("{}: {}", file, note));
   return imported;
 }
 
@@ -249,7 +249,7 @@ Result<std::vector<laser::Exclusion>> exclusions_of(const std::vector<std::strin
   return exclusions;
 }
 
-Result<void> spares_inputs(const std::string& output, const std::vector<std::string>& inputs) {
+Result<void> check_output_not_input(const std::string& output, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
     std::error_code error;
     if (!output.empty() && std::filesystem::equivalent(input, output, error))

@@ -42,8 +42,8 @@ void take_import_options(Verb& verb, ImportArguments& arguments);
 /// Reads a file as whatever it is. A problem over what the file does not say names the options.
 [[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments);
 
-/// The same; says on the face what it was taken for, and what had to be assumed.
-[[nodiscard]] Result<laser::Imported> read_said(Session& session, const std::string& file,
+/// The same; says on the console what it was taken for, and what had to be assumed.
+[[nodiscard]] Result<laser::Imported> read_said(VerbContext& context, const std::string& file,
                                                 const ImportArguments& arguments);
 
 /// Several sets as one. Where two files measured the same line, the runs of the later one are numbered on, and a note
@@ -56,7 +56,7 @@ void take_import_options(Verb& verb, ImportArguments& arguments);
                                                                   const std::vector<std::string>& rows);
 
 /// A `usage` problem if `output` is one of the files that are read. Empty: nothing is written.
-[[nodiscard]] Result<void> spares_inputs(const std::string& output, const std::vector<std::string>& inputs);
+[[nodiscard]] Result<void> check_output_not_input(const std::string& output, const std::vector<std::string>& inputs);
 
 /// The readings of one group as a set of its own.
 [[nodiscard]] laser::MeasurementSet set_of(const laser::MeasurementSet& set, const laser::Group& group);

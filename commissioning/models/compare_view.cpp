@@ -13,9 +13,6 @@ namespace {
 
 using model::Comparison;
 
-constexpr double kWorthAShape = 0.1;  ///< of the residual variance
-constexpr std::size_t kMostShapes = 2;
-
 std::string directions_text(const Comparison& c) {
   std::string text = "sense axis direction   readings     bias      rms     peak   lack of fit\n";
   for (const model::DirectionSummary& one : c.directions)

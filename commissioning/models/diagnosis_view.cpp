@@ -101,9 +101,6 @@ std::string table_of(const Diagnosis& d, bool named, std::string_view title) {
   return text;
 }
 
-constexpr double kWorthAShape = 0.1;  ///< of the residual variance
-constexpr std::size_t kMostShapes = 2;
-
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
   std::vector<ShapePoint> points;
   for (std::size_t i = 0; i < std::min(one.at.size(), one.mean_um.size()); ++i)

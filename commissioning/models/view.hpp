@@ -53,4 +53,10 @@ struct ShapePoint {
 /// Paragraphs "note: …".
 [[nodiscard]] std::string notes_text(const std::vector<std::string>& notes);
 
+/// A variable with a smaller share of the residual variance gets no picture of its own.
+inline constexpr double kWorthAShape = 0.1;
+
+/// Pictures of variables in one answer.
+inline constexpr std::size_t kMostShapes = 2;
+
 }  // namespace ecs::app

@@ -11,10 +11,10 @@
 namespace ecs::app {
 namespace {
 
-Result<std::optional<Achieved>> achieved(Session& session, const ModelWork& work, const std::vector<std::string>& after,
-                                         const ImportArguments& import) {
+Result<std::optional<Achieved>> achieved(VerbContext& context, const ModelWork& work,
+                                         const std::vector<std::string>& after, const ImportArguments& import) {
   if (after.empty()) return std::optional<Achieved>();
-  auto set = measured_in(session, after, import);
+  auto set = measured_in(context, after, import);
   if (!set) return tl::unexpected(set.error());
   const std::size_t all = set->readings.size();
   std::erase_if(set->readings, [](const laser::Reading& r) { return !r.compensated.value_or(true); });
@@ -73,9 +73,9 @@ std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Ach
 
 }  // namespace
 
-Result<WhatIfTold> what_if_told(Session& session, const ModelWork& work, const std::string& model_file,
+Result<WhatIfTold> what_if_told(VerbContext& context, const ModelWork& work, const std::string& model_file,
                                 const std::vector<std::string>& after, const ImportArguments& import) {
-  auto again = achieved(session, work, after, import);
+  auto again = achieved(context, work, after, import);
   if (!again) return tl::unexpected(again.error());
   const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));

@@ -30,8 +30,9 @@ struct WhatIfTold {
 
 /// @param model_file  as problems name it
 /// @param after  files measured again with the unit compensating; empty: none were
-[[nodiscard]] Result<WhatIfTold> what_if_told(Session& session, const ModelWork& work, const std::string& model_file,
-                                              const std::vector<std::string>& after, const ImportArguments& import);
+[[nodiscard]] Result<WhatIfTold> what_if_told(VerbContext& context, const ModelWork& work,
+                                              const std::string& model_file, const std::vector<std::string>& after,
+                                              const ImportArguments& import);
 
 /// 80 columns.
 [[nodiscard]] std::string what_if_text(const WhatIfTold& told);

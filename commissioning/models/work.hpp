@@ -37,18 +37,18 @@ struct ModelWork {
   std::string data_name;  ///< the files, separated by blanks
 };
 
-/// Warnings of the file are said on the face. Empty name: nothing.
-[[nodiscard]] Result<std::optional<params::Machine>> machine_in(Session& session, const std::string& file);
+/// Warnings of the file are said on the console. Empty name: nothing.
+[[nodiscard]] Result<std::optional<params::Machine>> machine_in(VerbContext& context, const std::string& file);
 
 /// The readings of all files, rows numbered on from file to file. Refuses files without readings.
-[[nodiscard]] Result<laser::MeasurementSet> measured_in(Session& session, const std::vector<std::string>& files,
+[[nodiscard]] Result<laser::MeasurementSet> measured_in(VerbContext& context, const std::vector<std::string>& files,
                                                         const ImportArguments& import);
 
-[[nodiscard]] Result<ModelWork> model_work(Session& session, const ModelArguments& arguments);
+[[nodiscard]] Result<ModelWork> model_work(VerbContext& context, const ModelArguments& arguments);
 
 /// Writes a new model of what every measured curve has (model::usual_effects), its sizes to be fitted. A `usage`
 /// problem if there is such a file; nothing is left behind where the data cannot be read.
-[[nodiscard]] Result<ModelWork> begun_model(Session& session, const ModelArguments& arguments);
+[[nodiscard]] Result<ModelWork> begun_model(VerbContext& context, const ModelArguments& arguments);
 
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);

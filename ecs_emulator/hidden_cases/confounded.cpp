@@ -5,12 +5,10 @@
 #include "ecs_emulator/hidden_cases/background.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
 #include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/hidden_cases/scene.hpp"
 
 namespace ecs::emulator {
 namespace {
-
-constexpr double kSame = 0.3;   ///< sigmas: a rival that comes this close does the same
-constexpr double kApart = 8.0;  ///< sigmas: a rival that stays this far off does not
 
 /// The confounded designs, in the numbers of Wanted::confusion.
 enum Confusion : int { warm, air, warm_air, one_feed, zero, square, one_lever, cold };

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ecs_emulator/machine/effect_formula.hpp"
 
 namespace ecs::emulator {
 namespace {
-
-constexpr double kMmPerM = 1000.0;
 
 double known_value(const Scene& scene, Component code, double position_mm) {
   for (const KnownCurve& known : scene.known)

@@ -5,6 +5,7 @@
 
 #include "ecs_emulator/hidden_cases/compose.hpp"
 #include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/hidden_cases/scene.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -13,8 +14,6 @@ constexpr double kLeastSigma_um = 0.02;
 constexpr double kMostSigma_um = 20.0;
 constexpr double kMostSensorError = 0.15;  ///< what sensors leave of thermal errors, in sigmas
 constexpr double kMostBend = 0.15;  ///< what exact matrices make of large rotations beyond first order, in sigmas
-constexpr double kSame = 0.3;       ///< rivals this close, in sigmas, are the same
-constexpr double kApart = 8.0;      ///< rivals this far off, in sigmas, are others
 constexpr double kOwnPart = 0.3;    ///< of a hidden effect's mean square that its companion must leave
 
 Noise draw_noise_level(Random& random, double sigma_um) {

@@ -85,4 +85,10 @@ struct Scene {
 /// Linear between points, end values hold. @pre x not empty, as many values
 [[nodiscard]] double between_points(const std::vector<double>& x, const std::vector<double>& value, double at);
 
+/// A rival that comes this close, in sigmas, does the same.
+inline constexpr double kSame = 0.3;
+
+/// A rival that stays this far off, in sigmas, does not.
+inline constexpr double kApart = 8.0;
+
 }  // namespace ecs::emulator

@@ -6,12 +6,12 @@
 #include <map>
 #include <numbers>
 
+#include "base/units.hpp"
 #include "ecs_emulator/hidden_cases/draw.hpp"
 
 namespace ecs::emulator {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 3> kPositionNames{"x_mm", "y_mm", "z_mm"};
 
 /// The line that structure is put on: one axis, one sense.

@@ -1,12 +1,11 @@
 // Angular optics: pitch and yaw. Does not live here: roll (level.cpp).
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ecs_emulator/instruments/instruments.hpp"
 
 namespace ecs::emulator {
 namespace {
-
-constexpr double kSecondsPerHour = 3600.0;
 
 /// Two retro-reflectors at a distance S: the interferometer sees S·sin θ, the display divides by the S that it knows.
 class AngularOptics final : public Instrument {

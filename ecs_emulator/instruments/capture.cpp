@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kStill_mm = 1e-5;  ///< less than this in one period is no motion
 
-tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
-
 InstrumentKind kind_of(const CapturePlan& plan) {
   return plan.instrument.value_or(instrument_for(plan.sense, plan.axis));
 }

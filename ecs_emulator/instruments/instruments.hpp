@@ -2,6 +2,7 @@
 // Does not live here: what they have in common (laser.hpp).
 #pragma once
 
+#include "base/result.hpp"
 #include "ecs_emulator/instruments/laser.hpp"
 
 namespace ecs::emulator {
@@ -17,6 +18,11 @@ namespace ecs::emulator {
 [[nodiscard]] inline double seen(const ToolPose& pose, Sense sense) {
   const std::size_t direction = index_of(direction_of(sense));
   return is_rotation(sense) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
+}
+
+/// A measurement that the machine or its instruments cannot make.
+[[nodiscard]] inline tl::unexpected<Problem> refused(std::string message) {
+  return problem(ProblemKind::usage, std::move(message));
 }
 
 }  // namespace ecs::emulator

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
 #include "ecs_emulator/instruments/refraction.hpp"
 
 namespace ecs::emulator {
 namespace {
 
-constexpr double kMmPerM = 1e3;
 constexpr double kMmPerNm = 1e-6;
 
 }  // namespace

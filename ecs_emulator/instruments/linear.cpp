@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.hpp"
 #include "ecs_emulator/instruments/correlated_noise.hpp"
 #include "ecs_emulator/instruments/instruments.hpp"
 #include "ecs_emulator/instruments/interferometer.hpp"
@@ -9,9 +10,7 @@
 namespace ecs::emulator {
 namespace {
 
-constexpr double kSecondsPerHour = 3600.0;
 constexpr double kMoved_mm = 1e-2;  ///< from here on it is clear which way the reflector goes
-constexpr double kUmPerMm = 1e3;
 
 /// The interferometer stands where the reflector goes away from it: on the side that the first motion leaves.
 class LinearOptics final : public Instrument {

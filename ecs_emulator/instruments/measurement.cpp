@@ -11,8 +11,6 @@
 namespace ecs::emulator {
 namespace {
 
-tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
-
 tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "measurement: given up before its end"); }
 
 /// One measurement under way.

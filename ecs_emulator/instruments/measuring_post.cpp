@@ -12,8 +12,6 @@ namespace {
 
 constexpr int kNullingStops = 101;  ///< along the first leg of a square
 
-tl::unexpected<Problem> refused(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
-
 }  // namespace
 
 Result<void> MeasuringPost::fits(const Simulation& simulation, Axis axis, Sense sense, InstrumentKind kind) {

@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "base/units.hpp"
+
 namespace ecs::emulator {
 namespace {
 
 constexpr double kZero_K = 273.15;
 constexpr double kGas_J_molK = 8.314510;    ///< as in Ciddor's appendix A
 constexpr double kWater_kg_mol = 0.018015;  ///< M_w
-constexpr double kPaPerHPa = 100.0;
 
 /// Z of moist air (appendix A, equation 12).
 double compressibility(double temperature_degC, double pressure_Pa, double x) {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
 #include "ecs_emulator/machine/random.hpp"
 
 namespace ecs::emulator {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDay_s = 86'400.0;
 constexpr double kHour_s = 3'600.0;
 constexpr double kShortest_s = 1'800.0;

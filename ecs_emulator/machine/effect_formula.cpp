@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
+
 namespace ecs::emulator {
 namespace {
-
-constexpr double kMmPerM = 1000.0;
 
 double cyclic(const PlacedEffect& e, double p_mm) {
   const double turn = 2.0 * std::numbers::pi * p_mm / e.parameter("period_mm");

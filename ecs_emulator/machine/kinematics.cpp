@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "base/units.hpp"
+
 namespace ecs::emulator {
 namespace {
 
@@ -9,7 +11,6 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kRadPerUmPerM = 1e-6;
 constexpr double kMmPerUm = 1e-3;
 
 /// Errors of one axis as vectors.

@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kCompensations{"off", "manual", "automatic"};
 
-struct Field {
+struct LaserField {
   const char* name;
   Sign sign;
   double* value;
 };
 
-std::vector<Field> fields_of(LaserSettings& s) {
+std::vector<LaserField> fields_of(LaserSettings& s) {
   using enum Sign;
   return {{"linear_noise_um", not_negative, &s.linear_noise_um},
           {"straightness_noise_um", not_negative, &s.straightness_noise_um},
@@ -109,7 +109,7 @@ LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
 LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) {
   LaserSettings laser;
   std::vector<std::string> names{"air_compensation", "material_compensation", "dead_path_compensation"};
-  for (const Field& field : fields_of(laser)) {
+  for (const LaserField& field : fields_of(laser)) {
     names.emplace_back(field.name);
     number_into(reader, table, field.name, field.sign, *field.value);
   }

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
+
 namespace ecs::emulator {
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 bool uneven(const TransducerSettings& s) {
   return s.period_mm > 0.0 && (s.offset != 0.0 || s.imbalance != 0.0 || s.quadrature_mrad != 0.0);

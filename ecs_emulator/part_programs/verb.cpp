@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct ProgramArguments {
   std::string plan;
   std::string output;
   std::optional<fs::path> machine;
@@ -70,7 +70,7 @@ int write_all(const fs::path& folder, const std::vector<ProgramFile>& files) {
   return 0;
 }
 
-int write_one(Arguments& arguments) {
+int write_one(ProgramArguments& arguments) {
   Json& request = arguments.request;
   request["action"] = "measure";
   if (!request.contains("sense") && request.contains("axis"))
@@ -82,7 +82,7 @@ int write_one(Arguments& arguments) {
   return written ? 0 : told(written.error());
 }
 
-int write_programs(Arguments& arguments) {
+int write_programs(ProgramArguments& arguments) {
   if (arguments.plan.empty()) return write_one(arguments);
   if (!arguments.request.empty())
     return told({ProblemKind::usage, "expected a plan file or --axis, --from, …, got both", {}, 0, 0, {}});
@@ -120,7 +120,7 @@ void add_mdi_options(CLI::App& verb, Json& request) {
 }
 
 void add_program_verb(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ProgramArguments>();
   CLI::App* verb = app.add_subcommand("program", "write the part program that measures a plan (thesis appendix B)");
   verb->add_option("PLAN", arguments->plan, "plan file (TOML): one program for each row");
   add_plan_options(*verb, arguments->request);

@@ -11,8 +11,6 @@ namespace {
 constexpr double kTrigger_s = 1.0;      ///< between M08 and M09 (appendix B)
 constexpr std::size_t kWorthALoop = 3;  ///< equal steps
 
-double to_nanometre(double mm) { return std::round(mm * 1e6) / 1e6; }
-
 /// As a control takes it: one decimal at least, six at most.
 std::string word(double mm) {
   const double rounded = to_nanometre(mm);

@@ -49,7 +49,7 @@ class Socket final : public protocol::RegisterHandler {
 
  private:
   Unit& unit_;
-  protocol::UnitFace face_;
+  protocol::RegisterServer face_;
 };
 
 /// The running workshop.

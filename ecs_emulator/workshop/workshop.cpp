@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 using Told = std::function<void(const std::string&)>;
 using Answer = Result<Json>;
 
-tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "given up before its end"); }
+tl::unexpected<Problem> simulation_given_up() { return problem(ProblemKind::refused, "given up before its end"); }
 tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
 Json by_axis(const MachineTool& machine, const Vector3& values) {
@@ -90,7 +90,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
     arguments.complain(
         fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  if (!simulation.move_to(target_mm, feed)) return given_up();
+  if (!simulation.move_to(target_mm, feed)) return simulation_given_up();
   return state_of(workshop);
 }
 
@@ -117,7 +117,7 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
     for (const Axis a : kAllAxes)
       if (workshop.simulation->machine().has(a)) axes.push_back(a);
   if (auto referenced = reference(*workshop.simulation, axes); !referenced) return tl::unexpected(referenced.error());
-  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return given_up();
+  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return simulation_given_up();
   return state_of(workshop);
 }
 
@@ -176,7 +176,7 @@ Answer wait(const Workshop& workshop, Arguments& arguments) {
   const double seconds = arguments.number_or("seconds", 0.0);
   if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
-  if (!workshop.simulation->dwell(seconds)) return given_up();
+  if (!workshop.simulation->dwell(seconds)) return simulation_given_up();
   return state_of(workshop);
 }
 
@@ -184,7 +184,7 @@ Answer tick(const Workshop& workshop, Arguments& arguments) {
   const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
   if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
   const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
-  if (!workshop.simulation->run_for(seconds)) return given_up();
+  if (!workshop.simulation->run_for(seconds)) return simulation_given_up();
   return state_of(workshop);
 }
 

@@ -10,7 +10,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kSamePlace_mm = 1e-6;
 constexpr double kShareOfStep = 0.01;
 constexpr double kToleranceWithoutSteps_mm = 1e-3;
 

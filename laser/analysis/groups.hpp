@@ -47,4 +47,7 @@ struct TargetReadings {
 /// Sample standard deviation (n − 1); nothing for fewer than two values.
 [[nodiscard]] std::optional<double> deviation_of(const std::vector<double>& values);
 
+/// Targets closer than this are one target.
+inline constexpr double kSamePlace_mm = 1e-6;
+
 }  // namespace ecs::laser

@@ -5,13 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
+
 namespace ecs::laser {
 namespace {
 
 constexpr int kRuns = 5;                  ///< in each direction, axes up to 2000 mm
 constexpr double kTargetsPerMetre = 5.0;  ///< and at least five
 constexpr double kLongAxis_mm = 2000.0;
-constexpr double kMmPerM = 1000.0;
 
 double span_mm(const Iso230& axis) { return axis.targets.back().position_mm - axis.targets.front().position_mm; }
 

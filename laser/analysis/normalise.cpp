@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
 constexpr std::string_view kMetadataKey = "normalised";
 
 bool is_positioning(const Reading& reading) {

@@ -4,13 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
+
 namespace ecs::laser {
 namespace {
 
 // Names and constants as in the NIST Engineering Metrology Toolbox, documentation appendices A and B.
 
 constexpr double kKelvin = 273.15;
-constexpr double kPaPerHPa = 100.0;
 constexpr double R = 8.314472;         ///< gas constant used there [J/(mol K)]
 constexpr double Mv = 0.018015;        ///< molar mass of water [kg/mol]
 constexpr double Za = 0.9995922115;    ///< compressibility of dry air at 15 °C and 101325 Pa

@@ -4,14 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
 #include "laser/analysis/curve_side.hpp"
+#include "laser/analysis/groups.hpp"
 #include "laser/analysis/process.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kMmPerM = 1000.0;
-constexpr double kSamePlace_mm = 1e-6;
 
 /// The direction of the lever: the only axis in which the parked positions differ.
 Result<Axis> lever_of(const Curve& first, const Curve& second) {

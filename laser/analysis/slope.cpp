@@ -4,13 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
 #include "laser/analysis/curve_side.hpp"
 #include "laser/analysis/process.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kMmPerM = 1000.0;
 
 struct Fit {
   Line line;

@@ -7,14 +7,13 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
 
 /// Shell scripts may quote a value and write a comment after it.
 std::string_view unquoted(std::string_view value) {

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
@@ -16,8 +17,6 @@
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
 
 struct Sample {
   std::string_view channel;
@@ -38,10 +37,6 @@ std::optional<double> gauge_mm_in(std::string_view line) {
   const std::string plain = lower(trimmed(line));
   if (!plain.ends_with("mm")) return std::nullopt;
   return number_in(std::string_view(plain).substr(0, plain.size() - 2));
-}
-
-Problem usage(const std::string& file_name, std::string message) {
-  return {ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
 }
 
 Result<std::string> channel_of(const std::vector<std::string_view>& lines, const std::string& file_name,

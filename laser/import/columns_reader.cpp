@@ -18,8 +18,6 @@
 namespace ecs::laser {
 namespace {
 
-int column_of(std::string_view line, std::string_view cell) { return static_cast<int>(cell.data() - line.data()) + 1; }
-
 /// One row: its readings go to `set`.
 void take_row(MeasurementSet& set, const Plan& plan, std::string_view line, int number,
               const std::vector<std::string_view>& cells, Findings& findings) {
@@ -82,7 +80,7 @@ std::optional<Axis> mapped_axis(const std::vector<Field>& fields) {
   return found;
 }
 
-Problem usage(std::string message, const std::string& file_name) {
+Problem wrong_option(std::string message, const std::string& file_name) {
   return {ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
 }
 
@@ -189,7 +187,7 @@ Result<MeasurementSet> parse_columns(std::string_view text, const std::string& f
                                      const ImportOptions& options) {
   Plan plan{fields_of(mapping), options.axis, options.sense, mapping.values, mapping.decimal};
   if (!plan.axis) plan.axis = mapped_axis(plan.fields);
-  if (const std::string fault = plan_fault(plan); !fault.empty()) return tl::unexpected(usage(fault, file_name));
+  if (const std::string fault = plan_fault(plan); !fault.empty()) return tl::unexpected(wrong_option(fault, file_name));
   const char delimiter = delimiter_of(mapping, text);
   const bool by_heading =
       std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; });

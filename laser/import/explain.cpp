@@ -14,7 +14,7 @@
 namespace ecs::laser {
 namespace {
 
-constexpr std::size_t kHead = 64 * 1024;
+constexpr std::size_t kExplainedBytes = 64 * 1024;
 
 /// Files that engineers meet and that hold no measurement of a linear axis, by a word that only they have.
 struct Known {
@@ -58,7 +58,7 @@ bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'
 
 /// What the file is, if it is known by a mark.
 std::optional<std::string_view> known_as(std::string_view text) {
-  const std::string head = lower(text.substr(0, kHead));
+  const std::string head = lower(text.substr(0, kExplainedBytes));
   for (const Known& known : kKnown)
     if (head.find(known.mark) != std::string::npos) return known.is;
   return std::nullopt;

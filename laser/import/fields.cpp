@@ -8,14 +8,13 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
 
 /// The kind of unit that a field may have; nothing: none.
 std::optional<UnitKind> kind_of(const Field& field) {

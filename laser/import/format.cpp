@@ -11,7 +11,7 @@
 namespace ecs::laser {
 namespace {
 
-constexpr std::size_t kHead = 16 * 1024;  ///< heads and headings stand at the start of a file
+constexpr std::size_t kHeadBytes = 16 * 1024;  ///< heads and headings stand at the start of a file
 
 bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
@@ -21,7 +21,7 @@ bool is_dynamic(std::string_view head) {
 
 /// The first line that holds something and is no comment.
 std::string_view first_line(std::string_view text) {
-  for (const std::string_view line : lines_of(text.substr(0, kHead)))
+  for (const std::string_view line : lines_of(text.substr(0, kHeadBytes)))
     if (!trimmed(line).empty() && !trimmed(line).starts_with('#')) return trimmed(line);
   return {};
 }
@@ -93,7 +93,7 @@ std::string_view name_of(FileFormat format) {
 }
 
 std::optional<FileFormat> format_of(std::string_view text, const std::string& file_name) {
-  const std::string head = lower(text.substr(0, kHead));
+  const std::string head = lower(text.substr(0, kHeadBytes));
   if (is_dynamic(head)) return FileFormat::renishaw_dynamic;
   if (has(head, "target data::") || has(head, "deviations::")) return FileFormat::renishaw_run;
   if (has(text, "REF_DATA_FWD[") || has(text, "REF_DATA_BWD[")) return FileFormat::iso230_assignments;
@@ -105,7 +105,7 @@ std::optional<FileFormat> format_of(std::string_view text, const std::string& fi
   if (is_csv_header(line)) return FileFormat::measurement_csv;
   if (is_environment(line)) return FileFormat::sios_environment;
   if (is_probe_point(line)) return FileFormat::height_map;
-  if (has_channel_samples(text.substr(0, kHead))) return FileFormat::channel_log;
+  if (has_channel_samples(text.substr(0, kHeadBytes))) return FileFormat::channel_log;
   if (is_csv_name(file_name) && has(head, "axis") && has(head, "reading")) return FileFormat::measurement_csv;
   return std::nullopt;
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
@@ -15,7 +16,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;
 constexpr std::size_t kMostAlong = 10'000;  ///< points along an axis
 
 /// What stands between commas.

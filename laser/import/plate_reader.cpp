@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
@@ -13,7 +14,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;
 constexpr std::size_t kColumns = 9;  ///< measured X Y, nominal X Y, error X Y, measured and nominal diameter, roundness
 constexpr double kPrinted_mm = 0.0016;  ///< three numbers rounded to 1 um each
 

@@ -66,4 +66,9 @@ namespace ecs::laser {
 /// Numbers the readings 1, 2, 3 … in their order.
 void number_rows(MeasurementSet& set);
 
+/// Options that do not suit the file.
+[[nodiscard]] inline Problem usage(const std::string& file_name, std::string message) {
+  return {ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
+}
+
 }  // namespace ecs::laser

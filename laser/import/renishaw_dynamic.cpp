@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
@@ -124,7 +125,6 @@ Result<MeasurementSet> parse_renishaw_dynamic(std::string_view bytes, const std:
   if (!axis) return tl::unexpected(axis.error());
   const auto sense = sense_of_capture(*capture, options, *axis, file_name);
   if (!sense) return tl::unexpected(sense.error());
-  constexpr double kUmPerMm = 1000.0;  // and um/m per mrad
   const std::size_t most = std::max<std::size_t>(1, options.most_samples);
   const std::size_t step = (capture->count + most - 1) / most;
   for (std::size_t i = 0; i < capture->count; i += step) {

@@ -28,8 +28,6 @@ std::optional<MetadataEntry> entry_in(std::string_view line) {
   return MetadataEntry{std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))};
 }
 
-int column_of(std::string_view line, std::string_view word) { return static_cast<int>(word.data() - line.data()) + 1; }
-
 /// Walks the lines, one section at a time.
 class SectionReader {
  public:

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
@@ -13,8 +14,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMPerMrad = 1000.0;
-constexpr double kHPaPerKPa = 10.0;
 constexpr double kNoSensor_degC = -10.0;  ///< what a missing material sensor reads
 
 /// The letter X, Y or Z that is no part of a longer word ("X", "x axis", "Axis Y", "Z1"); 0 if there is none.
@@ -26,10 +25,6 @@ char axis_letter_in(std::string_view text) {
     if (alone && upper >= 'X' && upper <= 'Z') return upper;
   }
   return '\0';
-}
-
-Problem usage(const std::string& file_name, std::string message) {
-  return Problem{ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
 }
 
 Result<Axis> axis_of_file(const RunFile& file, const std::string& file_name, const ImportOptions& options,

@@ -7,16 +7,13 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kMmPerM = 1000.0;
-constexpr double kPaPerHPa = 100.0;
 
 struct Target {
   Axis axis = Axis::X;

@@ -15,8 +15,6 @@
 namespace ecs::laser {
 namespace {
 
-constexpr double kSameLine_mm = 0.5;  ///< parked positions closer than this are the same measurement line
-
 /// Squareness as the contract measures it: C0Y = E_X along Y, B0Z = E_X along Z, A0Z = E_Y along Z; also the other way
 /// round, with the axes exchanged.
 std::array<Wanted, 2> squares_for(Component c) {

@@ -12,7 +12,7 @@
 namespace ecs::laser {
 namespace {
 
-struct Grid {
+struct TableGrid {
   double start_mm = 0.0;
   double increment_mm = 1.0;
   std::vector<double> values;
@@ -35,9 +35,9 @@ double smallest_spacing(const std::vector<double>& p) {
 }
 
 /// The table on a uniform grid; the largest difference at the given points is kept.
-Grid grid_of(const MapTable& table) {
+TableGrid grid_of(const MapTable& table) {
   const auto& p = table.position_mm;
-  Grid grid;
+  TableGrid grid;
   grid.start_mm = p.front();
   if (p.size() == 1 || evenly_spaced(p)) {
     if (p.size() > 1) grid.increment_mm = (p.back() - p.front()) / static_cast<double>(p.size() - 1);
@@ -132,7 +132,7 @@ Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters)
   std::vector<TableEntry> entries = zero_entries(map.header);
   std::vector<std::int16_t> counts;
   for (const MapTable& table : map.tables) {
-    const Grid grid = grid_of(table);
+    const TableGrid grid = grid_of(table);
     if (grid.values.empty())
       return problem(ProblemKind::refused,
                      fmt::format("{}: its points lie too close together for the axis memory", table_name(table)));

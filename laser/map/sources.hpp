@@ -54,4 +54,7 @@ class MeasuredFiles {
 /// A refusal that names file and component.
 [[nodiscard]] Problem refusal(const std::filesystem::path& file, Component component, const std::string& why);
 
+/// Parked positions closer than this are the same measurement line.
+inline constexpr double kSameLine_mm = 0.5;
+
 }  // namespace ecs::laser

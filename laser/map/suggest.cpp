@@ -7,11 +7,10 @@
 #include "laser/analysis/groups.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/recipe.hpp"
+#include "laser/map/sources.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kSameLine_mm = 0.5;
 
 /// One measurement line found in a file.
 struct MeasuredLine {

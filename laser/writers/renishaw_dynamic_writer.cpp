@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMm = 1000.0;  // and um/m per mrad
 constexpr int kSampleBytes = 8;
 
 /// Why the readings are no capture; empty if they are.

@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
+#include "base/units.hpp"
+
 namespace ecs::laser {
 namespace {
 
-constexpr double kUmPerMPerMrad = 1000.0;
-constexpr double kHPaPerKPa = 10.0;
 constexpr double kNoSensor_degC = -10.0;
 
 /// Readings by pass and target.

@@ -7,14 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/analysis/groups.hpp"
 
 namespace ecs::laser {
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
-constexpr double kMmPerM = 1000.0;
-constexpr double kPaPerHPa = 100.0;
 
 /// Readings at each target, ascending; what is no positioning of one axis is refused.
 Result<std::vector<TargetReadings>> positioning_of(const MeasurementSet& set) {

@@ -60,4 +60,9 @@ struct Observations {
 /// The rows `chosen` (places in canonical order, ascending), everything else the same.
 [[nodiscard]] Observations subset(const Observations& all, const std::vector<std::size_t>& chosen);
 
+/// Row k of a column that may be absent: NaN where nothing was measured.
+[[nodiscard]] inline double cell(const Column& column, std::size_t k) {
+  return column.empty() ? kNotMeasured : column[k];
+}
+
 }  // namespace ecs::model

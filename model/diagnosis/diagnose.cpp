@@ -36,28 +36,28 @@ std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
   return chosen;
 }
 
-/// The candidates in the order in which they are told, each with its part in the answer.
-struct Told {
+/// The candidates in the order in which they are ranked, each with its part in the answer.
+struct RankedCandidate {
   EffectInstance effect;
   Choice choice;
   bool named = false;
   std::vector<EffectInstance> rivals;
 };
 
-std::vector<Told> told_order(const Found& found, bool named) {
-  std::vector<Told> list;
+std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
+  std::vector<RankedCandidate> list;
   const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
   std::vector<const Group*> groups;
   for (const Group& group : found.groups) groups.push_back(&group);
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group* a, const Group* b) { return a->member.gain > b->member.gain; });
   const auto listed = [&](const EffectInstance& effect) {
-    return std::any_of(list.begin(), list.end(), [&](const Told& t) {
+    return std::any_of(list.begin(), list.end(), [&](const RankedCandidate& t) {
       return same_place(t.effect, effect) && t.effect.sensor == effect.sensor && t.effect.approach == effect.approach;
     });
   };
   for (const Group* group : groups) {
-    Told one{instance(group->member), group->member, named, {}};
+    RankedCandidate one{instance(group->member), group->member, named, {}};
     for (const Choice& rival : group->rivals) one.rivals.push_back(instance(rival));
     list.push_back(one);
   }
@@ -65,7 +65,7 @@ std::vector<Told> told_order(const Found& found, bool named) {
   for (std::size_t g = 0; g < members; ++g)
     for (const Choice& rival : groups[g]->rivals) {
       if (listed(instance(rival))) continue;
-      Told one{instance(rival), rival, false, {list[g].effect}};
+      RankedCandidate one{instance(rival), rival, false, {list[g].effect}};
       for (const Choice& other : groups[g]->rivals)
         if (other.family != rival.family) one.rivals.push_back(instance(other));
       list.push_back(one);
@@ -76,14 +76,14 @@ std::vector<Told> told_order(const Found& found, bool named) {
   return list;
 }
 
-/// Columns of a told effect on all readings, at the values found.
-Columns columns_on(const Regressors& regressors, const Told& told) {
-  EffectInstance plain = told.effect;
-  const Columns all = regressors.columns(plain, told.choice.nonlinear);
+/// Columns of a ranked effect on all readings, at the values found.
+Columns columns_on(const Regressors& regressors, const RankedCandidate& ranked) {
+  EffectInstance plain = ranked.effect;
+  const Columns all = regressors.columns(plain, ranked.choice.nonlinear);
   if (all.fixed.size() > 0) return all;
   Columns chosen;
   std::vector<Index> kept;
-  for (const Index j : told.choice.columns)
+  for (const Index j : ranked.choice.columns)
     if (j < all.of.cols()) kept.push_back(j);
   chosen.of.resize(all.of.rows(), static_cast<Index>(kept.size()));
   for (std::size_t j = 0; j < kept.size(); ++j) chosen.of.col(static_cast<Index>(j)) = all.of.col(kept[j]);
@@ -100,19 +100,20 @@ LinearProblem joined_with(const MatrixXd& columns, const VectorXd& target, const
 }
 
 /// Sizes of an effect alone beside the model, as parameters without sigma.
-std::vector<ParameterEstimate> quick_parameters(const Told& told, const LinearProblem& problem,
+std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, const LinearProblem& problem,
                                                 const Whitener& whitener, const Regressors& regressors, Index first) {
   const VectorXd sizes = least_squares(whitener(problem.columns), whitener(problem.target));
-  const Columns all = regressors.columns(told.effect, told.choice.nonlinear);
+  const Columns all = regressors.columns(ranked.effect, ranked.choice.nonlinear);
   VectorXd every = VectorXd::Zero(all.of.cols());
   std::size_t j = 0;
-  for (const Index column : told.choice.columns)
+  for (const Index column : ranked.choice.columns)
     if (column < every.size()) every(column) = sizes(first + static_cast<Index>(j++));
   std::optional<double> nonlinear;
-  if (!nonlinear_parameter_of(told.effect.id).empty()) nonlinear = told.choice.nonlinear;
-  if (!is_curve(told.effect.id)) return parameters_from(told.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
+  if (!nonlinear_parameter_of(ranked.effect.id).empty()) nonlinear = ranked.choice.nonlinear;
+  if (!is_curve(ranked.effect.id))
+    return parameters_from(ranked.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
   const VectorXd curve = all.of * every;
-  return {{"rms_um", std::string(info_of(told.effect.id).parameters.front().unit), rms_of(curve), {}, false, false}};
+  return {{"rms_um", std::string(info_of(ranked.effect.id).parameters.front().unit), rms_of(curve), {}, false, false}};
 }
 
 struct ReportInput {
@@ -123,13 +124,13 @@ struct ReportInput {
   const DiagnoseOptions& options;
 };
 
-Candidate candidate_of(const ReportInput& in, const Told& told, const Whitener& whitener, const Parts& parts,
-                       const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
+Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const Whitener& whitener,
+                       const Parts& parts, const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
                        double held_out_before, bool prove) {
   Candidate candidate;
-  candidate.effect = told.effect;
-  candidate.named = told.named;
-  const Columns columns = columns_on(in.regressors, told);
+  candidate.effect = ranked.effect;
+  candidate.named = ranked.named;
+  const Columns columns = columns_on(in.regressors, ranked);
   const LinearProblem problem = joined_with(in.base.columns, in.base.target, columns);
   const VectorXd residual = residual_of(problem, whitener);
   candidate.rms_after_um = rms_of(residual);
@@ -138,22 +139,23 @@ Candidate candidate_of(const ReportInput& in, const Told& told, const Whitener& 
   if (above_noise > 0.0)
     candidate.explainable_share =
         std::clamp((rms_um * rms_um - candidate.rms_after_um * candidate.rms_after_um) / above_noise, 0.0, 1.0);
-  const double freedom = std::max<double>(1.0, static_cast<double>(told.choice.parameters));
+  const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
-      std::pow(10.0, -std::min(300.0, minus_log_p(told.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
+      std::pow(10.0, -std::min(300.0, minus_log_p(ranked.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
   const double least = 1.0 / (static_cast<double>(in.found.blank_scores.size()) + 1.0);  // blanks show no less
-  candidate.false_naming = std::max(least, tail_probability(in.found.blank_scores, told.choice.score()));
-  candidate.skipped = in.regressors.acting(told.effect).skipped;
-  candidate.parameters = quick_parameters(told, problem, whitener, in.regressors, in.base.columns.cols());
+  candidate.false_naming = std::max(least, tail_probability(in.found.blank_scores, ranked.choice.score()));
+  candidate.skipped = in.regressors.acting(ranked.effect).skipped;
+  candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.base.columns.cols());
   if (prove) {
     candidate.held_out_rms_before_um = held_out_before;
     candidate.held_out_rms_um =
         held_out_rms(in.regressors.data(), noise, left_out, parts, problem.columns, problem.target);
   }
-  for (const EffectInstance& rival : told.rivals) {
+  for (const EffectInstance& rival : ranked.rivals) {
     const std::string name = to_text(rival);
     auto& list = candidate.indistinguishable_from;
-    if (name != to_text(told.effect) || rival.sensor != told.effect.sensor || rival.approach != told.effect.approach)
+    if (name != to_text(ranked.effect) || rival.sensor != ranked.effect.sensor ||
+        rival.approach != ranked.effect.approach)
       if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
   }
   return candidate;
@@ -170,7 +172,7 @@ void take_parameters(Candidate& candidate, const Fit& after) {
   }
 }
 
-/// A dependence that noise alone shows more often is not told.
+/// A dependence that noise alone shows more often is not ranked.
 constexpr double kTellingChance = 1e-3;
 
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
@@ -222,10 +224,10 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Regressors&
 
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
-  if (found.foreseen < kForeseen)
+  if (found.cross_validated_share < kForeseen)
     return fmt::format(
         "the best effects of the library foresee only {:.0f} % of the residual at targets that they were not fitted to",
-        100.0 * std::max(0.0, found.foreseen));
+        100.0 * std::max(0.0, found.cross_validated_share));
   const auto most =
       std::max_element(found.after.begin(), found.after.end(),
                        [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
@@ -245,9 +247,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.blanks = in.found.blank_scores.size();
 
   Model with = in.model;
-  const std::vector<Told> order = told_order(in.found, diagnosis.verdict == Verdict::missing_effect);
-  for (const Told& told : order)
-    if (told.named) with.effects.push_back(told.effect);
+  const std::vector<RankedCandidate> order = ranked_candidates(in.found, diagnosis.verdict == Verdict::missing_effect);
+  for (const RankedCandidate& ranked : order)
+    if (ranked.named) with.effects.push_back(ranked.effect);
   Fit after;
   auto again = base_of(with, in.regressors, in.options.plain, &after);
   if (!again) return tl::unexpected(again.error());

@@ -73,8 +73,8 @@ bool changed(const NoiseModel& a, const NoiseModel& b) {
 
 /// Share of what is above noise that the effects predict at targets they were not fitted to, beyond what the model
 /// absorbs of both.
-double foreseen_share(const Observations& data, const Search& search, const Whitener& whitener,
-                      const std::vector<Choice>& chosen) {
+double cross_validated_share_of(const Observations& data, const Search& search, const Whitener& whitener,
+                                const std::vector<Choice>& chosen) {
   const MatrixXd& q = search.base().q;
   const auto beyond = [&](const MatrixXd& raw) {
     MatrixXd white = whitener(raw);
@@ -89,7 +89,7 @@ double foreseen_share(const Observations& data, const Search& search, const Whit
     left.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
     left.columns.rightCols(columns.of.cols()) = beyond(columns.of);
   }
-  return foreseen_part(parts_by_target(data), left.columns, left.target, search.base().y);
+  return cross_validated_part(parts_by_target(data), left.columns, left.target, search.base().y);
 }
 
 }  // namespace
@@ -161,12 +161,14 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     const Structure structure(data, whitener, noise_freedom);
     found.before = structure.tests(search.base());
     found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
-    if (!found.solution.chosen.empty()) found.foreseen = foreseen_share(data, search, whitener, found.solution.chosen);
-    if (found.foreseen < kForeseenAlone && found.structure_p_before > kStructureChance * options.false_naming_limit) {
+    if (!found.solution.chosen.empty())
+      found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution.chosen);
+    if (found.cross_validated_share < kForeseenAlone &&
+        found.structure_p_before > kStructureChance * options.false_naming_limit) {
       // no structure but for an effect without proof: that is noise
       found.solution = search.solution({});
       found.groups.clear();
-      found.foreseen = 1.0;
+      found.cross_validated_share = 1.0;
     }
     if (found.solution.chosen.empty()) {
       found.after = found.before;
@@ -182,7 +184,7 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  if (found.foreseen < kForeseen) return false;
+  if (found.cross_validated_share < kForeseen) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;

@@ -35,7 +35,7 @@ struct Found {
   std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
   double structure_p_before = 1.0, structure_p_after = 1.0;
   double entry_score = 0.0;
-  double foreseen = 1.0;  ///< share of what is above noise that is predicted at targets not fitted to
+  double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted at targets not fitted to
   NoiseModel noise;
   std::vector<bool> left_out;
 };

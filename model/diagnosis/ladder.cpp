@@ -63,8 +63,6 @@ Result<State> state_of(const Model& model, const Regressors& regressors) {
   return state;
 }
 
-double rms_of(const VectorXd& r) { return std::sqrt(r.squaredNorm() / std::max(1.0, static_cast<double>(r.size()))); }
-
 /// The best of the places by score, as an instance with its nonlinear value.
 std::optional<EffectInstance> best_place(const State& state, const Regressors& regressors,
                                          const std::vector<EffectInstance>& places) {

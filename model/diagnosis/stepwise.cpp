@@ -10,7 +10,7 @@ namespace {
 /// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
 constexpr double kIndistinguishable = 9.0;
 /// A rival that needs more parameters for the same fit stays one while its score is at most this much lower.
-constexpr double kPriceOfRival = 15.0;
+constexpr double kRivalScoreMargin = 15.0;
 /// Evidence that differs by less than this does not speak against the simpler effect.
 constexpr double kEven = 3.0;
 /// Fits that differ by less than this are the same fit.
@@ -169,7 +169,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (exactly.score() > other.score()) other = exactly;
       const bool same_fit = is_alike(search, group.member, other) &&
                             other.gain >= group.member.gain - kIndistinguishable &&
-                            other.score() >= group.member.score() - kPriceOfRival;
+                            other.score() >= group.member.score() - kRivalScoreMargin;
       const bool same_evidence = other.parameters <= group.member.parameters &&
                                  other.gain >= group.member.gain - 3.0 * kIndistinguishable &&
                                  other.score() >= group.member.score() - kIndistinguishable;

@@ -12,12 +12,6 @@ namespace ecs::model {
 namespace {
 
 /// One formula: its parser, and the columns that it reads.
-struct Compiled {
-  Sense sense = Sense::EX;
-  std::unique_ptr<mu::Parser> parser;
-  std::vector<std::pair<double*, const Column*>> optional_columns;
-};
-
 constexpr std::size_t kRowNumbers = 7;
 constexpr std::array<const char*, kRowNumbers> kRowNames{"x_mm",     "y_mm", "z_mm",       "p_mm",
                                                          "approach", "run",  "compensated"};
@@ -47,6 +41,12 @@ std::vector<std::string> names_of(const std::map<std::string, const Column*>& co
 }  // namespace
 
 struct UserFormulas::Parts {
+  struct Compiled {
+    Sense sense = Sense::EX;
+    std::unique_ptr<mu::Parser> parser;
+    std::vector<std::pair<double*, const Column*>> optional_columns;
+  };
+
   const Observations* data = nullptr;
   std::vector<double> parameters;
   std::array<double, kRowNumbers> row{};
@@ -82,7 +82,7 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
   for (const auto& each : columns) parts->cells[each.first] = 0.0;
   std::vector<Problem> problems;
   for (const UserFormula& formula : effect.formulas) {
-    Compiled compiled{formula.sense, std::make_unique<mu::Parser>(), {}};
+    Parts::Compiled compiled{formula.sense, std::make_unique<mu::Parser>(), {}};
     mu::Parser& parser = *compiled.parser;
     try {
       for (std::size_t i = 0; i < effect.user.size(); ++i) parser.DefineVar(effect.user[i].name, &parts->parameters[i]);
@@ -116,7 +116,7 @@ std::vector<double> UserFormulas::values(const std::vector<double>& parameters) 
   std::copy(parameters.begin(), parameters.end(), parts.parameters.begin());
   std::vector<double> values(parts.data->size(), 0.0);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    for (const Compiled& formula : parts.formulas) {
+    for (const Parts::Compiled& formula : parts.formulas) {
       if (formula.sense != parts.data->sense[k]) continue;
       parts.load(k);
       for (const auto& [cell, column] : formula.optional_columns) *cell = (*column)[k];

@@ -14,14 +14,6 @@
 namespace ecs::model {
 namespace {
 
-double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
-
-double rms_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 std::vector<std::string> variables_in(const Observations& data) {
   std::vector<std::string> names{"x_mm",         "y_mm",         "z_mm",
                                  "approach",     "run",          "time_s",

@@ -45,12 +45,6 @@ FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const Vecto
   return curve;
 }
 
-double rms_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 /// A period, length or time constant whose sigma is so many times its value is not determined.
 constexpr double kLost = 100.0;
 

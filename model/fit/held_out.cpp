@@ -77,7 +77,8 @@ void predict_parts(const Observations& data, const NoiseModel& noise, const std:
 
 }  // namespace
 
-double foreseen_part(const Parts& parts, const MatrixXd& columns, const VectorXd& target, const VectorXd& before) {
+double cross_validated_part(const Parts& parts, const MatrixXd& columns, const VectorXd& target,
+                            const VectorXd& before) {
   const double n = static_cast<double>(target.size());
   const double most = 9.0 * std::max(1.0, before.squaredNorm() / n);
   double gained = 0.0, there = 0.0, weights = 0.0;

@@ -22,8 +22,8 @@ struct Parts {
 /// Share of what is above noise that columns predict in rows which they were not fitted to, each row weighed by how
 /// well the other parts can predict it at all. All whitened.
 /// @param before  the rows without the columns
-[[nodiscard]] double foreseen_part(const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target,
-                                   const Eigen::VectorXd& before);
+[[nodiscard]] double cross_validated_part(const Parts& parts, const Eigen::MatrixXd& columns,
+                                          const Eigen::VectorXd& target, const Eigen::VectorXd& before);
 
 /// √(mean r²) over all readings but the outliers, each predicted from the fit to the other parts.
 [[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,

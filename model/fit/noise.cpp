@@ -14,8 +14,6 @@ namespace ecs::model {
 namespace {
 
 double rounded(double value, double step) { return std::isnan(value) ? -1e300 : std::round(value / step) * step; }
-double cell(const Column& column, std::size_t k) { return column.empty() ? kNotMeasured : column[k]; }
-
 /// Deviations from the mean of the repeats, widened for the mean that was taken off; NaN where there is no repeat.
 std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen::VectorXd& residual,
                                             const std::vector<bool>& left_out) {

@@ -114,4 +114,10 @@ Interval clopper_pearson(unsigned hits, unsigned trials, double confidence) {
   return interval;
 }
 
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
 }  // namespace ecs::model

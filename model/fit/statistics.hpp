@@ -23,4 +23,7 @@ struct Interval {
 };
 [[nodiscard]] Interval clopper_pearson(unsigned hits, unsigned trials, double confidence = 0.95);
 
+/// √(mean of squares); 0 for none.
+[[nodiscard]] double rms_of(const std::vector<double>& values);
+
 }  // namespace ecs::model

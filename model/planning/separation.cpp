@@ -62,7 +62,7 @@ Columns free_columns(const Regressors& regressors, const EffectInstance& effect,
 
 /// Sizes of whitened columns beside a base that is absorbed first; 0 for what the base or the others do as well.
 VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const VectorXd& target) {
-  constexpr double kDependent = 1e-5;
+  constexpr double kDependentColumn = 1e-5;
   Space space;
   space.y = target;
   space.q.resize(target.size(), 0);
@@ -71,7 +71,7 @@ VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const Vecto
   MatrixXd left = columns - space.q * (space.q.transpose() * columns);
   std::vector<Index> kept;
   for (Index j = 0; j < columns.cols(); ++j)
-    if (left.col(j).norm() > kDependent * columns.col(j).norm()) kept.push_back(j);
+    if (left.col(j).norm() > kDependentColumn * columns.col(j).norm()) kept.push_back(j);
   if (kept.empty()) return sizes;
   MatrixXd own(target.size(), static_cast<Index>(kept.size()));
   VectorXd scale(own.cols());
@@ -81,7 +81,7 @@ VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const Vecto
     own.col(j) = left.col(column) * scale(j);
   }
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
-  qr.setThreshold(kDependent);
+  qr.setThreshold(kDependentColumn);
   qr.compute(own);
   const Index rank = qr.rank();
   const VectorXd first = qr.matrixR()

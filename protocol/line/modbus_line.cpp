@@ -32,10 +32,6 @@ Parts parts_of(std::chrono::nanoseconds span) {
   return {static_cast<std::uint32_t>(us / 1'000'000), static_cast<std::uint32_t>(us % 1'000'000)};
 }
 
-tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message) {
-  return tl::unexpected(PortProblem{failure, problem(ProblemKind::link, std::move(message)).value()});
-}
-
 bool host_is_known(const TcpPeer& peer) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;

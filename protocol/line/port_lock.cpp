@@ -35,10 +35,6 @@ std::string holder_of(int fd) {
   return {};
 }
 
-tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message) {
-  return tl::unexpected(PortProblem{failure, problem(ProblemKind::link, std::move(message)).value()});
-}
-
 tl::unexpected<PortProblem> open_failed(const std::string& device, int error) {
   switch (error) {
     case ENOENT:
@@ -63,6 +59,10 @@ tl::unexpected<PortProblem> open_failed(const std::string& device, int error) {
 }
 
 }  // namespace
+
+tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message) {
+  return tl::unexpected(PortProblem{failure, problem(ProblemKind::link, std::move(message)).value()});
+}
 
 tl::expected<PortLock, PortProblem> PortLock::take(const std::string& device) {
   const int fd = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);

@@ -28,4 +28,7 @@ class PortLock {
   int fd_ = -1;
 };
 
+/// A port that cannot be used, as the answer of the function that opened it.
+[[nodiscard]] tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message);
+
 }  // namespace ecs::protocol

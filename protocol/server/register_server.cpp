@@ -32,7 +32,7 @@ std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
 
 }  // namespace
 
-tl::expected<Registers, ModbusException> UnitFace::read(std::uint16_t first, std::uint16_t count) {
+tl::expected<Registers, ModbusException> RegisterServer::read(std::uint16_t first, std::uint16_t count) {
   if (first + std::uint32_t{count} <= requests_.size())
     return Registers(requests_.begin() + first, requests_.begin() + first + count);
   const auto block = answer_block(first, count);
@@ -49,7 +49,7 @@ tl::expected<Registers, ModbusException> UnitFace::read(std::uint16_t first, std
   return Registers(from, from + count);
 }
 
-Registers UnitFace::answer(const Block& block) {
+Registers RegisterServer::answer(const Block& block) {
   if (block == kIdentity) return registers_of(unit_->identity(), echo_);
   if (block == kStatus) return registers_of(unit_->status(), echo_);
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
@@ -58,7 +58,7 @@ Registers UnitFace::answer(const Block& block) {
   return registers_of(window_.ack(), echo_);
 }
 
-tl::expected<Registers, ModbusException> UnitFace::memory_answer() {
+tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
   const auto select = read_select_in(std::span(requests_).subspan(kReadSelect.first, kReadSelect.count));
   if (!select || select->bytes == 0 || select->bytes > kMemoryBytes)
     return tl::unexpected(ModbusException::illegal_value);
@@ -75,7 +75,7 @@ tl::expected<Registers, ModbusException> UnitFace::memory_answer() {
   return registers;
 }
 
-tl::expected<void, ModbusException> UnitFace::write(std::uint16_t first, std::span<const std::uint16_t> values) {
+tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, std::span<const std::uint16_t> values) {
   if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
     if (!window_.take(values)) return tl::unexpected(ModbusException::illegal_value);
     return {};
@@ -89,7 +89,7 @@ tl::expected<void, ModbusException> UnitFace::write(std::uint16_t first, std::sp
   return {};
 }
 
-void UnitFace::act_on(const Block& block) {
+void RegisterServer::act_on(const Block& block) {
   const auto whole = std::span<const std::uint16_t>(requests_).subspan(block.first, block.count);
   if (block == kWindowOpen) {
     if (const auto window = window_open_in(whole)) window_.open(*window);
@@ -108,7 +108,7 @@ void UnitFace::act_on(const Block& block) {
   }
 }
 
-void UnitFace::take_command(const Command& command) {
+void RegisterServer::take_command(const Command& command) {
   (void)result_now();
   if (command.code == CommandCode::check_memory) {
     result_ = check_memory(command);
@@ -122,7 +122,7 @@ void UnitFace::take_command(const Command& command) {
   }
 }
 
-CommandResult UnitFace::check_memory(const Command& command) {
+CommandResult RegisterServer::check_memory(const Command& command) {
   CommandResult result{command.sequence, CommandState::done, UnitError::none, 0, 0, {}};
   std::vector<std::uint8_t> bytes(std::min(command.length, kLongestCheck));
   if (command.length == 0 || command.length > kLongestCheck)
@@ -136,7 +136,7 @@ CommandResult UnitFace::check_memory(const Command& command) {
   return result;
 }
 
-const CommandResult& UnitFace::result_now() {
+const CommandResult& RegisterServer::result_now() {
   if (!port_busy_) return result_;
   CommandResult now = unit_->progress();
   now.sequence = busy_sequence_;

@@ -32,9 +32,9 @@ class UnitPort {
   [[nodiscard]] virtual CommandResult progress() = 0;
 };
 
-class UnitFace : public RegisterHandler {
+class RegisterServer : public RegisterHandler {
  public:
-  explicit UnitFace(UnitPort& unit) : unit_(&unit), window_(unit) {}
+  explicit RegisterServer(UnitPort& unit) : unit_(&unit), window_(unit) {}
 
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override;
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,

@@ -28,7 +28,7 @@ class Script final : public Keyboard {
 
 Ran typed(const std::vector<std::string>& words, std::vector<std::string> lines) {
   std::ostringstream out, messages;
-  FaceOptions options;
+  ConsoleOptions options;
   options.keyboard = std::make_shared<Script>(std::move(lines));
   std::vector<std::string> all{"laser", "capture"};
   all.insert(all.end(), words.begin(), words.end());

@@ -26,17 +26,17 @@ bool built(const std::string& program) {
   return false;
 }
 
-/// A desk with an empty battery, no stored link, and parameters with a map for the sample mill.
-class Desk {
+/// A workspace with an empty battery, no stored link, and parameters with a map for the sample mill.
+class Workspace {
  public:
-  Desk() {
+  Workspace() {
     ::setenv("ECS_EMULATOR", kEmulator.c_str(), 1);
     ::setenv("ECS_STATE_DIR", (folder / "state").c_str(), 1);
     ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
   }
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
-  ~Desk() {
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+  ~Workspace() {
     for (const char* name : {"ECS_EMULATOR", "ECS_STATE_DIR", "XDG_CONFIG_HOME"}) ::unsetenv(name);
   }
 
@@ -77,24 +77,24 @@ void wait_for_bytes(const std::string& file) {
 
 TEST_CASE("parameters sent to the default link come back the same in a later run, and every message says EMULATOR") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  const Ran sent = ran({"params", "send", desk.params});
+  const Workspace workspace;
+  const Ran sent = ran({"params", "send", workspace.params});
   CHECK(sent.code == 0);
   CHECK(sent.out.starts_with("EMULATOR: "));
   std::istringstream messages(sent.messages);
   for (std::string line; std::getline(messages, line);) CHECK(line.starts_with("EMULATOR: "));
-  CHECK(ran({"params", "diff", desk.params, "unit"}).code == 0);
-  const std::string back = desk.folder / "back.toml";
+  CHECK(ran({"params", "diff", workspace.params, "unit"}).code == 0);
+  const std::string back = workspace.folder / "back.toml";
   const Ran received = ran({"params", "receive", "-o", back, "--json"});
   CHECK(received.code == 0);
   CHECK(received.json()["link"].get<std::string>().starts_with("emulator:"));
   CHECK(received.json()["serial_number"] == "MCM-0107");
-  CHECK(ran({"params", "diff", desk.params, back}).code == 0);
+  CHECK(ran({"params", "diff", workspace.params, back}).code == 0);
 }
 
 TEST_CASE("a unit without parameters says so") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   const Ran r = ran({"params", "receive", "--json"});
   CHECK(r.code == 1);
   CHECK(r.json()["error"]["message"].get<std::string>().find("holds no parameters") != std::string::npos);
@@ -105,25 +105,25 @@ constexpr const char* kOtherUnit = "[identity]\nserial_number = \"CH-0005\"\n";
 
 TEST_CASE("parameters of another unit are refused and leave the unit as it was, unless that is meant") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  REQUIRE(ran({"params", "send", desk.params}).code == 0);
-  const std::string other = desk.folder.with("other.toml", kOtherUnit + content_of(desk.params));
+  const Workspace workspace;
+  REQUIRE(ran({"params", "send", workspace.params}).code == 0);
+  const std::string other = workspace.folder.with("other.toml", kOtherUnit + content_of(workspace.params));
   REQUIRE(ran({"params", "set", other, "axis.X.deadband_um=9"}).code == 0);
   const Ran refused = ran({"params", "send", other, "--json"});
   CHECK(refused.code == 1);
   CHECK(refused.json()["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
   CHECK(ran({"params", "send", other, "--force"}).code == 1);
-  CHECK(ran({"params", "diff", desk.params, "unit"}).code == 0);
+  CHECK(ran({"params", "diff", workspace.params, "unit"}).code == 0);
   CHECK(ran({"params", "send", other, "--other-machine"}).code == 0);
   CHECK(ran({"params", "diff", other, "unit"}).code == 0);
 }
 
 TEST_CASE("a batch leaves a unit alone whose parameters name another serial number, with a map and without") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  static_cast<void>(desk.folder.with("other.toml", kOtherUnit + content_of(desk.params)));
+  const Workspace workspace;
+  static_cast<void>(workspace.folder.with("other.toml", kOtherUnit + content_of(workspace.params)));
   const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"other.toml\"\n";
-  const std::string plan = desk.folder.with("plan.toml", unit + unit + "map = \"map.csv\"\n");
+  const std::string plan = workspace.folder.with("plan.toml", unit + unit + "map = \"map.csv\"\n");
   const Ran r = ran({"batch", plan, "--json"});
   CHECK(r.code == 1);
   const nlohmann::json answer = r.json();
@@ -131,27 +131,27 @@ TEST_CASE("a batch leaves a unit alone whose parameters name another serial numb
     CHECK(report["state"] == "skipped");
     CHECK(report["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
   }
-  CHECK(ran({"map", "send", desk.map, "--params", desk.folder / "other.toml"}).code == 1);
+  CHECK(ran({"map", "send", workspace.map, "--params", workspace.folder / "other.toml"}).code == 1);
   CHECK(ran({"params", "receive"}).code == 1);  // still nothing in the unit
 }
 
 TEST_CASE("a dump of another unit, or with the map of another machine, is loaded only when that is meant") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
-  const std::string file = desk.folder / "unit.ecsdump";
+  const Workspace workspace;
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
+  const std::string file = workspace.folder / "unit.ecsdump";
   REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
   auto dump = read_dump(file);
   REQUIRE(dump);
   dump->serial_number = "CH-0005";
-  const std::string foreign = desk.folder.with("foreign.ecsdump", to_bytes(*dump));
+  const std::string foreign = workspace.folder.with("foreign.ecsdump", to_bytes(*dump));
   const Ran refused = ran({"memory", "load", foreign, "--yes", "--json"});
   CHECK(refused.code == 1);
   CHECK(refused.json()["error"]["message"].get<std::string>().find("CH-0005") != std::string::npos);
   CHECK(ran({"memory", "load", foreign, "--yes", "--other-machine"}).code == 0);
 
-  const std::string map = desk.folder.with("other.csv", "# serial_number: CH-0005\n" + content_of(desk.map));
-  REQUIRE(ran({"map", "send", map, "--params", desk.params, "--other-machine"}).code == 0);
+  const std::string map = workspace.folder.with("other.csv", "# serial_number: CH-0005\n" + content_of(workspace.map));
+  REQUIRE(ran({"map", "send", map, "--params", workspace.params, "--other-machine"}).code == 0);
   REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
   CHECK(ran({"memory", "load", file, "--yes"}).code == 1);
   CHECK(ran({"memory", "load", file, "--yes", "--other-machine"}).code == 0);
@@ -159,24 +159,24 @@ TEST_CASE("a dump of another unit, or with the map of another machine, is loaded
 
 TEST_CASE("parameters without the squareness that the unit's map was measured with are refused") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  const std::string map = desk.folder.with(
-      "square.csv", "# source: C0Y square.csv sha256=" + std::string(64, 'a') + "\n" + content_of(desk.map));
-  REQUIRE(ran({"params", "set", desk.params, "compensation.squareness.C0Y_um_per_m=12"}).code == 0);
-  REQUIRE(ran({"map", "send", map, "--params", desk.params}).code == 0);
-  REQUIRE(ran({"params", "set", desk.params, "compensation.squareness.C0Y_um_per_m=0"}).code == 0);
-  const Ran refused = ran({"params", "send", desk.params, "--json"});
+  const Workspace workspace;
+  const std::string map = workspace.folder.with(
+      "square.csv", "# source: C0Y square.csv sha256=" + std::string(64, 'a') + "\n" + content_of(workspace.map));
+  REQUIRE(ran({"params", "set", workspace.params, "compensation.squareness.C0Y_um_per_m=12"}).code == 0);
+  REQUIRE(ran({"map", "send", map, "--params", workspace.params}).code == 0);
+  REQUIRE(ran({"params", "set", workspace.params, "compensation.squareness.C0Y_um_per_m=0"}).code == 0);
+  const Ran refused = ran({"params", "send", workspace.params, "--json"});
   CHECK(refused.code == 1);
   CHECK(refused.out.find("C0Y was measured for this map") != std::string::npos);
 }
 
 TEST_CASE("asking again for compensation follows the datuming that is under way") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  const auto unit = EmulatorProcess::start({kEmulator, "samples/mill/machine.toml", desk.folder / "memory"});
+  const Workspace workspace;
+  const auto unit = EmulatorProcess::start({kEmulator, "samples/mill/machine.toml", workspace.folder / "memory"});
   REQUIRE(unit);
   const std::string link = "rtu:" + (*unit)->pty() + ":115200";
-  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params, "--link", link}).code == 0);
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params, "--link", link}).code == 0);
   for (int i = 0; i < 2; ++i) {
     const Ran r = ran({"utility", "mode", "compensate", "--wait", "0.3", "--link", link, "--json"});
     CHECK(r.code == 1);
@@ -186,9 +186,9 @@ TEST_CASE("asking again for compensation follows the datuming that is under way"
 
 TEST_CASE("a map that is new to the unit brings the reminder to check polarity, the same map again does not") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   const auto reminded = [&] {
-    const Ran r = ran({"map", "send", desk.map, "--params", desk.params});
+    const Ran r = ran({"map", "send", workspace.map, "--params", workspace.params});
     CHECK(r.code == 0);
     return r.messages.find("before the first compensation") != std::string::npos;
   };
@@ -198,8 +198,8 @@ TEST_CASE("a map that is new to the unit brings the reminder to check polarity, 
 
 TEST_CASE("bytes written into the active map are written, with a warning of what that does") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  REQUIRE(ran({"params", "send", desk.params}).code == 0);
+  const Workspace workspace;
+  REQUIRE(ran({"params", "send", workspace.params}).code == 0);
   const auto images = ran({"memory", "show", "--unit", "--json"}).json()["images"];
   const std::string active = images[0]["address"];
   const Ran spoils = ran({"memory", "write", active, "00", "--yes"});
@@ -222,17 +222,17 @@ TEST_CASE("a file that may not grow is a write error, and nothing is left beside
 
 TEST_CASE("a map stays when parameters that it fits are sent, and is dropped only by --force when they do not") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
-  REQUIRE(ran({"params", "set", desk.params, "axis.X.deadband_um=7"}).code == 0);
-  CHECK(ran({"params", "send", desk.params, "--json"}).json()["map_kept"] == true);
-  CHECK(ran({"map", "verify", desk.map, "--params", desk.params}).code == 0);
-  REQUIRE(ran({"params", "set", desk.params, "compensation.scope=volumetric"}).code == 0);
-  const Ran refused = ran({"params", "send", desk.params, "--json"});
+  const Workspace workspace;
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
+  REQUIRE(ran({"params", "set", workspace.params, "axis.X.deadband_um=7"}).code == 0);
+  CHECK(ran({"params", "send", workspace.params, "--json"}).json()["map_kept"] == true);
+  CHECK(ran({"map", "verify", workspace.map, "--params", workspace.params}).code == 0);
+  REQUIRE(ran({"params", "set", workspace.params, "compensation.scope=volumetric"}).code == 0);
+  const Ran refused = ran({"params", "send", workspace.params, "--json"});
   CHECK(refused.code == 1);
   CHECK(refused.json()["error"]["also"].size() > 5);
   CHECK(ran({"memory", "show", "--unit", "--json"}).json()["images"][0]["tables"].size() == 3);
-  CHECK(ran({"params", "send", desk.params, "--force", "--json"}).json()["map_dropped"] == true);
+  CHECK(ran({"params", "send", workspace.params, "--force", "--json"}).json()["map_dropped"] == true);
   CHECK(ran({"memory", "show", "--unit", "--json"}).json()["images"][0]["tables"].empty());
 }
 
@@ -248,12 +248,12 @@ TEST_CASE("parameters that must not meet a machine are refused before any link i
 
 TEST_CASE("a dump of the unit loads back into it, and compares equal in its image") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
-  const std::string before = desk.folder / "before.ecsdump";
-  const std::string after = desk.folder / "after.ecsdump";
+  const Workspace workspace;
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
+  const std::string before = workspace.folder / "before.ecsdump";
+  const std::string after = workspace.folder / "after.ecsdump";
   REQUIRE(ran({"memory", "dump", "--active", "-o", before, "--json"}).code == 0);
-  REQUIRE(ran({"params", "send", desk.params}).code == 0);
+  REQUIRE(ran({"params", "send", workspace.params}).code == 0);
   CHECK(ran({"memory", "load", before}).code == 2);
   CHECK(ran({"memory", "load", before, "--yes", "--json"}).json()["verified"] == true);
   REQUIRE(ran({"memory", "dump", "-o", after}).code == 0);
@@ -271,7 +271,7 @@ TEST_CASE("a dump of the unit loads back into it, and compares equal in its imag
 
 TEST_CASE("memory is written and read, and where it is protected it is refused") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   CHECK(ran({"memory", "write", "0x048000", "4E75", "0x1234", "--yes", "--json"}).json()["length"] == 4);
   CHECK(ran({"memory", "write", "0x10", "00", "--yes"}).code == 1);
   const auto read = ran({"memory", "read", "0x0F0000", "0x80", "--json"}).json();
@@ -281,8 +281,8 @@ TEST_CASE("memory is written and read, and where it is protected it is refused")
 
 TEST_CASE("monitor answers one JSON object a line and records the samples") {
   if (!built(kEmulator)) return;
-  const Desk desk;
-  const std::string record = desk.folder / "m.csv";
+  const Workspace workspace;
+  const std::string record = workspace.folder / "m.csv";
   const Ran r = ran({"monitor", "--count", "3", "--interval", "5", "--json", "--record", record});
   CHECK(r.code == 0);
   std::istringstream lines(r.out);
@@ -300,7 +300,7 @@ TEST_CASE("monitor answers one JSON object a line and records the samples") {
 
 TEST_CASE("position, output and its end are carried out") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   CHECK(ran({"utility", "position", "X", "-38.8", "--json"}).json()["position_mm"] == -38.8);
   CHECK(ran({"utility", "output", "X", "5", "--relay", "--yes", "--json"}).json()["relay_closed"] == true);
   CHECK(ran({"utility", "output", "--off"}).code == 0);
@@ -310,11 +310,11 @@ TEST_CASE("position, output and its end are carried out") {
 
 TEST_CASE("a unit that cannot compensate says why, and one that waits for its referencing says how far it is") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   const Ran empty = ran({"utility", "mode", "compensate", "--wait", "1", "--json"});
   CHECK(empty.code != 0);
   CHECK(empty.json()["error"]["message"].get<std::string>().find("no_map") != std::string::npos);
-  REQUIRE(ran({"map", "send", desk.map, "--params", desk.params}).code == 0);
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
   const Ran waits = ran({"utility", "mode", "compensate", "--wait", "0.3", "--json"});
   CHECK(waits.code == 1);
   CHECK(waits.json()["mode"] == "datuming");
@@ -323,9 +323,9 @@ TEST_CASE("a unit that cannot compensate says why, and one that waits for its re
 
 TEST_CASE("a batch of one emulator and one wrong serial number sends to the first and skips the second") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"p.toml\"\nmap = \"map.csv\"\nserial_number = ";
-  const std::string plan = desk.folder.with("plan.toml", unit + "\"MCM-0107\"\n" + unit + "\"other\"\n");
+  const std::string plan = workspace.folder.with("plan.toml", unit + "\"MCM-0107\"\n" + unit + "\"other\"\n");
   const Ran dry = ran({"batch", plan, "--dry-run", "--json"});
   CHECK(dry.json()["units"][0]["state"] == "ready");
   CHECK(ran({"params", "receive"}).code == 1);  // still nothing in the unit
@@ -333,12 +333,12 @@ TEST_CASE("a batch of one emulator and one wrong serial number sends to the firs
   CHECK(r.code == 1);
   CHECK(r.json()["units"][0]["state"] == "sent");
   CHECK(r.json()["units"][1]["state"] == "skipped");
-  CHECK(ran({"map", "verify", desk.map, "--params", desk.params}).code == 0);
+  CHECK(ran({"map", "verify", workspace.map, "--params", workspace.params}).code == 0);
 }
 
 TEST_CASE("the doctor finds nothing wrong with the bundled emulator, and stores a link that works") {
   if (!built(kEmulator)) return;
-  const Desk desk;
+  const Workspace workspace;
   const Ran r = ran({"doctor", "--link", "emulator", "--save", "--json"});
   CHECK(r.code == 0);
   CHECK(r.json()["works"] == true);
@@ -348,9 +348,9 @@ TEST_CASE("the doctor finds nothing wrong with the bundled emulator, and stores 
 
 TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what it recorded") {
   if (!built(kEmulator) || !built(kEcs)) return;
-  const Desk desk;
-  const std::string output = desk.folder / "out";
-  const std::string record = desk.folder / "m.csv";
+  const Workspace workspace;
+  const std::string output = workspace.folder / "out";
+  const std::string record = workspace.folder / "m.csv";
   for (const int signal : {SIGINT, SIGTERM}) {
     const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
     wait_for_bytes(output);
@@ -364,9 +364,9 @@ TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what i
 
 TEST_CASE("what a killed monitor had recorded stands in FILE.part, and the former file is still there") {
   if (!built(kEmulator) || !built(kEcs)) return;
-  const Desk desk;
-  const std::string output = desk.folder / "out";
-  const std::string record = desk.folder.with("m.csv", "former\n");
+  const Workspace workspace;
+  const std::string output = workspace.folder / "out";
+  const std::string record = workspace.folder.with("m.csv", "former\n");
   const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
   wait_for_bytes(record + ".part");
   for (int i = 0; i < 200 && std::filesystem::file_size(record + ".part") < 1000; ++i)

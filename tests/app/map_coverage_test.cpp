@@ -21,7 +21,7 @@ name = "moving column mill"
 travel_mm = [-4100.0, 0.0]
 )";
 
-struct Desk {
+struct Workspace {
   Folder folder;
   std::string params = folder.with("p.toml", kParameters);
   std::string map = folder / "map.csv";
@@ -35,10 +35,10 @@ struct Desk {
 const char* const kShort = "EXX covers 200 of 4100 mm of the travel of X (-4100 to 0)";
 
 TEST_CASE("a map of a piece of the axis is complete with remarks, wherever the travel is known from") {
-  const Desk desk;
+  const Workspace workspace;
   SUBCASE("a machine file that is named") {
-    const std::string machine = desk.folder.with("elsewhere.toml", kMachine);
-    const Ran r = desk.build({"--machine", machine});
+    const std::string machine = workspace.folder.with("elsewhere.toml", kMachine);
+    const Ran r = workspace.build({"--machine", machine});
     CHECK(r.code == 0);
     CHECK(r.out.find(std::string("remark: ") + kShort) != std::string::npos);
     CHECK(r.out.find("EXX has 2 points forward, 2 in reverse") != std::string::npos);
@@ -46,25 +46,25 @@ TEST_CASE("a map of a piece of the axis is complete with remarks, wherever the t
           std::string::npos);
     CHECK(r.out.find("the map is complete, 3 remarks") != std::string::npos);
     CHECK(r.out.find("nothing is missing") == std::string::npos);
-    const Ran shown = ran({"map", "show", desk.map, "--params", desk.params, "--machine", machine});
+    const Ran shown = ran({"map", "show", workspace.map, "--params", workspace.params, "--machine", machine});
     CHECK(shown.out.find(kShort) != std::string::npos);
   }
   SUBCASE("machine.toml beside the parameters") {
-    (void)desk.folder.with("machine.toml", kMachine);
-    CHECK(desk.build().out.find(kShort) != std::string::npos);
-    CHECK(ran({"map", "show", desk.map, "--params", desk.params}).out.find(kShort) != std::string::npos);
+    (void)workspace.folder.with("machine.toml", kMachine);
+    CHECK(workspace.build().out.find(kShort) != std::string::npos);
+    CHECK(ran({"map", "show", workspace.map, "--params", workspace.params}).out.find(kShort) != std::string::npos);
   }
   SUBCASE("but not from the file of another machine that lies there") {
-    (void)desk.folder.with("machine.toml",
-                           "configuration = \"TX\"\nname = \"lathe\"\n[axis.X]\ntravel_mm = [-4100, 0]\n");
-    CHECK(desk.build().out.find("the map is complete, 2 remarks") != std::string::npos);
+    (void)workspace.folder.with("machine.toml",
+                                "configuration = \"TX\"\nname = \"lathe\"\n[axis.X]\ntravel_mm = [-4100, 0]\n");
+    CHECK(workspace.build().out.find("the map is complete, 2 remarks") != std::string::npos);
   }
 }
 
 TEST_CASE("what stands on the command line as a date is one") {
-  const Desk desk;
-  CHECK(desk.build({"--date", "2024-05-06"}).code == 0);
-  const Ran r = desk.build({"--date", "not a date"});
+  const Workspace workspace;
+  CHECK(workspace.build({"--date", "2024-05-06"}).code == 0);
+  const Ran r = workspace.build({"--date", "not a date"});
   CHECK(r.code == 2);
   CHECK(r.messages.find("--date: expected year-month-day, as in 2026-03-12, found \"not a date\"") !=
         std::string::npos);

@@ -16,12 +16,13 @@ using doctest::Approx;
 using nlohmann::json;
 
 TEST_CASE("a fitted model becomes a map whose header says where each table comes from") {
-  const ModelDesk desk;
-  const std::string full = desk.folder / "full.toml", map = desk.folder / "map.csv";
-  REQUIRE(ran({"model", "fit", desk.model, desk.data, "--machine", desk.machine, "-o", desk.model}).code == 0);
-  REQUIRE(ran({"model", "add", desk.model, "cyclic:X:EX", "--data", desk.data, "-o", full}).code == 0);
-  const Ran r =
-      ran({"map", "build", "--from-model", full, "--machine", desk.machine, "--increment", "1", "-o", map, "--json"});
+  const ModelWorkspace workspace;
+  const std::string full = workspace.folder / "full.toml", map = workspace.folder / "map.csv";
+  REQUIRE(ran({"model", "fit", workspace.model, workspace.data, "--machine", workspace.machine, "-o", workspace.model})
+              .code == 0);
+  REQUIRE(ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "-o", full}).code == 0);
+  const Ran r = ran(
+      {"map", "build", "--from-model", full, "--machine", workspace.machine, "--increment", "1", "-o", map, "--json"});
   REQUIRE(r.code == 0);
   const json j = r.json();
   CHECK(j["components"][0]["component"] == "EXX");
@@ -38,15 +39,16 @@ TEST_CASE("a fitted model becomes a map whose header says where each table comes
 }
 
 TEST_CASE("what no map can carry is said with its reason, and a model of nothing else is refused") {
-  const ModelDesk desk;
-  const std::string warm = desk.folder.with(
+  const ModelWorkspace workspace;
+  const std::string warm = workspace.folder.with(
       "warm.toml", "[[effect]]\nid = \"time_drift\"\nsense = \"EX\"\nparameters = { um_per_h = 3.0 }\n");
-  const Ran r = ran({"map", "build", "--from-model", warm, "--machine", desk.machine, "-o", desk.folder / "m.csv"});
+  const Ran r =
+      ran({"map", "build", "--from-model", warm, "--machine", workspace.machine, "-o", workspace.folder / "m.csv"});
   CHECK(r.code == 1);
   CHECK(r.messages.find("time_drift") != std::string::npos);
-  CHECK_FALSE(std::filesystem::exists(desk.folder / "m.csv"));
-  CHECK(ran({"map", "build", "--from-model", desk.model}).code == 2);
-  CHECK(ran({"map", "build", "--from-model", desk.model, "--machine", desk.machine}).code == 3);
+  CHECK_FALSE(std::filesystem::exists(workspace.folder / "m.csv"));
+  CHECK(ran({"map", "build", "--from-model", workspace.model}).code == 2);
+  CHECK(ran({"map", "build", "--from-model", workspace.model, "--machine", workspace.machine}).code == 3);
   CHECK(ran({"map", "build"}).code == 2);
 }
 
@@ -97,24 +99,24 @@ TEST_CASE("the map of a model cancels what the model predicts everywhere, on eve
 }
 
 TEST_CASE("a period too short for the tables is said") {
-  const ModelDesk desk;
-  const std::string grating =
-      desk.folder.with("grating.toml",
-                       "[[effect]]\nid = \"cyclic\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { period_mm = 0.02, "
-                       "amplitude_um = 1.0, phase_rad = 0.0 }\n");
-  const Ran r = ran({"map", "build", "--from-model", grating, "--machine", desk.machine, "--json"});
+  const ModelWorkspace workspace;
+  const std::string grating = workspace.folder.with(
+      "grating.toml",
+      "[[effect]]\nid = \"cyclic\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { period_mm = 0.02, "
+      "amplitude_um = 1.0, phase_rad = 0.0 }\n");
+  const Ran r = ran({"map", "build", "--from-model", grating, "--machine", workspace.machine, "--json"});
   REQUIRE(r.code == 0);
   CHECK(r.json()["components"][0]["points"].get<int>() < 10'000);
   CHECK(r.json()["notes"].dump().find("cannot follow its period") != std::string::npos);
 }
 
 TEST_CASE("squareness of a model goes into the parameters") {
-  const ModelDesk desk;
-  const std::string square = desk.folder.with(
+  const ModelWorkspace workspace;
+  const std::string square = workspace.folder.with(
       "square.toml", "[[effect]]\nid = \"squareness\"\ncode = \"C0Y\"\nparameters = { um_per_m = 16.0 }\n");
-  const std::string params = desk.folder / "params.toml";
+  const std::string params = workspace.folder / "params.toml";
   const Ran r =
-      ran({"map", "build", "--from-model", square, "--machine", desk.machine, "--params-out", params, "--json"});
+      ran({"map", "build", "--from-model", square, "--machine", workspace.machine, "--params-out", params, "--json"});
   CHECK(r.code == 0);
   CHECK(r.json()["squareness"]["C0Y_um_per_m"] == 16.0);
   CHECK(content_of(params).find("C0Y_um_per_m = 16") != std::string::npos);

@@ -35,7 +35,7 @@ std::string exx(const std::string& metadata = "") {
   return text;
 }
 
-struct Desk {
+struct Workspace {
   Folder folder;
   std::string params = folder.with("p.toml", kLathe);
   std::string data = folder.with("exx.csv", exx());
@@ -48,8 +48,8 @@ struct Desk {
 };
 
 TEST_CASE("build takes compensation as minus the error, zero at the datum, and says what it did") {
-  const Desk desk;
-  const Ran r = desk.build({"--json", "--customer", "C", "--engineer", "E", "--date", "2026-01-02"});
+  const Workspace workspace;
+  const Ran r = workspace.build({"--json", "--customer", "C", "--engineer", "E", "--date", "2026-01-02"});
   CHECK(r.code == 0);
   const auto j = r.json();
   CHECK(j["complete"] == true);
@@ -60,7 +60,7 @@ TEST_CASE("build takes compensation as minus the error, zero at the datum, and s
   CHECK(j["components"][0]["points"] == 5);
   CHECK(j["header"]["customer"] == "C");
   CHECK(j["header"]["machine"] == "short lathe");
-  const auto map = laser::read_map_csv(desk.map);
+  const auto map = laser::read_map_csv(workspace.map);
   REQUIRE(map);
   const auto* forward = laser::table_of(*map, Component::EXX, Approach::forward);
   REQUIRE(forward != nullptr);
@@ -69,19 +69,20 @@ TEST_CASE("build takes compensation as minus the error, zero at the datum, and s
 }
 
 TEST_CASE("files of which nothing can be built are refused with the reason of each, and nothing is written") {
-  const Desk desk;
-  const std::string other = desk.folder.with("eyx.csv", "axis,sense,y_mm,reading,approach\nY,EY,0,1,1\nY,EY,50,2,1\n");
-  const Ran r = ran({"map", "build", other, "--params", desk.params, "-o", desk.map});
+  const Workspace workspace;
+  const std::string other =
+      workspace.folder.with("eyx.csv", "axis,sense,y_mm,reading,approach\nY,EY,0,1,1\nY,EY,50,2,1\n");
+  const Ran r = ran({"map", "build", other, "--params", workspace.params, "-o", workspace.map});
   CHECK(r.code == 1);
   CHECK(r.messages.find("not used: eyx.csv (EY along Y): there is no axis Y") != std::string::npos);
-  CHECK_FALSE(std::filesystem::exists(desk.map));
+  CHECK_FALSE(std::filesystem::exists(workspace.map));
 }
 
 TEST_CASE("a map becomes bytes and comes back with the same content") {
-  const Desk desk;
-  REQUIRE(desk.build().code == 0);
-  const auto map = laser::read_map_csv(desk.map);
-  const auto params = params::read_parameters(desk.params);
+  const Workspace workspace;
+  REQUIRE(workspace.build().code == 0);
+  const auto map = laser::read_map_csv(workspace.map);
+  const auto params = params::read_parameters(workspace.params);
   REQUIRE(map);
   REQUIRE(params);
   const auto image = laser::image_of(*map, params->parameters);
@@ -93,65 +94,66 @@ TEST_CASE("a map becomes bytes and comes back with the same content") {
 }
 
 TEST_CASE("an incomplete map is written, named incomplete, and refused by send") {
-  const Desk desk;
-  const std::string params = desk.folder.with("planar.toml", R"(
+  const Workspace workspace;
+  const std::string params = workspace.folder.with("planar.toml", R"(
 [configuration]
 chain = "TXY"
 axes = "XY"
 [compensation]
 scope = "planar"
 )");
-  const Ran r = ran({"map", "build", desk.data, "--params", params, "-o", desk.map, "--json"});
+  const Ran r = ran({"map", "build", workspace.data, "--params", params, "-o", workspace.map, "--json"});
   CHECK(r.code == 0);
   CHECK(r.json()["complete"] == false);
   CHECK(r.json()["missing"].size() > 1);
-  CHECK(std::filesystem::exists(desk.map));
-  const Ran sent = ran({"map", "send", desk.map, "--params", params, "--link", "tcp:127.0.0.1:1"});
+  CHECK(std::filesystem::exists(workspace.map));
+  const Ran sent = ran({"map", "send", workspace.map, "--params", params, "--link", "tcp:127.0.0.1:1"});
   CHECK(sent.code == 1);
   CHECK(sent.messages.find("EYY (Y axis linear positioning error) is missing") != std::string::npos);
 }
 
 TEST_CASE("a component is declared zero with a reason, or not at all") {
-  const Desk desk;
-  CHECK(desk.build({"--zero", "EYY"}).code == 2);
-  CHECK(desk.build({"--zero", "EYY="}).code == 2);
-  CHECK(desk.build({"--zero", "QQQ=why"}).code == 2);
-  CHECK(desk.build({"--zero", "EXX=it is measured too"}).code == 2);
+  const Workspace workspace;
+  CHECK(workspace.build({"--zero", "EYY"}).code == 2);
+  CHECK(workspace.build({"--zero", "EYY="}).code == 2);
+  CHECK(workspace.build({"--zero", "QQQ=why"}).code == 2);
+  CHECK(workspace.build({"--zero", "EXX=it is measured too"}).code == 2);
 }
 
 TEST_CASE("readings taken with compensation active make no map") {
-  const Desk desk;
+  const Workspace workspace;
   const std::string file =
-      desk.folder.with("comp.csv", "axis,sense,x_mm,reading,approach,compensated\nX,EX,0,1,1,1\nX,EX,-50,2,1,1\n");
-  const std::string recipe = desk.folder.with("r.toml", "[[component]]\ncode = \"EXX\"\nfiles = [\"comp.csv\"]\n");
-  const Ran r = ran({"map", "build", recipe, "--params", desk.params, "-o", desk.map});
+      workspace.folder.with("comp.csv", "axis,sense,x_mm,reading,approach,compensated\nX,EX,0,1,1,1\nX,EX,-50,2,1,1\n");
+  const std::string recipe = workspace.folder.with("r.toml", "[[component]]\ncode = \"EXX\"\nfiles = [\"comp.csv\"]\n");
+  const Ran r = ran({"map", "build", recipe, "--params", workspace.params, "-o", workspace.map});
   CHECK(r.code == 1);
   CHECK(r.messages.find(file) != std::string::npos);
-  CHECK_FALSE(std::filesystem::exists(desk.map));
+  CHECK_FALSE(std::filesystem::exists(workspace.map));
 }
 
 TEST_CASE("a recipe stands alone, and its faults are told with their lines") {
-  const Desk desk;
-  const std::string recipe = desk.folder.with("r.toml", "[[component]]\ncode = \"EXQ\"\nfiles = [\"exx.csv\"]\n");
-  const Ran r = ran({"map", "build", recipe, "--params", desk.params});
+  const Workspace workspace;
+  const std::string recipe = workspace.folder.with("r.toml", "[[component]]\ncode = \"EXQ\"\nfiles = [\"exx.csv\"]\n");
+  const Ran r = ran({"map", "build", recipe, "--params", workspace.params});
   CHECK(r.code == 3);
   CHECK(r.messages.find("r.toml:1:") != std::string::npos);
-  CHECK(ran({"map", "build", recipe, desk.data, "--params", desk.params}).code == 2);
+  CHECK(ran({"map", "build", recipe, workspace.data, "--params", workspace.params}).code == 2);
 }
 
 TEST_CASE("a file that does not say its sense is sent to import") {
-  const Desk desk;
-  const Ran r = ran({"map", "build", "samples/laser/pitch.rta", "--params", desk.params});
+  const Workspace workspace;
+  const Ran r = ran({"map", "build", "samples/laser/pitch.rta", "--params", workspace.params});
   CHECK(r.code == 2);
   CHECK(r.messages.find("ecs laser import") != std::string::npos);
 }
 
 TEST_CASE("a spoiled map is refused with line and column before any link is opened") {
-  const Desk desk;
-  const std::string bad = desk.folder.with("bad.csv", "axis,sense,approach,p_mm,value_um\nX,EX,1,0,nan\nX,EX,3,0,1\n");
+  const Workspace workspace;
+  const std::string bad =
+      workspace.folder.with("bad.csv", "axis,sense,approach,p_mm,value_um\nX,EX,1,0,nan\nX,EX,3,0,1\n");
   for (const std::vector<std::string>& words : {std::vector<std::string>{"map", "show", bad},
                                                 {"map", "header", bad},
-                                                {"map", "send", bad, "--params", desk.params},
+                                                {"map", "send", bad, "--params", workspace.params},
                                                 {"map", "verify", bad}}) {
     const Ran r = ran(words);
     CHECK(r.code == 3);
@@ -161,9 +163,10 @@ TEST_CASE("a spoiled map is refused with line and column before any link is open
 }
 
 TEST_CASE("show lists each table with start, increment, points, smallest and largest") {
-  const Desk desk;
-  REQUIRE(desk.build().code == 0);
-  const auto j = ran({"map", "show", desk.map, "--component", "EXX", "--params", desk.params, "--json"}).json();
+  const Workspace workspace;
+  REQUIRE(workspace.build().code == 0);
+  const auto j =
+      ran({"map", "show", workspace.map, "--component", "EXX", "--params", workspace.params, "--json"}).json();
   REQUIRE(j["tables"].size() == 2);
   const auto& forward = j["tables"][0];
   CHECK(forward["approach"] == "forward");
@@ -174,10 +177,10 @@ TEST_CASE("show lists each table with start, increment, points, smallest and lar
   CHECK(forward["max"] == Approx(19.0));
   CHECK(forward["compensation"].size() == 5);
   CHECK(j["findings"].empty());
-  CHECK(ran({"map", "show", desk.map, "--component", "EYY"}).code == 1);
-  CHECK(ran({"map", "show", desk.map, "--component", "C0Y"}).code == 2);
+  CHECK(ran({"map", "show", workspace.map, "--component", "EYY"}).code == 1);
+  CHECK(ran({"map", "show", workspace.map, "--component", "C0Y"}).code == 2);
   CHECK(ran({"map", "show"}).code == 2);
-  CHECK(ran({"map", "show", desk.map, "--unit"}).code == 2);
+  CHECK(ran({"map", "show", workspace.map, "--unit"}).code == 2);
 }
 
 TEST_CASE("a map of another machine or serial number is refused; what is not stated is not judged") {
@@ -194,9 +197,9 @@ TEST_CASE("a map of another machine or serial number is refused; what is not sta
 }
 
 TEST_CASE("build warns of readings from another machine than the parameters, in words of a verb that sends nothing") {
-  const Desk desk;
-  const std::string other = desk.folder.with("other.csv", exx("# machine: long lathe\n"));
-  const Ran r = ran({"map", "build", other, "--params", desk.params, "-o", desk.map});
+  const Workspace workspace;
+  const std::string other = workspace.folder.with("other.csv", exx("# machine: long lathe\n"));
+  const Ran r = ran({"map", "build", other, "--params", workspace.params, "-o", workspace.map});
   CHECK(r.code == 0);
   CHECK(r.messages.find("the map was made for machine \"long lathe\", [identity] of the parameters says \"short "
                         "lathe\": as they stand, `ecs map send` refuses the map with these parameters") !=
@@ -244,12 +247,12 @@ TEST_CASE("a real axis goes from its file to the bytes of the unit") {
     MESSAGE("skipped: ../shared/data is not there");
     return;
   }
-  const Desk desk;
-  const std::string csv = desk.folder / "b02.csv";
+  const Workspace workspace;
+  const std::string csv = workspace.folder / "b02.csv";
   REQUIRE(ran({"laser", "import", file, "--axis", "X", "-o", csv}).code == 0);
-  REQUIRE(ran({"map", "build", csv, "--params", desk.params, "-o", desk.map}).code == 0);
-  const auto map = laser::read_map_csv(desk.map);
-  const auto params = params::read_parameters(desk.params);
+  REQUIRE(ran({"map", "build", csv, "--params", workspace.params, "-o", workspace.map}).code == 0);
+  const auto map = laser::read_map_csv(workspace.map);
+  const auto params = params::read_parameters(workspace.params);
   REQUIRE(map);
   REQUIRE(params);
   const auto image = laser::image_of(*map, params->parameters);
@@ -269,13 +272,14 @@ TEST_CASE("a map goes to the emulator, is verified, changed, found different, an
     MESSAGE("skipped: ecs-emulator is not built");
     return;
   }
-  const Desk desk;
-  ::setenv("ECS_STATE_DIR", (desk.folder / "state").c_str(), 1);
+  const Workspace workspace;
+  ::setenv("ECS_STATE_DIR", (workspace.folder / "state").c_str(), 1);
   const std::string link = "emulator:" + machine->string();
-  REQUIRE(desk.build().code == 0);
+  REQUIRE(workspace.build().code == 0);
   const Ran empty = ran({"map", "header", "--unit", "--link", link});
   CHECK(empty.code == 1);
-  const Ran sent = ran({"map", "send", desk.map, "--params", desk.params, "--link", link, "--json", "--other-machine"});
+  const Ran sent =
+      ran({"map", "send", workspace.map, "--params", workspace.params, "--link", link, "--json", "--other-machine"});
   CAPTURE(sent.out);
   REQUIRE(sent.code == 0);
   CHECK(sent.json()["verified"] == true);
@@ -283,14 +287,14 @@ TEST_CASE("a map goes to the emulator, is verified, changed, found different, an
   CHECK(sent.json()["seconds"].get<double>() > 0.0);
   CHECK(sent.json()["check"].get<std::string>().size() == 8);
   CHECK(sent.json()["link"] == link);
-  CHECK(ran({"map", "verify", desk.map, "--params", desk.params, "--link", link}).code == 0);
-  const std::string back = desk.folder / "back.csv";
+  CHECK(ran({"map", "verify", workspace.map, "--params", workspace.params, "--link", link}).code == 0);
+  const std::string back = workspace.folder / "back.csv";
   REQUIRE(ran({"map", "receive", "-o", back, "--link", link}).code == 0);
   CHECK(ran({"map", "verify", back, "--link", link}).code == 0);
   auto changed = laser::read_map_csv(back);
   REQUIRE(changed);
   changed->tables[0].compensation[2] += 0.5;
-  const std::string other = desk.folder.with("other.csv", laser::to_map_csv(*changed));
+  const std::string other = workspace.folder.with("other.csv", laser::to_map_csv(*changed));
   const Ran differs = ran({"map", "verify", other, "--link", link, "--json"});
   CHECK(differs.code == 1);
   REQUIRE(differs.json()["differences"].size() == 1);

@@ -74,7 +74,7 @@ travel_mm = [0.0, 400.0]
 )";
 
 /// Model, machine and data in a folder of their own.
-struct ModelDesk {
+struct ModelWorkspace {
   Folder folder;
   std::string model = folder.with("model.toml", kStraightModel);
   std::string machine = folder.with("machine.toml", kTestMachine);

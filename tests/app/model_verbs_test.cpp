@@ -32,8 +32,8 @@ bool is_svg(const std::string& file) { return content_of(file).find("</svg>") !=
 // --- diagnose
 
 TEST_CASE("diagnose names a missing periodic error, with the keys of the contract") {
-  const ModelDesk desk;
-  const Ran r = desk.verb("diagnose", {"--json", "--blanks", "100"});
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("diagnose", {"--json", "--blanks", "100"});
   REQUIRE(r.code == 0);
   const json j = r.json();
   check_has(j, {"observations", "rms_um", "noise_um", "lack_of_fit", "verdict", "candidates", "where", "outliers"});
@@ -60,8 +60,8 @@ TEST_CASE("diagnose names a missing periodic error, with the keys of the contrac
 }
 
 TEST_CASE("diagnose says first, in one sentence, what is missing, and keeps within 80 columns") {
-  const ModelDesk desk;
-  const Ran r = desk.verb("diagnose", {"--blanks", "100"});
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("diagnose", {"--blanks", "100"});
   REQUIRE(r.code == 0);
   CHECK(r.out.starts_with("The model lacks cyclic:X:EX"));
   CHECK(r.out.find("period_mm") != std::string::npos);
@@ -69,20 +69,22 @@ TEST_CASE("diagnose says first, in one sentence, what is missing, and keeps with
 }
 
 TEST_CASE("noise alone is adequate, and exits 0 too") {
-  const ModelDesk desk;
-  const std::string data = desk.folder.with("noise.csv", measured_x(straight_x));
-  const Ran r = ran({"model", "diagnose", desk.model, data, "--machine", desk.machine, "--json", "--blanks", "100"});
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with("noise.csv", measured_x(straight_x));
+  const Ran r =
+      ran({"model", "diagnose", workspace.model, data, "--machine", workspace.machine, "--json", "--blanks", "100"});
   CHECK(r.code == 0);
   CHECK(r.json()["verdict"] == "adequate");
   CHECK(r.json()["candidates"].empty());
 }
 
 TEST_CASE("one bad run is told as structure that depends on the run, and exits 0") {
-  const ModelDesk desk;
-  const std::string data = desk.folder.with(
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with(
       "bad_run.csv",
       measured_x([](double x, int, int run) { return straight_x(x, 1, run) + (run == 2 ? 4.0 : 0.0); }, {.runs = 4}));
-  const Ran r = ran({"model", "diagnose", desk.model, data, "--machine", desk.machine, "--json", "--blanks", "100"});
+  const Ran r =
+      ran({"model", "diagnose", workspace.model, data, "--machine", workspace.machine, "--json", "--blanks", "100"});
   CHECK(r.code == 0);
   CHECK(r.json()["verdict"] == "unexplained_structure");
   bool by_run = false;
@@ -92,38 +94,39 @@ TEST_CASE("one bad run is told as structure that depends on the run, and exits 0
 }
 
 TEST_CASE("gross outliers are listed by row") {
-  const ModelDesk desk;
+  const ModelWorkspace workspace;
   std::string text = measured_x(straight_x);
   const std::size_t row = text.find("X,EX,", text.find("X,EX,", 200) + 1);  // some row in the middle
   const auto number = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(row), '\n');
   const std::size_t reading = text.find(',', row + 5) + 1;
   text.replace(reading, text.find(',', reading) - reading, "250.0");
-  const Ran r = ran({"model", "diagnose", desk.model, desk.folder.with("o.csv", text), "--json", "--blanks", "100"});
+  const Ran r =
+      ran({"model", "diagnose", workspace.model, workspace.folder.with("o.csv", text), "--json", "--blanks", "100"});
   CHECK(r.json()["outliers"] == json::array({number}));
 }
 
 TEST_CASE("every verb that plots writes a valid SVG or PNG") {
-  const ModelDesk desk;
-  const std::string svg = desk.folder / "d.svg", png = desk.folder / "d.png";
-  CHECK(desk.verb("diagnose", {"--plot", svg, "--blanks", "50"}).code == 0);
+  const ModelWorkspace workspace;
+  const std::string svg = workspace.folder / "d.svg", png = workspace.folder / "d.png";
+  CHECK(workspace.verb("diagnose", {"--plot", svg, "--blanks", "50"}).code == 0);
   CHECK(is_svg(svg));
-  CHECK(desk.verb("diagnose", {"--plot", png, "--blanks", "50"}).code == 0);
+  CHECK(workspace.verb("diagnose", {"--plot", png, "--blanks", "50"}).code == 0);
   CHECK(is_png(png));
   for (const char* verb : {"fit", "compare"}) {
-    const std::string file = desk.folder / (std::string(verb) + ".svg");
-    CHECK(desk.verb(verb, {"--plot", file}).code == 0);
+    const std::string file = workspace.folder / (std::string(verb) + ".svg");
+    CHECK(workspace.verb(verb, {"--plot", file}).code == 0);
     CHECK(is_svg(file));
   }
-  CHECK(desk.verb("fit", {"--plot", desk.folder / "x.pdf"}).code == 2);
+  CHECK(workspace.verb("fit", {"--plot", workspace.folder / "x.pdf"}).code == 2);
 }
 
 // --- fit, predict
 
 TEST_CASE("fit finds the parameters with sigmas, and keeps them in the model it writes") {
-  const ModelDesk desk;
-  const std::string data = desk.folder.with("line.csv", measured_x(straight_x));
-  const std::string fitted = desk.folder / "fitted.toml";
-  const Ran r = ran({"model", "fit", desk.model, data, "--machine", desk.machine, "-o", fitted, "--json"});
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with("line.csv", measured_x(straight_x));
+  const std::string fitted = workspace.folder / "fitted.toml";
+  const Ran r = ran({"model", "fit", workspace.model, data, "--machine", workspace.machine, "-o", fitted, "--json"});
   REQUIRE(r.code == 0);
   const json j = r.json();
   REQUIRE(j["effects"].size() == 2);
@@ -135,9 +138,9 @@ TEST_CASE("fit finds the parameters with sigmas, and keeps them in the model it 
   CHECK(j["condition"].is_number());
   CHECK(content_of(fitted).find("fitted = { um_per_m = ") != std::string::npos);
 
-  const std::string points = desk.folder.with("points.csv", "axis,sense,x_mm,approach\nX,EX,0,1\nX,EX,1000,-1\n");
-  const std::string out = desk.folder / "predicted.csv";
-  const Ran p = ran({"model", "predict", fitted, points, "--machine", desk.machine, "-o", out, "--json"});
+  const std::string points = workspace.folder.with("points.csv", "axis,sense,x_mm,approach\nX,EX,0,1\nX,EX,1000,-1\n");
+  const std::string out = workspace.folder / "predicted.csv";
+  const Ran p = ran({"model", "predict", fitted, points, "--machine", workspace.machine, "-o", out, "--json"});
   REQUIRE(p.code == 0);
   const json rows = p.json()["predictions"];
   REQUIRE(rows.size() == 2);
@@ -149,46 +152,46 @@ TEST_CASE("fit finds the parameters with sigmas, and keeps them in the model it 
 }
 
 TEST_CASE("a model without values predicts nothing") {
-  const ModelDesk desk;
-  const Ran r = desk.verb("predict", {"--json"});
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("predict", {"--json"});
   CHECK(r.code == 3);
-  CHECK(r.json()["error"]["file"] == desk.model);
+  CHECK(r.json()["error"]["file"] == workspace.model);
   CHECK(r.json()["error"]["message"].get<std::string>().find("fit the model") != std::string::npos);
 }
 
 TEST_CASE("held parameters are told as held, terms that do the same as undetermined") {
-  const ModelDesk desk;
+  const ModelWorkspace workspace;
   const std::string held =
-      desk.folder.with("held.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nparameters = { um_per_m = 5.0 }\n");
-  const json j = ran({"model", "fit", held, desk.data, "--json"}).json();
+      workspace.folder.with("held.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nparameters = { um_per_m = 5.0 }\n");
+  const json j = ran({"model", "fit", held, workspace.data, "--json"}).json();
   CHECK(j["effects"][0]["parameters"][0]["held"] == true);
   CHECK(j["effects"][0]["parameters"][0]["sigma"].is_null());
-  const std::string twice = desk.folder.with(
+  const std::string twice = workspace.folder.with(
       "twice.toml", std::string(kStraightModel) + "\n[[effect]]\nid = \"cosine\"\naxis = \"X\"\nsense = \"EX\"\n");
-  const json t = ran({"model", "fit", twice, desk.data, "--json"}).json();
+  const json t = ran({"model", "fit", twice, workspace.data, "--json"}).json();
   CHECK_FALSE(t["undetermined"].empty());
 }
 
 TEST_CASE("fit keeps to plain least squares when asked, and lists no outliers then") {
-  const ModelDesk desk;
-  CHECK(desk.verb("fit", {"--plain", "--json"}).json()["outliers"].empty());
+  const ModelWorkspace workspace;
+  CHECK(workspace.verb("fit", {"--plain", "--json"}).json()["outliers"].empty());
 }
 
 TEST_CASE("a model is not written over another file, but over itself") {
-  const ModelDesk desk;
-  const std::string other = desk.folder.with("other.toml", "# something else\n");
-  CHECK(desk.verb("fit", {"-o", other}).code == 2);
+  const ModelWorkspace workspace;
+  const std::string other = workspace.folder.with("other.toml", "# something else\n");
+  CHECK(workspace.verb("fit", {"-o", other}).code == 2);
   CHECK(content_of(other) == "# something else\n");
-  CHECK(desk.verb("fit", {"-o", desk.data}).code == 2);
-  CHECK(desk.verb("fit", {"-o", desk.model}).code == 0);
-  CHECK(content_of(desk.model).find("fitted") != std::string::npos);
+  CHECK(workspace.verb("fit", {"-o", workspace.data}).code == 2);
+  CHECK(workspace.verb("fit", {"-o", workspace.model}).code == 0);
+  CHECK(content_of(workspace.model).find("fitted") != std::string::npos);
 }
 
 // --- compare
 
 TEST_CASE("compare gives bias, rms, peak, lack of fit and count for every sense, axis and direction") {
-  const ModelDesk desk;
-  const json j = desk.verb("compare", {"--json"}).json();
+  const ModelWorkspace workspace;
+  const json j = workspace.verb("compare", {"--json"}).json();
   REQUIRE(j["directions"].size() == 2);
   for (const json& one : j["directions"]) {
     CHECK(keys_of(one) == std::set<std::string>{"sense", "axis", "approach", "bias_um", "rms_um", "peak_um",
@@ -205,14 +208,14 @@ TEST_CASE("compare gives bias, rms, peak, lack of fit and count for every sense,
   std::set<std::string> variables;
   for (const json& view : j["variables"]) variables.insert(view["variable"].get<std::string>());
   for (const char* name : {"x_mm", "approach", "run", "time_s"}) CHECK(variables.contains(name));
-  CHECK(widest_line(desk.verb("compare").out) <= 80);
+  CHECK(widest_line(workspace.verb("compare").out) <= 80);
 }
 
 TEST_CASE("compare breaks the model down by effect at one place") {
-  const ModelDesk desk;
-  const std::string data = desk.folder.with("line.csv", measured_x(straight_x, {.noise_um = 0.01}));
-  const Ran r =
-      ran({"model", "compare", desk.model, data, "--machine", desk.machine, "--at", "x=1000,y=0,z=0,axis=X", "--json"});
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with("line.csv", measured_x(straight_x, {.noise_um = 0.01}));
+  const Ran r = ran({"model", "compare", workspace.model, data, "--machine", workspace.machine, "--at",
+                     "x=1000,y=0,z=0,axis=X", "--json"});
   REQUIRE(r.code == 0);
   const json at = r.json()["at"];
   CHECK(at["x_mm"] == 1000.0);
@@ -221,42 +224,42 @@ TEST_CASE("compare breaks the model down by effect at one place") {
   CHECK(ex["effects"][0]["effect"] == "offset:X:EX");
   CHECK(ex["effects"][1]["um"].get<double>() == Approx(5.0).epsilon(0.01));
   for (const char* wrong : {"x", "x=1,axis=Q", "u=3", "x=one", "approach=2"})
-    CHECK(desk.verb("compare", {"--at", wrong}).code == 2);
+    CHECK(workspace.verb("compare", {"--at", wrong}).code == 2);
 }
 
 TEST_CASE("compare predicts the volume, and needs a machine for it") {
-  const ModelDesk desk;
-  const std::string csv = desk.folder / "volume.csv";
-  const Ran r = desk.verb("compare", {"--volume", "3", "-o", csv, "--json"});
+  const ModelWorkspace workspace;
+  const std::string csv = workspace.folder / "volume.csv";
+  const Ran r = workspace.verb("compare", {"--volume", "3", "-o", csv, "--json"});
   REQUIRE(r.code == 0);
   CHECK(r.json()["volume"]["forward"]["points"] == 27);
   const std::string text = content_of(csv);
   CHECK(text.starts_with("x_mm,y_mm,z_mm,approach,EX_um,EY_um,EZ_um\n"));
   CHECK(std::count(text.begin(), text.end(), '\n') == 55);
-  CHECK(ran({"model", "compare", desk.model, desk.data, "--volume", "3"}).code == 2);
-  CHECK(desk.verb("compare", {"-o", csv}).code == 2);
+  CHECK(ran({"model", "compare", workspace.model, workspace.data, "--volume", "3"}).code == 2);
+  CHECK(workspace.verb("compare", {"-o", csv}).code == 2);
 }
 
 // --- add, undo, history, what-if
 
 TEST_CASE("add refits with the effect, prints the ladder and keeps it; undo takes it back") {
-  const ModelDesk desk;
-  const std::string out = desk.folder / "added.toml";
-  const Ran r = ran(
-      {"model", "add", desk.model, "cyclic:X:EX", "--data", desk.data, "--machine", desk.machine, "-o", out, "--json"});
+  const ModelWorkspace workspace;
+  const std::string out = workspace.folder / "added.toml";
+  const Ran r = ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--machine",
+                     workspace.machine, "-o", out, "--json"});
   REQUIRE(r.code == 0);
   const json j = r.json();
   check_has(j, {"rms_before_um", "rms_after_um", "noise_um", "history"});
   CHECK(j["rms_before_um"].get<double>() == Approx(std::sqrt(2.0 + 0.09)).epsilon(0.1));
   CHECK(j["rms_after_um"].get<double>() == Approx(0.3).epsilon(0.15));
   CHECK(j["noise_um"].get<double>() == Approx(0.3).epsilon(0.2));
-  CHECK(content_of(desk.model) == kStraightModel);
+  CHECK(content_of(workspace.model) == kStraightModel);
 
   const json history = ran({"model", "history", out, "--json"}).json()["history"];
   REQUIRE(history.size() == 1);
   CHECK(history[0]["effect"] == "cyclic:X:EX");
   CHECK(history[0]["held_out_rms_um"].get<double>() < 0.5);
-  const std::string plot = desk.folder / "ladder.svg";
+  const std::string plot = workspace.folder / "ladder.svg";
   CHECK(ran({"model", "history", out, "--plot", plot}).code == 0);
   CHECK(is_svg(plot));
   CHECK(content_of(plot).find("+ cyclic:X:EX") != std::string::npos);
@@ -268,36 +271,37 @@ TEST_CASE("add refits with the effect, prints the ladder and keeps it; undo take
 
 TEST_CASE(
     "add takes approach, sense and code from its options, and an effect that is none is answered with a likely one") {
-  const ModelDesk desk;
-  const Ran r =
-      ran({"model", "add", desk.model, "cyclic:X:EX", "--data", desk.data, "--approach", "reverse", "--json"});
+  const ModelWorkspace workspace;
+  const Ran r = ran(
+      {"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--approach", "reverse", "--json"});
   CHECK(r.json()["effect"]["approach"] == "reverse");
   CHECK(r.json()["model"].is_null());
-  const Ran wrong = ran({"model", "add", desk.model, "cyclc:X:EX", "--data", desk.data});
+  const Ran wrong = ran({"model", "add", workspace.model, "cyclc:X:EX", "--data", workspace.data});
   CHECK(wrong.code == 2);
   CHECK(wrong.messages.find("cyclic") != std::string::npos);
-  CHECK(ran({"model", "add", desk.model, "cyclic:Q:EX", "--data", desk.data}).code == 2);
-  CHECK(ran({"model", "add", desk.model, "angular", "--code", "EQX", "--data", desk.data}).code == 2);
+  CHECK(ran({"model", "add", workspace.model, "cyclic:Q:EX", "--data", workspace.data}).code == 2);
+  CHECK(ran({"model", "add", workspace.model, "angular", "--code", "EQX", "--data", workspace.data}).code == 2);
 }
 
 TEST_CASE("add writes over no other file, and again what it wrote before") {
-  const ModelDesk desk;
-  const std::string other = desk.folder.with("other.toml", "# mine\n");
-  CHECK(ran({"model", "add", desk.model, "cyclic", "--data", desk.data, "-o", other}).code == 2);
+  const ModelWorkspace workspace;
+  const std::string other = workspace.folder.with("other.toml", "# mine\n");
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", other}).code == 2);
   CHECK(content_of(other) == "# mine\n");
-  const std::string out = desk.folder / "out.toml";
-  CHECK(ran({"model", "add", desk.model, "cyclic", "--data", desk.data, "-o", out}).code == 0);
-  CHECK(ran({"model", "add", desk.model, "cyclic", "--data", desk.data, "-o", out}).code == 0);
-  CHECK(ran({"model", "add", desk.model, "cyclic", "--data", desk.data, "-o", desk.model}).code == 0);
+  const std::string out = workspace.folder / "out.toml";
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", workspace.model}).code == 0);
 }
 
 TEST_CASE("what-if foresees the rms after compensation, and tells what was achieved") {
-  const ModelDesk desk;
-  const std::string full = desk.folder / "full.toml";
-  REQUIRE(ran({"model", "add", desk.model, "cyclic:X:EX", "--data", desk.data, "-o", full}).code == 0);
-  const std::string after = desk.folder.with(
+  const ModelWorkspace workspace;
+  const std::string full = workspace.folder / "full.toml";
+  REQUIRE(ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "-o", full}).code == 0);
+  const std::string after = workspace.folder.with(
       "after.csv", measured_x([](double, int, int) { return 0.0; }, {.noise_um = 0.3, .seed = 5, .compensated = true}));
-  const Ran r = ran({"model", "what-if", full, desk.data, "--after", after, "--machine", desk.machine, "--json"});
+  const Ran r =
+      ran({"model", "what-if", full, workspace.data, "--after", after, "--machine", workspace.machine, "--json"});
   REQUIRE(r.code == 0);
   const json j = r.json();
   CHECK(j["rms_after_um"].get<double>() == Approx(0.3).epsilon(0.15));
@@ -306,41 +310,41 @@ TEST_CASE("what-if foresees the rms after compensation, and tells what was achie
   CHECK(j["achieved"]["of_predicted"].get<double>() == Approx(1.0).epsilon(0.2));
   REQUIRE(j["directions"].size() == 2);
   CHECK(j["directions"][0]["achieved_rms_um"].get<double>() == Approx(0.3).epsilon(0.2));
-  CHECK(ran({"model", "what-if", full, desk.data, "--json"}).json()["achieved"].is_null());
+  CHECK(ran({"model", "what-if", full, workspace.data, "--json"}).json()["achieved"].is_null());
 }
 
 // --- next
 
 TEST_CASE("next proposes a run, and says of a plan whether it can determine the model") {
-  const ModelDesk desk;
-  const Ran r = desk.verb("next", {"--json"});
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("next", {"--json"});
   REQUIRE(r.code == 0);
   check_has(r.json(), {"rivals", "proposals", "notes"});
   const std::string good =
-      desk.folder.with("plan.csv", "axis,sense,x_mm,approach\nX,EX,0,1\nX,EX,500,1\nX,EX,1000,1\n");
-  const Ran yes = ran({"model", "next", desk.model, "--check", good, "--machine", desk.machine, "--json"});
+      workspace.folder.with("plan.csv", "axis,sense,x_mm,approach\nX,EX,0,1\nX,EX,500,1\nX,EX,1000,1\n");
+  const Ran yes = ran({"model", "next", workspace.model, "--check", good, "--machine", workspace.machine, "--json"});
   CHECK(yes.code == 0);
   CHECK(yes.json()["determines"] == true);
-  const std::string poor = desk.folder.with("poor.csv", "axis,sense,x_mm,approach\nX,EX,500,1\nX,EX,500,1\n");
-  const Ran no = ran({"model", "next", desk.model, "--check", poor, "--machine", desk.machine, "--json"});
+  const std::string poor = workspace.folder.with("poor.csv", "axis,sense,x_mm,approach\nX,EX,500,1\nX,EX,500,1\n");
+  const Ran no = ran({"model", "next", workspace.model, "--check", poor, "--machine", workspace.machine, "--json"});
   CHECK(no.code == 1);
   CHECK(no.json()["determines"] == false);
   CHECK_FALSE(no.json()["undetermined"].empty());
-  CHECK(ran({"model", "next", desk.model}).code == 2);
+  CHECK(ran({"model", "next", workspace.model}).code == 2);
 }
 
 // --- effects
 
 TEST_CASE("a proposal is written as a part program and as a target list, which is a plan") {
-  const ModelDesk desk;
-  const std::string program = desk.folder / "next.txt", targets = desk.folder / "targets.csv";
-  const Ran r = desk.verb("next", {"--program", program, "--targets", targets, "--json"});
+  const ModelWorkspace workspace;
+  const std::string program = workspace.folder / "next.txt", targets = workspace.folder / "targets.csv";
+  const Ran r = workspace.verb("next", {"--program", program, "--targets", targets, "--json"});
   REQUIRE(r.code == 0);
   CHECK(r.json()["program"] == program);
   CHECK(content_of(program).find("M08") != std::string::npos);
-  CHECK(ran({"model", "next", desk.model, "--check", targets, "--machine", desk.machine}).code == 0);
-  CHECK(desk.verb("next", {"--targets", targets, "--proposal", "99"}).code == 1);
-  CHECK(ran({"model", "next", desk.model, desk.data, "--program", program}).code == 2);
+  CHECK(ran({"model", "next", workspace.model, "--check", targets, "--machine", workspace.machine}).code == 0);
+  CHECK(workspace.verb("next", {"--targets", targets, "--proposal", "99"}).code == 1);
+  CHECK(ran({"model", "next", workspace.model, workspace.data, "--program", program}).code == 2);
 }
 
 TEST_CASE("the library explains every effect and knows a slip of the pen") {
@@ -361,9 +365,10 @@ TEST_CASE("the library explains every effect and knows a slip of the pen") {
 // --- what is wrong
 
 TEST_CASE("bad measurements get a clear answer, never a confident name") {
-  const ModelDesk desk;
+  const ModelWorkspace workspace;
   const auto verdict = [&](const std::string& name, const std::string& text) {
-    const Ran r = ran({"model", "diagnose", desk.model, desk.folder.with(name, text), "--json", "--blanks", "50"});
+    const Ran r =
+        ran({"model", "diagnose", workspace.model, workspace.folder.with(name, text), "--json", "--blanks", "50"});
     return r.code == 0 ? r.json()["verdict"].get<std::string>() : fmt::format("exit {}", r.code);
   };
   const std::string head = "axis,sense,x_mm,reading,approach,run\n";
@@ -379,25 +384,25 @@ TEST_CASE("bad measurements get a clear answer, never a confident name") {
 }
 
 TEST_CASE("a wrong model is refused with file and line, an unknown column in a formula with the columns there are") {
-  const ModelDesk desk;
-  const std::string axis = desk.folder.with("axis.toml", "[[effect]]\nid = \"scale\"\naxis = \"W\"\n");
-  const json error = ran({"model", "fit", axis, desk.data, "--json"}).json()["error"];
+  const ModelWorkspace workspace;
+  const std::string axis = workspace.folder.with("axis.toml", "[[effect]]\nid = \"scale\"\naxis = \"W\"\n");
+  const json error = ran({"model", "fit", axis, workspace.data, "--json"}).json()["error"];
   CHECK(error["file"] == axis);
   CHECK(error["line"] == 3);
-  const std::string formula = desk.folder.with(
+  const std::string formula = workspace.folder.with(
       "formula.toml", "[[effect]]\nid = \"user\"\nname = \"mine\"\nformula = { EX = \"k * t_oil_degC\" }\n");
-  const Ran r = ran({"model", "diagnose", formula, desk.data, "--json"});
+  const Ran r = ran({"model", "diagnose", formula, workspace.data, "--json"});
   CHECK(r.code == 3);
   CHECK(r.json()["error"]["file"] == formula);
   CHECK(r.json()["error"]["message"].get<std::string>().find("time_s") != std::string::npos);
-  CHECK(ran({"model", "fit", desk.folder / "none.toml", desk.data}).code == 3);
-  CHECK(desk.verb("fit", {"--machine", desk.folder / "none.toml"}).code != 0);
+  CHECK(ran({"model", "fit", workspace.folder / "none.toml", workspace.data}).code == 3);
+  CHECK(workspace.verb("fit", {"--machine", workspace.folder / "none.toml"}).code != 0);
 }
 
 TEST_CASE("files of one machine are joined, their rows and runs numbered on") {
-  const ModelDesk desk;
-  const std::string second = desk.folder.with("second.csv", measured_x(cyclic_x, {.seed = 9}));
-  const Ran r = ran({"model", "compare", desk.model, desk.data, second, "--json", "--worst", "400"});
+  const ModelWorkspace workspace;
+  const std::string second = workspace.folder.with("second.csv", measured_x(cyclic_x, {.seed = 9}));
+  const Ran r = ran({"model", "compare", workspace.model, workspace.data, second, "--json", "--worst", "400"});
   REQUIRE(r.code == 0);
   CHECK(r.json()["observations"] == 492);
   int last = 0;
@@ -407,12 +412,12 @@ TEST_CASE("files of one machine are joined, their rows and runs numbered on") {
 }
 
 TEST_CASE("instruments' own files are data as well") {
-  const ModelDesk desk;
-  const Ran r = ran({"model", "compare", desk.model, "samples/laser/vmc_x.rtl", "--json"});
+  const ModelWorkspace workspace;
+  const Ran r = ran({"model", "compare", workspace.model, "samples/laser/vmc_x.rtl", "--json"});
   CHECK(r.code == 0);
   CHECK(r.json()["observations"] == 6);
-  CHECK(ran({"model", "compare", desk.model, "samples/laser/straight.rts"}).code == 2);
-  CHECK(ran({"model", "compare", desk.model, "samples/laser/straight.rts", "--sense", "EY"}).code == 0);
+  CHECK(ran({"model", "compare", workspace.model, "samples/laser/straight.rts"}).code == 2);
+  CHECK(ran({"model", "compare", workspace.model, "samples/laser/straight.rts", "--sense", "EY"}).code == 0);
 }
 
 TEST_CASE("every verb of the menu takes a machine") {

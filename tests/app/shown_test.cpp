@@ -51,12 +51,12 @@ TEST_CASE("whatever the bytes, what is shown holds no control character and stay
 
 TEST_CASE("results, notes, warnings and problems reach the streams harmless") {
   std::ostringstream out, messages;
-  Face face(out, messages);
-  face.answer("name \x1B]0;owned\x07", "");
-  face.print("\x1B[31m");
-  face.note("\x1B[1m");
-  face.warn("\xFF");
-  face.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
+  Console console(out, messages);
+  console.answer("name \x1B]0;owned\x07", "");
+  console.print("\x1B[31m");
+  console.note("\x1B[1m");
+  console.warn("\xFF");
+  console.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
   CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
 }
 

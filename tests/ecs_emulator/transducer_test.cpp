@@ -5,12 +5,12 @@
 
 #include <doctest/doctest.h>
 
+#include "base/units.hpp"
+
 using namespace ecs;
 using namespace ecs::emulator;
 
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 PositionTransducer encoder(const TransducerSettings& settings, double start_mm = 0.0) {
   return {settings, Transducer::encoder, 1.0, start_mm, 1};

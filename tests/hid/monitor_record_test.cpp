@@ -88,8 +88,8 @@ TEST_CASE("a recording of the monitor screen has the temperatures of the thermom
   const Folder folder;
   const auto here = std::filesystem::current_path();
   std::filesystem::current_path(folder / "");
-  auto desk = std::make_shared<UnitDesk>(protocol::to_text(shop.address()));
-  std::optional<MonitorScreen> screen(desk);
+  auto connection = std::make_shared<UnitConnection>(protocol::to_text(shop.address()));
+  std::optional<MonitorScreen> screen(connection);
   const auto press_key = [&](char32_t letter) { (void)screen->on_key({Key::Name::letter, letter}); };
   const auto look = [&](int times) {
     for (int k = 0; k < times; ++k) {

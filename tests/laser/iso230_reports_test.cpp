@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/import/import.hpp"
 #include "made_up.hpp"
@@ -14,8 +15,6 @@ using namespace ecs;
 using namespace ecs::laser;
 
 namespace {
-
-constexpr double kUmPerMm = 1000.0;
 
 /// "B_avg = 0.02537 [mm]" with or without asterisks → B_avg: 25.37 um.
 std::map<std::string, double> axis_values_um(const std::string& report) {

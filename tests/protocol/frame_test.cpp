@@ -38,7 +38,7 @@ TEST_CASE("the CRC-16 of 123456789 is the published 4B37") {
 
 TEST_CASE("the worked frame of the documentation is what the unit answers, byte for byte") {
   UnitModel model;
-  UnitFace face(model);
+  RegisterServer face(model);
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
   CHECK(crc_agrees(kAskIdentity));
   CHECK(codec.answer(kAskIdentity, face) == kIdentityReply);
@@ -58,7 +58,7 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
 
 TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP") {
   UnitModel model;
-  UnitFace face(model);
+  RegisterServer face(model);
   auto rtu = FrameCodec::make(Framing::rtu, 2).value();
   CHECK(rtu.answer(kAskIdentity, face).empty());
   auto tcp = FrameCodec::make(Framing::tcp, 2).value();
@@ -68,7 +68,7 @@ TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP
 
 TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exception 1") {
   UnitModel model;
-  UnitFace face(model);
+  RegisterServer face(model);
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   const auto exception_to = [&](Bytes pdu) {
     Bytes frame{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
@@ -89,7 +89,7 @@ TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exc
 
 TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
   UnitModel model;
-  UnitFace face(model);
+  RegisterServer face(model);
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   // writes echo 5 at 0x0000 and reads 0x0000..1 in the same request
   const Bytes request{0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 2, 0, 0, 0, 1, 2, 0, 5};
@@ -98,7 +98,7 @@ TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
 
 TEST_CASE("no frame, however wrong, disturbs the next good one") {
   UnitModel model;
-  UnitFace face(model);
+  RegisterServer face(model);
   auto rtu = FrameCodec::make(Framing::rtu, 1).value();
   auto tcp = FrameCodec::make(Framing::tcp, 1).value();
   const Bytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};

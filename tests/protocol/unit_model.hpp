@@ -156,9 +156,9 @@ class UnitModel : public UnitPort {
 };
 
 /// The face of a model that may lose its replies from a certain command on.
-class LosingFace : public UnitFace {
+class LosingFace : public RegisterServer {
  public:
-  explicit LosingFace(UnitModel& model) : UnitFace(model), model_(&model) {}
+  explicit LosingFace(UnitModel& model) : RegisterServer(model), model_(&model) {}
   [[nodiscard]] bool silent() const override { return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0; }
 
  private:

@@ -24,7 +24,7 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.desk);
+  DatumRecordScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -54,7 +54,7 @@ TEST_CASE("a record is given up by Esc, and the next one works") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.desk);
+  DatumRecordScreen screen(bench.controller);
   (void)letter(screen, 'z');
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
@@ -70,7 +70,7 @@ TEST_CASE("kill -9 of the emulator while it records: it is said, and recording w
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.desk);
+  DatumRecordScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
   REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
@@ -88,7 +88,7 @@ TEST_CASE("every axis finds its datum with the parameters of the mill, stage by 
   const Bench bench;
   bench.wait_for_unit();
   send_mill(bench);
-  DatumTestScreen screen(bench.desk);
+  DatumTestScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -105,7 +105,7 @@ TEST_CASE("an axis that fails says what to do, the others go on") {
   if (emulator_built().empty()) return;
   const Bench bench;  // without parameters Y is looked for in the wrong direction
   bench.wait_for_unit();
-  DatumTestScreen screen(bench.desk);
+  DatumTestScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)letter(screen, 'x');
   (void)press(screen, Key::Name::enter);
@@ -125,7 +125,7 @@ TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test 
   const Bench bench;
   bench.wait_for_unit();
   send_mill(bench);
-  DatumTestScreen screen(bench.desk);
+  DatumTestScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');

@@ -70,12 +70,13 @@ TEST_CASE(
 
 TEST_CASE("the cursor reads time, speed, position, switch and marker") {
   const BenchFolder folder;
-  DatumViewDesk desk;
-  desk.take(sequence(2.0));
-  desk.go_to(3.5);
-  CHECK(read_out_at(*desk.first(), *desk.cursor_s()) == "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
-  CHECK(has(read_out_at(*desk.first(), 4.999), "switch open  MARKER"));
-  CHECK(has(read_out_at(*desk.first(), 11.0), "nothing recorded"));
+  DatumViewController controller;
+  controller.take(sequence(2.0));
+  controller.go_to(3.5);
+  CHECK(read_out_at(*controller.first(), *controller.cursor_s()) ==
+        "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
+  CHECK(has(read_out_at(*controller.first(), 4.999), "switch open  MARKER"));
+  CHECK(has(read_out_at(*controller.first(), 11.0), "nothing recorded"));
   DatumViewScreen screen(sequence(2.0));
   (void)press(screen, Key::Name::right);
   CHECK(has(picture(screen), " s  Y "));
@@ -85,17 +86,17 @@ TEST_CASE("the cursor reads time, speed, position, switch and marker") {
 
 TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
   const BenchFolder folder;
-  DatumViewDesk desk;
-  desk.take(sequence(2.0));
-  desk.go_to(3.0);
-  desk.zoom(0.5);
-  CHECK(desk.from_s() == doctest::Approx(0.5).epsilon(0.01));
-  CHECK(desk.to_s() == doctest::Approx(5.5).epsilon(0.01));
-  desk.zoom(0.5);
-  CHECK(desk.to_s() - desk.from_s() == doctest::Approx(2.5).epsilon(0.01));
-  desk.whole();
-  CHECK(desk.to_s() == doctest::Approx(9.999));
-  CHECK_FALSE(desk.cursor_s());
+  DatumViewController controller;
+  controller.take(sequence(2.0));
+  controller.go_to(3.0);
+  controller.zoom(0.5);
+  CHECK(controller.from_s() == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(controller.to_s() == doctest::Approx(5.5).epsilon(0.01));
+  controller.zoom(0.5);
+  CHECK(controller.to_s() - controller.from_s() == doctest::Approx(2.5).epsilon(0.01));
+  controller.whole();
+  CHECK(controller.to_s() == doctest::Approx(9.999));
+  CHECK_FALSE(controller.cursor_s());
 }
 
 TEST_CASE("the record says what it means for the datuming parameters") {
@@ -156,7 +157,7 @@ TEST_CASE("a record that nobody saved is offered again") {
   DatumViewScreen once_more;
   (void)letter(once_more, 'd');
   CHECK_FALSE(has(picture(once_more), "Unsaved record of"));
-  CHECK_FALSE(DatumViewDesk().draft());
+  CHECK_FALSE(DatumViewController().draft());
 }
 
 TEST_CASE("a file that is no record says so and nothing is lost") {

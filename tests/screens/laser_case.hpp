@@ -123,9 +123,9 @@ inline void measure_mill(const LaserFolder& folder) {
 class LaserSitting {
  public:
   explicit LaserSitting(const std::string& link = kNoUnit)
-      : unit(std::make_shared<UnitDesk>(link)), screen(std::make_unique<LaserScreen>(unit)) {}
+      : unit(std::make_shared<UnitConnection>(link)), screen(std::make_unique<LaserScreen>(unit)) {}
 
-  LaserDesk& desk() { return screen->desk(); }
+  LaserController& controller() { return screen->controller(); }
 
   [[nodiscard]] std::string seen(int rows = 24, int columns = 80, Glyphs glyphs = Glyphs::unicode) const {
     return picture_of(*screen, screen->title(), {}, Canvas(rows, columns, glyphs), false).plain_text();
@@ -157,21 +157,21 @@ class LaserSitting {
     return false;
   }
   bool settled() {
-    return until([&] { return !desk().working() && !desk().busy() && desk().work().map_current; });
+    return until([&] { return !controller().working() && !controller().busy() && controller().work().map_current; });
   }
   bool shows(const std::string& text) {
     return until([&] { return seen().find(text) != std::string::npos; });
   }
-  /// Files given straight to the desk.
+  /// Files given straight to the controller.
   void take_files(const std::vector<std::string>& files, const std::string& params = {}) {
-    desk().change("files", [&](LaserChoices& c) {
+    controller().change("files", [&](LaserChoices& c) {
       for (const std::string& file : files) c.files.push_back({file, {}});
       c.params_file = params;
     });
     REQUIRE(settled());
   }
 
-  std::shared_ptr<UnitDesk> unit;
+  std::shared_ptr<UnitConnection> unit;
   std::unique_ptr<LaserScreen> screen;
 };
 

@@ -118,7 +118,7 @@ TEST_CASE("a line of which every reading is left out still shows them") {
   const LaserFolder folder;
   LaserSitting sitting;
   sitting.take_files({file_with(folder, "1.0")});
-  sitting.desk().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
+  sitting.controller().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
   REQUIRE(sitting.settled());
   sitting.type("3");
   const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
@@ -152,7 +152,7 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   CHECK(seen.find("Y -70, Z ?: Enter 10..20           10    2    1 ?") != std::string::npos);
   CHECK(seen.find("Y ?, Z ?: Enter   10..30           10    3    1 ?") != std::string::npos);
   CHECK(seen.find("parked place of Y and Z not in the file: taken as 0 until Enter tells it") != std::string::npos);
-  CHECK(sitting.desk().mark(LaserStep::lines) == LaserMark::doubtful);
+  CHECK(sitting.controller().mark(LaserStep::lines) == LaserMark::doubtful);
   sitting.type("\n");
   CHECK(sitting.seen().find("what plain.csv does not say") != std::string::npos);
   sitting.type("y=-1400,z=0\n");
@@ -167,7 +167,7 @@ TEST_CASE("a long message is read whole at 80 columns, and the step keeps the re
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; }))});
   std::string words;
   for (int k = 0; k < 60; ++k) words += fmt::format("word{} ", k);
-  sitting.desk().message().say(words, Tone::bad);
+  sitting.controller().message().say(words, Tone::bad);
   const std::string seen = sitting.seen();
   INFO(seen);
   CHECK(seen.find("word59") != std::string::npos);

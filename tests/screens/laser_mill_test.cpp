@@ -25,11 +25,11 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   sitting.type("6");
   CHECK(sitting.seen().find("2 still missing") != std::string::npos);
   CHECK(sitting.seen().find("EBY  MISSING") != std::string::npos);
-  CHECK(sitting.desk().mark(LaserStep::map) == LaserMark::doubtful);
+  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::doubtful);
   sitting.type("8\n");
   CHECK(sitting.seen().find("the map is not complete") != std::string::npos);
   CHECK(sitting.seen().find("EBY, EZZ (step 6)") != std::string::npos);
-  sitting.desk().change("more files", [&](LaserChoices& c) {
+  sitting.controller().change("more files", [&](LaserChoices& c) {
     c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
   });
   REQUIRE(sitting.settled());
@@ -39,7 +39,7 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   REQUIRE(sitting.settled());
   CHECK(sitting.seen().find("declared zero: ground guideways") != std::string::npos);
   CHECK(sitting.seen().find("nothing is missing") != std::string::npos);
-  CHECK(sitting.desk().mark(LaserStep::map) == LaserMark::done);
+  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::done);
   sitting.type("u");
   REQUIRE(sitting.settled());
   CHECK(sitting.seen().find("1 still missing") != std::string::npos);
@@ -57,13 +57,13 @@ void commission_on_keys(LaserSitting& sitting, const LaserFolder& folder) {
     const std::string code(name_of(component));
     sitting.type("4");
     sitting.press(Key::Name::home);
-    for (const LaserCurve& curve : sitting.desk().work().curves) {
+    for (const LaserCurve& curve : sitting.controller().work().curves) {
       if (curve.component == component) break;
       sitting.press(Key::Name::down);
     }
     sitting.type("\n" + width + "\n");
     REQUIRE(sitting.settled());
-    REQUIRE(sitting.desk().choices().components.at(code).smoothing_mm > 0.0);
+    REQUIRE(sitting.controller().choices().components.at(code).smoothing_mm > 0.0);
   };
   for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
   smooth(Component::EBX, "300");
@@ -89,15 +89,15 @@ TEST_CASE("the mill commissioned on the screen gives the very map that the verb 
               .first == 0);
   LaserSitting sitting;
   commission_on_keys(sitting, folder);
-  CHECK(sitting.desk().mark(LaserStep::header) == LaserMark::done);
+  CHECK(sitting.controller().mark(LaserStep::header) == LaserMark::done);
   sitting.type("8f");
   for (int k = 0; k < 10; ++k) sitting.press(Key::Name::backspace);
   sitting.type((folder.path / "out/screen.csv").string() + "\n");
   REQUIRE(sitting.settled());
-  CHECK_FALSE(sitting.desk().unsaved().empty());
+  CHECK_FALSE(sitting.controller().unsaved().empty());
   sitting.type("s");
   REQUIRE(sitting.shows("saved: "));
-  CHECK(sitting.desk().unsaved().empty());
+  CHECK(sitting.controller().unsaved().empty());
   CHECK(folder.text("out/screen.csv") == folder.text("verb.csv"));
   CHECK(folder.text("out/screen-parameters.toml") == folder.text("verb.toml"));
   SUBCASE("and the recipe saved beside it makes it again") {
@@ -113,14 +113,14 @@ TEST_CASE("a map without a reading or with answers names a prepared file, and it
   measure_mill(folder);
   LaserSitting sitting;
   commission_on_keys(sitting, folder);
-  sitting.desk().change("left out", [&](LaserChoices& c) {
+  sitting.controller().change("left out", [&](LaserChoices& c) {
     c.lines[kExx].runs[2] = "cold";
     c.lines[kExx].readings[5] = "beam broken";
     c.lines["EZ along Z at X 0, Y -1400"].runs[1] = "";
     c.map_file = (folder.path / "out/map.csv").string();
   });
   REQUIRE(sitting.settled());
-  REQUIRE(sitting.desk().work().map.complete());
+  REQUIRE(sitting.controller().work().map.complete());
   sitting.type("s");
   REQUIRE(sitting.shows("saved: "));
   const std::string map = folder.text("out/map.csv");
@@ -140,20 +140,20 @@ TEST_CASE("after a crash the work is offered again and taken up whole; d drops i
   {
     LaserSitting sitting;
     commission_on_keys(sitting, folder);
-    choices = choices_text(sitting.desk().choices());
+    choices = choices_text(sitting.controller().choices());
   }
   {
     LaserSitting again;
     CHECK(again.seen().find("Work of 20") != std::string::npos);
     again.type("\n");
     REQUIRE(again.settled());
-    CHECK(choices_text(again.desk().choices()) == choices);
-    CHECK(again.desk().work().map.complete());
+    CHECK(choices_text(again.controller().choices()) == choices);
+    CHECK(again.controller().work().map.complete());
   }
   {
     LaserSitting again;
     again.type("d");
-    CHECK(again.desk().work().lines.empty());
+    CHECK(again.controller().work().lines.empty());
   }
   CHECK(LaserSitting().seen().find("Work of 20") == std::string::npos);
 }

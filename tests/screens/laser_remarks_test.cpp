@@ -18,8 +18,8 @@ TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 
   const LaserFolder folder;
   LaserSitting sitting;
   take_short_axis(sitting, folder);
-  REQUIRE(sitting.desk().work().map.complete());
-  CHECK(sitting.desk().mark(LaserStep::map) == LaserMark::doubtful);
+  REQUIRE(sitting.controller().work().map.complete());
+  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::doubtful);
   sitting.type("6");
   CHECK(sitting.seen(24, 120).find("nothing is missing, 3 remarks") != std::string::npos);
   sitting.type("\t");
@@ -39,11 +39,11 @@ TEST_CASE("the date of the header is a date; another text is not taken, and what
   sitting.type("\nN. Comer\n");
   CHECK(sitting.seen(24, 120).find("expected year-month-day, as in 2026-03-12, found \"2024-05-06N. Comer\"") !=
         std::string::npos);
-  CHECK(sitting.desk().choices().header.date.empty());
+  CHECK(sitting.controller().choices().header.date.empty());
   sitting.press(Key::Name::backspace, 8);
   sitting.type("\n");
   REQUIRE(sitting.settled());
-  CHECK(sitting.desk().work().map.built->map.header.date == "2024-05-06");
+  CHECK(sitting.controller().work().map.built->map.header.date == "2024-05-06");
 }
 
 TEST_CASE("a date of the files that is none is not preset") {
@@ -51,7 +51,7 @@ TEST_CASE("a date of the files that is none is not preset") {
   const std::string file = folder.with("x.csv", "# date: Mon Mar 12\naxis,sense,x_mm,reading\nX,EX,0,0\nX,EX,-50,1\n");
   LaserSitting sitting;
   sitting.take_files({file});
-  CHECK(header_with_files({}, sitting.desk().work().lines).date.empty());
+  CHECK(header_with_files({}, sitting.controller().work().lines).date.empty());
 }
 
 TEST_CASE("the question before sending names the first remark and what the header does not state") {
@@ -63,7 +63,7 @@ TEST_CASE("the question before sending names the first remark and what the heade
   make_ready(sitting, folder, mill);
   // X measured over a tenth of its travel: samples/mill/machine.toml says -4100 to 0
   const std::string piece = folder.with("piece.csv", measured_csv({'X', "EX", 0, -400, 50, {0, -1400, 0}}, mill.error));
-  sitting.desk().change("a piece of X", [&](LaserChoices& c) { c.files.front().path = piece; });
+  sitting.controller().change("a piece of X", [&](LaserChoices& c) { c.files.front().path = piece; });
   REQUIRE(sitting.settled());
   sitting.type("\n");
   REQUIRE(sitting.shows("Send the map to"));

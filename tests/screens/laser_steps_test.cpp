@@ -51,8 +51,8 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
   sitting.press(Key::Name::down);
   sitting.type("\n");
   REQUIRE(sitting.settled());
-  CHECK(sitting.desk().work().lines.size() == 2);
-  CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::done);
+  CHECK(sitting.controller().work().lines.size() == 2);
+  CHECK(sitting.controller().mark(LaserStep::files) == LaserMark::done);
   CHECK(sitting.seen().find("straight.csv") != std::string::npos);
 }
 
@@ -66,12 +66,12 @@ TEST_CASE("marks choose single files, and a typed path is completed") {
   sitting.press(Key::Name::down, 2);
   sitting.type("  \n");
   REQUIRE(sitting.settled());
-  REQUIRE(sitting.desk().choices().files.size() == 2);
-  CHECK(sitting.desk().choices().files[0].path.ends_with("one.csv"));
-  CHECK(sitting.desk().choices().files[1].path.ends_with("three.csv"));
+  REQUIRE(sitting.controller().choices().files.size() == 2);
+  CHECK(sitting.controller().choices().files[0].path.ends_with("one.csv"));
+  CHECK(sitting.controller().choices().files[1].path.ends_with("three.csv"));
   sitting.type("atw\t\n");
   REQUIRE(sitting.settled());
-  CHECK(sitting.desk().choices().files.size() == 3);
+  CHECK(sitting.controller().choices().files.size() == 3);
 }
 
 TEST_CASE("a file that does not say what was measured is asked, and the answers stay with the draft") {
@@ -84,9 +84,9 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
   }());
   {
     LaserSitting sitting;
-    sitting.desk().change("file", [&](LaserChoices& c) { c.files.push_back({file, {}}); });
+    sitting.controller().change("file", [&](LaserChoices& c) { c.files.push_back({file, {}}); });
     REQUIRE(sitting.settled());
-    CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::doubtful);
+    CHECK(sitting.controller().mark(LaserStep::files) == LaserMark::doubtful);
     CHECK(sitting.seen().find("it does not say enough: Enter answers") != std::string::npos);
     sitting.type("\n");
     CHECK(sitting.seen().find("what pitch.rta does not say") != std::string::npos);
@@ -95,15 +95,15 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     CHECK(sitting.seen().find("EC") != std::string::npos);
     sitting.type("\n");
     REQUIRE(sitting.settled());
-    CHECK(sitting.desk().work().lines.size() == 1);
-    CHECK(sitting.desk().mark(LaserStep::files) == LaserMark::done);
+    CHECK(sitting.controller().work().lines.size() == 1);
+    CHECK(sitting.controller().mark(LaserStep::files) == LaserMark::done);
   }
   LaserSitting later;
   CHECK(later.seen().find("found") != std::string::npos);
   later.type("\n");
   REQUIRE(later.settled());
-  REQUIRE(later.desk().work().lines.size() == 1);
-  CHECK(later.desk().choices().files.front().answers.sense == "EC");
+  REQUIRE(later.controller().work().lines.size() == 1);
+  CHECK(later.controller().choices().files.front().answers.sense == "EC");
 }
 
 TEST_CASE("several files of one line are joined, their runs numbered on") {
@@ -112,8 +112,8 @@ TEST_CASE("several files of one line are joined, their runs numbered on") {
   LaserSitting sitting;
   sitting.take_files({folder.with("monday.csv", measured_csv(kPositioning, error)),
                       folder.with("tuesday.csv", measured_csv(kPositioning, error))});
-  REQUIRE(sitting.desk().work().lines.size() == 1);
-  CHECK(sitting.desk().work().lines.front().summary.runs == 6);
+  REQUIRE(sitting.controller().work().lines.size() == 1);
+  CHECK(sitting.controller().work().lines.front().summary.runs == 6);
   sitting.type("2");
   CHECK(sitting.seen().find("tuesday.csv") != std::string::npos);
 }
@@ -131,32 +131,32 @@ TEST_CASE("the lines tell what, where, how often, and under which conditions") {
   CHECK(seen.find("comp.") != std::string::npos);
   CHECK(seen.find("t_air_degC 20.1 .. 20.3") != std::string::npos);
   CHECK(seen.find("date: 1990-03-12") != std::string::npos);
-  CHECK(sitting.desk().mark(LaserStep::lines) == LaserMark::doubtful);
+  CHECK(sitting.controller().mark(LaserStep::lines) == LaserMark::doubtful);
 }
 
 TEST_CASE("a run left out changes every later step at once, and undo brings the very same numbers back") {
   const LaserFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
-  const double before = result_of(sitting.desk().work(), kExx).iso->R_forward.value();
-  const auto mean = result_of(sitting.desk().work(), kExx).curve->points.front().forward;
+  const double before = result_of(sitting.controller().work(), kExx).iso->R_forward.value();
+  const auto mean = result_of(sitting.controller().work(), kExx).curve->points.front().forward;
   sitting.type("3\n");  // into the runs
   sitting.press(Key::Name::down, 2);
   sitting.type(" ");
   CHECK(sitting.seen().find("[ ] run 3 out") != std::string::npos);
   REQUIRE(sitting.settled());
-  const LaserLineResult& without = result_of(sitting.desk().work(), kExx);
+  const LaserLineResult& without = result_of(sitting.controller().work(), kExx);
   CHECK(without.chosen.readings.size() == 36);
   CHECK(without.iso->R_forward.value() != doctest::Approx(before));
   CHECK(without.curve->points.front().forward.value() == doctest::Approx(mean.value() - 0.5).epsilon(0.2));
   CHECK(sitting.seen().find("18 of 54 readings left out") != std::string::npos);
   sitting.type("u");
   REQUIRE(sitting.settled());
-  CHECK(result_of(sitting.desk().work(), kExx).iso->R_forward.value() == before);
-  CHECK(result_of(sitting.desk().work(), kExx).curve->points.front().forward == mean);
+  CHECK(result_of(sitting.controller().work(), kExx).iso->R_forward.value() == before);
+  CHECK(result_of(sitting.controller().work(), kExx).curve->points.front().forward == mean);
   sitting.type("y");
   REQUIRE(sitting.settled());
-  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 36);
+  CHECK(result_of(sitting.controller().work(), kExx).chosen.readings.size() == 36);
 }
 
 TEST_CASE("a reading far from its repeats is suggested, never left out by itself") {
@@ -167,18 +167,18 @@ TEST_CASE("a reading far from its repeats is suggested, never left out by itself
   csv.replace(begin, csv.find(',', begin) - begin, "47.5");
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", csv)});
-  const LaserLine& line = line_named(sitting.desk().work(), kExx);
+  const LaserLine& line = line_named(sitting.controller().work(), kExx);
   REQUIRE(line.suspects.size() == 1);
   CHECK(line.set->readings[line.suspects.front()].error == 47.5);
-  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 54);
-  CHECK(sitting.desk().mark(LaserStep::leave_out) == LaserMark::doubtful);
+  CHECK(result_of(sitting.controller().work(), kExx).chosen.readings.size() == 54);
+  CHECK(sitting.controller().mark(LaserStep::leave_out) == LaserMark::doubtful);
   sitting.type("3o");
   CHECK(sitting.seen().find("[x]?   -200") != std::string::npos);
   sitting.type(" wbeam broken\n");
   REQUIRE(sitting.settled());
-  CHECK(result_of(sitting.desk().work(), kExx).chosen.readings.size() == 53);
-  CHECK(sitting.desk().mark(LaserStep::leave_out) == LaserMark::done);
-  CHECK(sitting.desk().choices().lines.at(kExx).readings.begin()->second == "beam broken");
+  CHECK(result_of(sitting.controller().work(), kExx).chosen.readings.size() == 53);
+  CHECK(sitting.controller().mark(LaserStep::leave_out) == LaserMark::done);
+  CHECK(sitting.controller().choices().lines.at(kExx).readings.begin()->second == "beam broken");
 }
 
 TEST_CASE("straightness loses its slope by least squares, positioning keeps it, and the numbers are those put in") {
@@ -186,8 +186,8 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.03 * p; })),
                       folder.with("y.csv", measured_csv(kStraightness, [](double p) { return 0.03 * p; }))});
-  const LaserCurve& positioning = curve_of_component(sitting.desk().work(), Component::EXX);
-  const LaserCurve& straightness = curve_of_component(sitting.desk().work(), Component::EYX);
+  const LaserCurve& positioning = curve_of_component(sitting.controller().work(), Component::EXX);
+  const LaserCurve& straightness = curve_of_component(sitting.controller().work(), Component::EYX);
   CHECK(positioning.slope == laser::SlopeMethod::none);
   CHECK(positioning.band_after == positioning.band_before);
   CHECK(straightness.slope == laser::SlopeMethod::least_squares);
@@ -204,12 +204,12 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
   sitting.type("vv");
   sitting.type("    ");  // once round and one on: none
   REQUIRE(sitting.settled());
-  CHECK(curve_of_component(sitting.desk().work(), Component::EYX).slope == laser::SlopeMethod::none);
+  CHECK(curve_of_component(sitting.controller().work(), Component::EYX).slope == laser::SlopeMethod::none);
   sitting.type("\n");
   CHECK(sitting.seen().find("smoothing [mm]") != std::string::npos);
   sitting.type("250\n");
   REQUIRE(sitting.settled());
-  const LaserCurve& smooth = curve_of_component(sitting.desk().work(), Component::EYX);
+  const LaserCurve& smooth = curve_of_component(sitting.controller().work(), Component::EYX);
   REQUIRE(smooth.smoothed);
   CHECK(smooth.smoothed->removed_rms < 0.3);  // a straight line passes the local parabola
 }
@@ -223,7 +223,7 @@ TEST_CASE("the values of ISO 230-2 are those of the verb") {
   sitting.type("5");
   const auto [code, text] = ran({"laser", "stats", file});
   REQUIRE(code == 0);
-  const double A = result_of(sitting.desk().work(), kExx).iso->A.value();
+  const double A = result_of(sitting.controller().work(), kExx).iso->A.value();
   CHECK(text.find(fmt::format("{:.3f}", A)) != std::string::npos);
   CHECK(sitting.seen().find(fmt::format("A      {:>8.2f} um", A)) != std::string::npos);
 }
@@ -233,7 +233,7 @@ TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
   CHECK(sitting.seen().find("Next: the parameters of the unit, p in step 1, 4 or 6.") != std::string::npos);
-  sitting.desk().change("parameters", [](LaserChoices& c) { c.params_file = "samples/mill/parameters.toml"; });
+  sitting.controller().change("parameters", [](LaserChoices& c) { c.params_file = "samples/mill/parameters.toml"; });
   REQUIRE(sitting.settled());
   CHECK(sitting.seen().find("Step 6: 16 of 17 components are missing.") != std::string::npos);
   const std::string tabs = sitting.seen().substr(sitting.seen().find("[1"), 80);

@@ -73,14 +73,14 @@ struct LinearMill {
 };
 
 inline void make_ready(LaserSitting& sitting, const LaserFolder& folder, const LinearMill& mill) {
-  sitting.desk().change("all", [&](LaserChoices& c) {
+  sitting.controller().change("all", [&](LaserChoices& c) {
     for (const std::string& file : mill.files) c.files.push_back({file, {}});
     c.params_file = "samples/mill/parameters.toml";
     c.scope = "linear";
     c.map_file = (folder.path / "map.csv").string();
   });
   REQUIRE(sitting.settled());
-  REQUIRE(sitting.desk().work().map.complete());
+  REQUIRE(sitting.controller().work().map.complete());
   sitting.type("8");
 }
 
@@ -95,7 +95,7 @@ inline void send_from(LaserSitting& sitting) {
   sitting.type("\n");
   REQUIRE(sitting.shows("Send the map to"));
   sitting.type("y");
-  REQUIRE(sitting.until([&] { return sitting.desk().sent_is_current(); }, 60));
+  REQUIRE(sitting.until([&] { return sitting.controller().sent_is_current(); }, 60));
 }
 
 }  // namespace ecs::app

@@ -20,14 +20,14 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
     CHECK(sitting.seen().find("Send the map to") != std::string::npos);
     sitting.type("y");
     REQUIRE(sitting.shows("and read back"));
-    CHECK(sitting.desk().mark(LaserStep::send) == LaserMark::done);
+    CHECK(sitting.controller().mark(LaserStep::send) == LaserMark::done);
     sitting.type("9\n");
     REQUIRE(sitting.shows("the unit holds this map and its parameters"));
-    CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::done);
-    sitting.desk().change("smoothing", [](LaserChoices& c) { c.components["EXX"].smoothing_mm = 300.0; });
+    CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::done);
+    sitting.controller().change("smoothing", [](LaserChoices& c) { c.components["EXX"].smoothing_mm = 300.0; });
     REQUIRE(sitting.settled());
-    CHECK(sitting.desk().mark(LaserStep::send) == LaserMark::doubtful);
-    CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::doubtful);
+    CHECK(sitting.controller().mark(LaserStep::send) == LaserMark::doubtful);
+    CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::doubtful);
   }
   CHECK(ran_text({"map", "verify", (folder.path / "map.csv").string(), "--params",
                   (folder.path / "map-parameters.toml").string(), "--link", unit.link()})
@@ -45,23 +45,23 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   REQUIRE(sitting.shows("Send the map to"));
   sitting.type("y");
   REQUIRE(sitting.shows("and read back"));
-  const std::uint32_t old_check = sitting.desk().sent()->check;
+  const std::uint32_t old_check = sitting.controller().sent()->check;
 
-  sitting.desk().change("finer", [](LaserChoices& c) {
+  sitting.controller().change("finer", [](LaserChoices& c) {
     for (const char* code : {"EXX", "EYY", "EZZ"}) c.components[code].increment_mm = 4.0;
   });
   REQUIRE(sitting.settled());
   sitting.type("\n");
   REQUIRE(sitting.shows("Send the map to"));
   sitting.type("y");
-  REQUIRE(sitting.until([&] { return sitting.desk().part() > 0.2; }));
+  REQUIRE(sitting.until([&] { return sitting.controller().part() > 0.2; }));
   CHECK(sitting.seen().find("s left") != std::string::npos);
   CHECK(sitting.seen().find("sending the map") != std::string::npos);
   unit.kill();
-  REQUIRE(sitting.until([&] { return !sitting.desk().busy(); }, 60));
+  REQUIRE(sitting.until([&] { return !sitting.controller().busy(); }, 60));
   CHECK(sitting.seen().find("not sent: ") != std::string::npos);
   CHECK(sitting.seen().find("The unit keeps the map it had") != std::string::npos);
-  CHECK(sitting.desk().choices().components.at("EXX").increment_mm == 4.0);
+  CHECK(sitting.controller().choices().components.at("EXX").increment_mm == 4.0);
   unit.start();
   REQUIRE(sitting.until(
       [&] { return sitting.seen().find("the map it had before is still active and whole") != std::string::npos; }, 60));
@@ -69,8 +69,8 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   sitting.type("\n");
   REQUIRE(sitting.shows("Send the map to"));
   sitting.type("y");
-  REQUIRE(sitting.until([&] { return sitting.desk().sent_is_current(); }, 60));
-  CHECK(sitting.desk().sent()->check != old_check);
+  REQUIRE(sitting.until([&] { return sitting.controller().sent_is_current(); }, 60));
+  CHECK(sitting.controller().sent()->check != old_check);
 }
 
 TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it had") {
@@ -83,9 +83,9 @@ TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it ha
   sitting.type("\n");
   REQUIRE(sitting.shows("Send the map to"));
   sitting.type("y");
-  REQUIRE(sitting.until([&] { return sitting.desk().part() > 0.1; }));
+  REQUIRE(sitting.until([&] { return sitting.controller().part() > 0.1; }));
   sitting.type("\x1b");
-  REQUIRE(sitting.until([&] { return !sitting.desk().busy(); }));
+  REQUIRE(sitting.until([&] { return !sitting.controller().busy(); }));
   CHECK(sitting.seen().find("not sent: ") != std::string::npos);
   REQUIRE(sitting.shows("it holds no map, as before"));
   sitting.type("\n");
@@ -99,9 +99,9 @@ TEST_CASE("parameters are received from the unit where no file is given") {
   REQUIRE(ran_text({"params", "send", "samples/mill/parameters.toml", "--link", unit.link()}).starts_with("0 "));
   LaserSitting sitting(unit.link());
   sitting.type("6p\n");
-  const bool there = sitting.until([&] { return sitting.desk().work().map.parameters.has_value(); });
+  const bool there = sitting.until([&] { return sitting.controller().work().map.parameters.has_value(); });
   REQUIRE(there);
-  CHECK(sitting.desk().choices().params_file == (folder.path / "state/unit-parameters.toml").string());
+  CHECK(sitting.controller().choices().params_file == (folder.path / "state/unit-parameters.toml").string());
   CHECK(sitting.seen().find("volumetric") != std::string::npos);
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("without a unit everything up to the file works, and sending says why 
   sitting.type("\n");
   REQUIRE(sitting.shows("saved, but not sent: "));
   CHECK(std::filesystem::exists(folder.path / "map.csv"));
-  CHECK(sitting.desk().unsaved().empty());
+  CHECK(sitting.controller().unsaved().empty());
   CHECK(sitting.seen().find("no line to a unit") != std::string::npos);
 }
 

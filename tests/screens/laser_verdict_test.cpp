@@ -10,8 +10,8 @@ const char* const kStale = "the unit has changed since: verify again";
 /// As another host would: over the same line, unknown to the screen.
 template <class Work>
 void as_another_host(LaserSitting& sitting, Work work) {
-  JobSigns signs;
-  const Result<void> done = sitting.unit->on_line(signs, [&](UnitLink& line) -> Result<void> { return work(line); });
+  JobControl control;
+  const Result<void> done = sitting.unit->on_line(control, [&](UnitLink& line) -> Result<void> { return work(line); });
   REQUIRE(done);
 }
 
@@ -25,23 +25,23 @@ Result<void> map_sent_over(UnitLink& line, const std::string& map, const std::st
 
 /// A map of the same machine with other values, saved beside the first one.
 void save_another_map(LaserSitting& sitting, const LaserFolder& folder) {
-  const LaserChoices before = sitting.desk().choices();
-  sitting.desk().change("other values", [&](LaserChoices& c) {
+  const LaserChoices before = sitting.controller().choices();
+  sitting.controller().change("other values", [&](LaserChoices& c) {
     c.components["EXX"].smoothing_mm = 800.0;
     c.map_file = (folder.path / "other.csv").string();
   });
   REQUIRE(sitting.settled());
   sitting.type("s");
   REQUIRE(sitting.shows("saved: "));
-  sitting.desk().change("back", [&](LaserChoices& c) { c = before; });
+  sitting.controller().change("back", [&](LaserChoices& c) { c = before; });
   REQUIRE(sitting.settled());
   sitting.type("8");
 }
 
 void verify_at(LaserSitting& sitting) {
   sitting.type("9\n");
-  REQUIRE(sitting.until([&] { return !sitting.desk().busy(); }, 60));
-  REQUIRE(sitting.desk().verdict());
+  REQUIRE(sitting.until([&] { return !sitting.controller().busy(); }, 60));
+  REQUIRE(sitting.controller().verdict());
 }
 
 TEST_CASE(
@@ -79,7 +79,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   save_another_map(sitting, folder);
   send_from(sitting);
   verify_at(sitting);
-  CHECK(sitting.desk().verified());
+  CHECK(sitting.controller().verified());
   CHECK(sitting.seen().find("commit") == std::string::npos);
   CHECK(sitting.seen().find("made active as no. 1") != std::string::npos);
 
@@ -88,17 +88,17 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   });
   SUBCASE("by itself within seconds while the step is open") {
     CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 10));
-    CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::doubtful);
+    CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::doubtful);
     CHECK(sitting.seen().find("another host") != std::string::npos);
     CHECK(sitting.seen().find("reference every axis") == std::string::npos);
     verify_at(sitting);
-    CHECK(sitting.desk().stale().empty());
-    CHECK_FALSE(sitting.desk().verdict()->same());
+    CHECK(sitting.controller().stale().empty());
+    CHECK_FALSE(sitting.controller().verdict()->same());
     sitting.type("cy");
     CHECK(sitting.shows("the unit does not hold the map of the file"));
   }
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
-    sitting.desk().change("the other map", [&](LaserChoices& c) {
+    sitting.controller().change("the other map", [&](LaserChoices& c) {
       c.components["EXX"].smoothing_mm = 800.0;
       c.map_file = (folder.path / "other.csv").string();
     });
@@ -106,14 +106,14 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     sitting.type("sy");
     REQUIRE(sitting.shows("saved: "));
     verify_at(sitting);
-    CHECK(sitting.desk().verified());
+    CHECK(sitting.controller().verified());
     sitting.type("cy");
     CHECK(sitting.shows("the unit watches: reference every axis"));
   }
   SUBCASE("and compensation, asked for at once, is refused with both block checks") {
     sitting.type("cy");
     CHECK(sitting.shows("another host has changed it"));
-    CHECK(sitting.seen().find(fmt::format("{:08X}", sitting.desk().sent()->check)) != std::string::npos);
+    CHECK(sitting.seen().find(fmt::format("{:08X}", sitting.controller().sent()->check)) != std::string::npos);
     CHECK(sitting.unit->newest()->mode == UnitMode::integration);
   }
 }
@@ -135,14 +135,15 @@ TEST_CASE(
     return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
   verify_at(sitting);
-  CHECK(sitting.desk().verified());
-  CHECK(sitting.desk().mark(LaserStep::verify) == LaserMark::done);
+  CHECK(sitting.controller().verified());
+  CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::done);
   as_another_host(sitting, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
   });
   sitting.type("cy");
-  CHECK(sitting.until(
-      [&] { return sitting.desk().message().text().find("what was compared was block check") != std::string::npos; }));
+  CHECK(sitting.until([&] {
+    return sitting.controller().message().text().find("what was compared was block check") != std::string::npos;
+  }));
   as_another_host(sitting, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
@@ -170,7 +171,7 @@ TEST_CASE("a unit that was switched off and on has to be verified again") {
     CHECK(sitting.seen().find("it was restarted") != std::string::npos);
   }
   verify_at(sitting);
-  CHECK(sitting.desk().verified());
+  CHECK(sitting.controller().verified());
 }
 
 }  // namespace

@@ -38,9 +38,9 @@ TEST_CASE("choices step round and ports are among them") {
 
 /// The setting screen with the form filled in by its keys.
 struct LinkCase : UnitCase {
-  std::shared_ptr<UnitDesk> unit;
+  std::shared_ptr<UnitConnection> unit;
   LinkScreen screen;
-  explicit LinkCase(const std::string& link) : unit(std::make_shared<UnitDesk>(link)), screen(unit) {}
+  explicit LinkCase(const std::string& link) : unit(std::make_shared<UnitConnection>(link)), screen(unit) {}
   /// Tries and waits for the end.
   void try_it() {
     REQUIRE(until(screen, [this] { return !has(picture(screen), "looking for serial ports"); }));

@@ -67,7 +67,7 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
 TEST_CASE("with the emulator killed the log goes on, and the unit comes back behind it") {
   if (!UnitCase::has_emulator()) return;
   const UnitCase one;
-  const auto unit = std::make_shared<UnitDesk>("emulator");
+  const auto unit = std::make_shared<UnitConnection>("emulator");
   LogScreen screen;
   REQUIRE(until(screen, [&] { return unit->standing().open; }));
   REQUIRE(kill_emulators() == 1);

@@ -83,8 +83,8 @@ inline bool shows(Screen& screen, const std::string& part) {
   return until(screen, [&] { return has(picture(screen), part); });
 }
 
-/// `ecs` with these words, over the line of the desk.
-inline int ran_on(UnitDesk& unit, const std::vector<std::string>& words) {
+/// `ecs` with these words, over the line of the controller.
+inline int ran_on(UnitConnection& unit, const std::vector<std::string>& words) {
   const auto lent = unit.lend();
   std::ostringstream out, messages;
   const int code = run_program(words, out, messages);
@@ -93,7 +93,7 @@ inline int ran_on(UnitDesk& unit, const std::vector<std::string>& words) {
 }
 
 /// Parameters with a map for the sample mill.
-inline void give_map(UnitDesk& unit, const UnitCase& one) {
+inline void give_map(UnitConnection& unit, const UnitCase& one) {
   const std::string params =
       one.with("p.toml", "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
   const std::string map = one.with("map.csv",

@@ -11,7 +11,7 @@ namespace {
 using namespace unit_case;
 
 struct MemoryCase : UnitCase {
-  std::shared_ptr<UnitDesk> unit = std::make_shared<UnitDesk>("emulator");
+  std::shared_ptr<UnitConnection> unit = std::make_shared<UnitConnection>("emulator");
   MemoryScreen screen{unit};
 
   /// Goes there and waits until the bytes are read.
@@ -24,8 +24,8 @@ struct MemoryCase : UnitCase {
     REQUIRE(until(screen, [this] { return !has(picture(screen), " .. "); }));
   }
   [[nodiscard]] std::vector<std::uint8_t> bytes_of_unit(Address address, std::size_t bytes) {
-    JobSigns signs;
-    const auto read = unit->on_line(signs, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
+    JobControl control;
+    const auto read = unit->on_line(control, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
     REQUIRE(read);
     return *read;
   }
@@ -89,9 +89,9 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
   one.go("48000");
   type(one.screen, "w");
   enter(one.screen, "01");
-  JobSigns signs;
+  JobControl control;
   REQUIRE(one.unit->on_line(
-      signs, [](UnitLink& line) { return line.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
+      control, [](UnitLink& line) { return line.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
   type(one.screen, "y");
   REQUIRE(shows(one.screen, "nothing was written"));
   CHECK(one.bytes_of_unit(0x48000, 1) == std::vector<std::uint8_t>{9});
@@ -110,8 +110,8 @@ TEST_CASE("protected memory and a unit that does not integrate refuse writing wi
   type(one.screen, "w");
   CHECK(has(picture(one.screen), "commit records is protected"));
   one.go("100040");
-  JobSigns signs;
-  REQUIRE(one.unit->on_line(signs, [](UnitLink& line) { return line.client().enter_compensation(); }));
+  JobControl control;
+  REQUIRE(one.unit->on_line(control, [](UnitLink& line) { return line.client().enter_compensation(); }));
   REQUIRE(until(one.screen, [&] { return one.unit->newest() && one.unit->newest()->mode != UnitMode::integration; }));
   type(one.screen, "w");
   CHECK(has(picture(one.screen), "integration mode only"));
@@ -186,8 +186,8 @@ TEST_CASE("a search reads on through the unit until it finds, and can be given u
   if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
-  JobSigns signs;
-  REQUIRE(one.unit->on_line(signs, [](UnitLink& line) {
+  JobControl control;
+  REQUIRE(one.unit->on_line(control, [](UnitLink& line) {
     return line.client().write_memory(0x4A123, std::vector<std::uint8_t>{0xCA, 0xFE});
   }));
   one.go("40000");
@@ -239,7 +239,7 @@ TEST_CASE("a write while the unit dies either is confirmed or is in the list as 
 
 TEST_CASE("without a unit the screen says what is missing and opens a file all the same") {
   const UnitCase one;
-  MemoryScreen screen(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"));
+  MemoryScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   REQUIRE(shows(screen, "no such port"));
   CHECK(has(picture(screen), "as soon as a unit answers"));
   for (const char* key : {"w", "u", "r", "a", "d", "m", "n", "p", "2", "3", "1"}) type(screen, key);

@@ -40,8 +40,10 @@ class ParametersCase {
   std::filesystem::path folder;
 };
 
-/// A desk whose line cannot be opened.
-inline std::shared_ptr<UnitDesk> no_line() { return std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"); }
+/// A controller whose line cannot be opened.
+inline std::shared_ptr<UnitConnection> no_line() {
+  return std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
+}
 
 inline std::string seen(const Screen& screen, int rows = 24, int columns = 80, Glyphs glyphs = Glyphs::unicode) {
   return picture_of(screen, screen.title(), {}, Canvas(rows, columns, glyphs), false).plain_text();

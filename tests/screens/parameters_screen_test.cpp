@@ -68,13 +68,13 @@ TEST_CASE("a wrong value is refused with the reason, and what was typed stays to
   type(screen, "0 us");  // 500 us, with its unit
   press(screen, Key::Name::enter);
   CHECK_FALSE(screen.typing());
-  CHECK(screen.desk().set().parameters.loop_period_us == 500.0);
+  CHECK(screen.controller().set().parameters.loop_period_us == 500.0);
   CHECK(has(seen(screen), "was 1000"));
   press(screen, Key::Name::enter);
   enter(screen, "abc");
   CHECK(has(seen(screen), "Refused: "));
   press(screen, Key::Name::escape);
-  CHECK(screen.desk().set().parameters.loop_period_us == 500.0);
+  CHECK(screen.controller().set().parameters.loop_period_us == 500.0);
 }
 
 TEST_CASE("choices cycle on Space, left and right, and Enter chooses one among them") {
@@ -83,40 +83,40 @@ TEST_CASE("choices cycle on Space, left and right, and Enter chooses one among t
   open_file(screen, one);
   find(screen, "compensation.scope");
   type(screen, " ");
-  CHECK(screen.desk().set().parameters.scope == Scope::planar);
+  CHECK(screen.controller().set().parameters.scope == Scope::planar);
   press(screen, Key::Name::left);
-  CHECK(screen.desk().set().parameters.scope == Scope::linear);
+  CHECK(screen.controller().set().parameters.scope == Scope::linear);
   press(screen, Key::Name::enter);
   CHECK(has(seen(screen), "< linear >"));
   press(screen, Key::Name::right);
   press(screen, Key::Name::right);
-  CHECK(screen.desk().set().parameters.scope == Scope::linear);
+  CHECK(screen.controller().set().parameters.scope == Scope::linear);
   press(screen, Key::Name::enter);
-  CHECK(screen.desk().set().parameters.scope == Scope::volumetric);
+  CHECK(screen.controller().set().parameters.scope == Scope::volumetric);
   find(screen, "X.datum.switch_polarity");
   type(screen, " ");
-  CHECK(screen.desk().set().parameters.axes[0].datum.switch_polarity == -1);
+  CHECK(screen.controller().set().parameters.axes[0].datum.switch_polarity == -1);
 }
 
 TEST_CASE("every edit is taken back by u and done again by y, the default by d among them") {
   const ParametersCase one;
   ParametersScreen screen(no_line());
   open_file(screen, one);
-  const ParameterSet before = screen.desk().set();
+  const ParameterSet before = screen.controller().set();
   find(screen, "deadband");
   edit(screen, "7.5");
   type(screen, "d");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 5.0);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 5.0);
   type(screen, "u");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   type(screen, "u");
   CHECK(has(seen(screen), "taken back: X deadband: 4 > 7.5"));
-  CHECK(screen.desk().set() == before);
+  CHECK(screen.controller().set() == before);
   CHECK(screen.unsaved().empty());
   type(screen, "u");
   CHECK(has(seen(screen), "nothing more"));
   type(screen, "yy");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 5.0);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 5.0);
 }
 
 TEST_CASE("the cross-check follows every edit; a finding leads to its field, and errors keep from sending") {
@@ -145,17 +145,17 @@ TEST_CASE("a machine file adds what it knows to the cross-check, and m with noth
   open_file(screen, one);
   find(screen, "X.transducer");
   type(screen, " ");
-  const std::size_t alone = screen.desk().findings().size();
+  const std::size_t alone = screen.controller().findings().size();
   type(screen, "m");
   enter(screen, "samples/mill/machine.toml");
-  CHECK(screen.desk().findings().size() > alone);
+  CHECK(screen.controller().findings().size() > alone);
   CHECK(has(seen(screen), "moving column mill"));
   type(screen, "4");
   CHECK(has(seen(screen), "differs from the machine file"));
   type(screen, "m");
   clear_line(screen);
   enter(screen, "");
-  CHECK(screen.desk().findings().size() == alone);
+  CHECK(screen.controller().findings().size() == alone);
 }
 
 TEST_CASE("new parameters from a machine file fit it") {
@@ -165,8 +165,8 @@ TEST_CASE("new parameters from a machine file fit it") {
   enter(screen, "samples/mill/machine.toml");
   const auto machine = params::read_machine("samples/mill/machine.toml");
   REQUIRE(machine);
-  CHECK(screen.desk().set().parameters == params::default_parameters_for(machine->machine));
-  CHECK(screen.desk().set().identity.machine == "moving column mill");
+  CHECK(screen.controller().set().parameters == params::default_parameters_for(machine->machine));
+  CHECK(screen.controller().set().identity.machine == "moving column mill");
   CHECK(has(seen(screen), "in no file yet"));
 }
 
@@ -182,15 +182,15 @@ TEST_CASE("screen and file are compared; a value is taken from the file by f, un
   const std::string text = seen(screen);
   CHECK(has(text, "X deadband"));
   CHECK(has(text, "7.5"));
-  CHECK(screen.desk().compared().size() == 2);
+  CHECK(screen.controller().compared().size() == 2);
   press(screen, Key::Name::down);
   type(screen, "f");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 4.0);
-  CHECK(screen.desk().compared().size() == 1);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
+  CHECK(screen.controller().compared().size() == 1);
   type(screen, "g");
   CHECK(has(seen(screen), "no unit has given a value"));
   type(screen, "u");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   press(screen, Key::Name::end);
   press(screen, Key::Name::enter);
   CHECK(has(seen(screen), "axis.X.deadband_um"));
@@ -204,7 +204,7 @@ TEST_CASE("a file with wrong values is refused with every reason, and the name s
   const std::string text = seen(screen);
   CHECK(has(text, "broken_values.toml:"));
   CHECK(has(text, "samples/params/broken_values.toml_"));
-  CHECK_FALSE(screen.desk().loaded());
+  CHECK_FALSE(screen.controller().loaded());
   press(screen, Key::Name::escape);
   CHECK(has(seen(screen), "receive from the unit"));
 }
@@ -233,7 +233,7 @@ TEST_CASE("saving writes what the screen holds, asks before another file, and ke
   CHECK_FALSE(draft_of("parameters"));
   const auto written = params::read_parameters(one.file());
   REQUIRE(written);
-  CHECK(written->parameters == screen.desk().set().parameters);
+  CHECK(written->parameters == screen.controller().set().parameters);
   CHECK(written->identity.machine == "moving column mill");
   CHECK(has(seen(screen), "saved to"));
 }
@@ -265,11 +265,11 @@ TEST_CASE("after a crash a new screen takes the unsaved work up, with what it wa
   ParametersScreen screen(no_line());
   CHECK(has(seen(screen), "Unsaved work of "));
   press(screen, Key::Name::enter);
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
-  CHECK(screen.desk().set().parameters.axes[0].datum.null_offset_mm == -2.25);
-  CHECK(screen.desk().file() == one.file());
-  CHECK(screen.desk().machine() == "moving column mill");
-  CHECK(screen.desk().changes() == 2);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].datum.null_offset_mm == -2.25);
+  CHECK(screen.controller().file() == one.file());
+  CHECK(screen.controller().machine() == "moving column mill");
+  CHECK(screen.controller().changes() == 2);
   CHECK_FALSE(screen.unsaved().empty());
   find(screen, "deadband");
   CHECK(has(seen(screen), "was 4"));
@@ -309,7 +309,7 @@ TEST_CASE("leaving, opening and beginning anew ask where edits would be lost") {
     CHECK(has(seen(screen), "go on, lose them"));
     press(screen, Key::Name::escape);
   }
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   (void)screen.on_key({Key::Name::escape});
   CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
   CHECK(draft_of("parameters"));
@@ -340,7 +340,7 @@ TEST_CASE("a send without a line says why and loses nothing") {
   edit(screen, "7.5");
   type(screen, "t");
   CHECK(shows(screen, "everything here stays as it is"));
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK_FALSE(screen.unsaved().empty());
   CHECK(draft_of("parameters"));
 }

@@ -50,14 +50,14 @@ int ran(const std::vector<std::string>& words) {
 }
 
 /// Until the line is open again; half a minute at most.
-bool opens_again(const UnitDesk& line) {
+bool opens_again(const UnitConnection& line) {
   for (int k = 0; k < 3000 && !line.newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return line.newest().has_value();
 }
 
-UnitParameters held_by(UnitDesk& line) {
-  JobSigns signs;
-  const auto held = line.on_line(signs, [](UnitLink& unit) { return receive_parameters(unit.client()); });
+UnitParameters held_by(UnitConnection& line) {
+  JobControl control;
+  const auto held = line.on_line(control, [](UnitLink& unit) { return receive_parameters(unit.client()); });
   REQUIRE(held);
   return *held;
 }
@@ -65,7 +65,7 @@ UnitParameters held_by(UnitDesk& line) {
 TEST_CASE("what is sent is asked first, read back without a difference, and received again the same") {
   if (!built()) return;
   const UnitCase one;
-  auto line = std::make_shared<UnitDesk>("emulator");
+  auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   CHECK(shows(screen, "EMULATOR, unit MCM-0107 answers"));
   type(screen, "r");
@@ -78,7 +78,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   CHECK(has(seen(screen), "Nothing is overwritten"));
   type(screen, "y");
   REQUIRE(shows(screen, "read back: no difference"));
-  CHECK(screen.desk().differs_from_unit().empty());
+  CHECK(screen.controller().differs_from_unit().empty());
   CHECK(screen.unsaved().empty());
   CHECK_FALSE(draft_of("parameters"));
 
@@ -95,8 +95,8 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   type(another, "dy");
   type(another, "r");
   REQUIRE(shows(another, "received from EMULATOR"));
-  CHECK(another.desk().set().parameters.axes[0].deadband_um == 7.5);
-  CHECK(another.desk().set().identity.serial_number == "MCM-0107");
+  CHECK(another.controller().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(another.controller().set().identity.serial_number == "MCM-0107");
   CHECK(another.unsaved().empty());
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("the unit's value is taken by g, and receiving over edits is asked and
   if (!built()) return;
   const UnitCase one;
   REQUIRE(ran({"params", "send", one.file()}) == 0);
-  ParametersScreen screen(std::make_shared<UnitDesk>("emulator"));
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   REQUIRE(shows(screen, "the unit holds the same"));
   find(screen, "deadband");
@@ -112,16 +112,16 @@ TEST_CASE("the unit's value is taken by g, and receiving over edits is asked and
   type(screen, "5");
   CHECK(has(seen(screen), "X deadband"));
   type(screen, "g");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 4.0);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
   CHECK(has(seen(screen), "Screen, file and unit hold the same."));
   type(screen, "u");
   type(screen, "r");
   CHECK(has(seen(screen), "go on, lose them"));
   type(screen, "y");
   REQUIRE(shows(screen, "received from EMULATOR"));
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 4.0);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
   type(screen, "u");
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
 }
 
 TEST_CASE("a unit that is not in integration mode is switched only after a yes") {
@@ -132,12 +132,12 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
-  auto line = std::make_shared<UnitDesk>("emulator");
-  JobSigns signs;
+  auto line = std::make_shared<UnitConnection>("emulator");
+  JobControl control;
   const auto mode = [&] {
-    return line->on_line(signs, [](UnitLink& unit) { return unit.client().status(); }).value().mode;
+    return line->on_line(control, [](UnitLink& unit) { return unit.client().status(); }).value().mode;
   };
-  REQUIRE(line->on_line(signs, [](UnitLink& unit) { return unit.client().enter_compensation(); }));
+  REQUIRE(line->on_line(control, [](UnitLink& unit) { return unit.client().enter_compensation(); }));
   REQUIRE(mode() == UnitMode::datuming);
   ParametersScreen screen(line);
   open_file(screen, one);
@@ -163,7 +163,7 @@ TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
-  auto line = std::make_shared<UnitDesk>("emulator");
+  auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
   find(screen, "compensation.scope");
@@ -186,7 +186,7 @@ TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
 TEST_CASE("parameters of another unit are said to be so before they are sent") {
   if (!built()) return;
   const UnitCase one;
-  ParametersScreen screen(std::make_shared<UnitDesk>("emulator"));
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   find(screen, "serial_number");
   edit(screen, "CH-0005");
@@ -200,7 +200,7 @@ TEST_CASE("parameters of another unit are said to be so before they are sent") {
 TEST_CASE("a unit that dies keeps every edit here, and takes them when it is back") {
   if (!built()) return;
   const UnitCase one;
-  auto line = std::make_shared<UnitDesk>("emulator");
+  auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
   REQUIRE(shows(screen, "the unit holds no parameters"));
@@ -211,7 +211,7 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   ::kill(child, SIGKILL);
   type(screen, "t");
   REQUIRE(shows(screen, "everything here stays as it is"));
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK(draft_of("parameters"));
   CHECK_FALSE(screen.unsaved().empty());
   REQUIRE(opens_again(*line));
@@ -227,7 +227,7 @@ TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives th
   REQUIRE(master >= 0);
   REQUIRE(::grantpt(master) == 0);
   REQUIRE(::unlockpt(master) == 0);
-  ParametersScreen screen(std::make_shared<UnitDesk>(std::string("rtu:") + ::ptsname(master) + ":115200"));
+  ParametersScreen screen(std::make_shared<UnitConnection>(std::string("rtu:") + ::ptsname(master) + ":115200"));
   open_file(screen, one);
   find(screen, "deadband");
   edit(screen, "7.5");
@@ -238,14 +238,14 @@ TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives th
   press(screen, Key::Name::up);
   press(screen, Key::Name::escape);
   REQUIRE(shows(screen, "everything here stays as it is"));
-  CHECK(screen.desk().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   ::close(master);
 }
 
 TEST_CASE("warnings stand in the question before they are sent") {
   if (!built()) return;
   const UnitCase one;
-  ParametersScreen screen(std::make_shared<UnitDesk>("emulator"));
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   find(screen, "X.output_limit");
   edit(screen, "0");

@@ -26,8 +26,8 @@ std::string seen(const Screen& screen, Glyphs glyphs = Glyphs::unicode) {
 }
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// A desk whose line cannot be opened.
-std::shared_ptr<UnitDesk> nowhere() { return std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"); }
+/// A controller whose line cannot be opened.
+std::shared_ptr<UnitConnection> nowhere() { return std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"); }
 
 void type(Screen& screen, const std::string& text) {
   for (const char c : text) (void)screen.on_key({Key::Name::letter, static_cast<char32_t>(c)});
@@ -76,11 +76,11 @@ struct Case {
   ~Case() { fs::remove_all(folder); }
   [[nodiscard]] ModelScreen screen() const {
     std::ostringstream out, messages;
-    Face face(out, messages);
-    Session session{face, {}, {}};
-    auto desk = ModelDesk::open(session, files);
-    REQUIRE(desk);
-    return ModelScreen(std::move(*desk));
+    Console console(out, messages);
+    VerbContext context{console, {}, {}};
+    auto controller = ModelController::open(context, files);
+    REQUIRE(controller);
+    return ModelScreen(std::move(*controller));
   }
 };
 

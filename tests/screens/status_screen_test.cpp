@@ -17,7 +17,7 @@ TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.desk);
+  StatusScreen screen(bench.controller);
   REQUIRE(comes(screen, "unit MCM-0107"));
   const std::string seen = picture(screen);
   CHECK(has(seen, "integration: every relay is open"));
@@ -36,7 +36,7 @@ TEST_CASE("compensation mode without a map: the fault in plain words, and cleare
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.desk);
+  StatusScreen screen(bench.controller);
   REQUIRE(comes(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   CHECK(has(picture(screen), "THE MACHINE IS MOVED"));
@@ -61,11 +61,11 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\nY,EY,0,0,2\n"
                      "Z,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   {
-    const auto lent = bench.desk->lend();
+    const auto lent = bench.controller->lend();
     std::ostringstream out, messages;
     REQUIRE(run_program({"map", "send", map, "--params", params}, out, messages) == 0);
   }
-  StatusScreen screen(bench.desk);
+  StatusScreen screen(bench.controller);
   REQUIRE(comes(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   (void)letter(screen, 'y');
@@ -78,8 +78,8 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
   const std::string pointers = picture(screen);
   CHECK(has(pointers, "EXX"));
   CHECK(has(pointers, "5.00 um"));
-  const auto adds = [&] {  // the desk looks at the unit once a second
-    const auto sample = bench.desk->newest();
+  const auto adds = [&] {  // the controller looks at the unit once a second
+    const auto sample = bench.controller->newest();
     return sample && sample->axes[0].compensation_um > 4.9;
   };
   for (int k = 0; k < 1000 && !adds(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -95,7 +95,7 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   bench.wait_for_unit();
   const std::string file = bench.folder / "status.json", dump_file = bench.folder / "unit.ecsdump";
   {
-    StatusScreen screen(bench.desk);
+    StatusScreen screen(bench.controller);
     REQUIRE(comes(screen, "unit MCM-0107"));
     (void)letter(screen, 's');
     for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
@@ -112,7 +112,7 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   const auto dump = bench.on_line([](UnitLink& line) { return take_dump(line.client(), "", DumpScope::active); });
   REQUIRE(dump);
   REQUIRE(write_file(dump_file, to_bytes(*dump)));
-  StatusScreen screen(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"));
+  StatusScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   REQUIRE(comes(screen, "NO ANSWER"));
   CHECK(has(picture(screen), "o opens a status file"));
   (void)letter(screen, 'o');
@@ -145,7 +145,7 @@ TEST_CASE("kill -9 of the emulator: the age of what is shown is told, and the st
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.desk);
+  StatusScreen screen(bench.controller);
   REQUIRE(comes(screen, "unit MCM-0107"));
   Bench::kill_emulator();
   REQUIRE(comes(screen, "NO ANSWER, what is shown is"));

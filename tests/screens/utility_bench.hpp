@@ -1,4 +1,5 @@
-// A unit for screens to work on: the bundled emulator with an empty battery, behind the one desk that screens share.
+// A unit for screens to work on: the bundled emulator with an empty battery, behind the one controller that screens
+// share.
 #pragma once
 
 #include <chrono>
@@ -80,22 +81,22 @@ class Bench {
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
   ~Bench() {
-    desk.reset();
+    controller.reset();
     ::unsetenv("ECS_EMULATOR");
   }
 
   BenchFolder folder;
-  std::shared_ptr<UnitDesk> desk = std::make_shared<UnitDesk>("emulator");
+  std::shared_ptr<UnitConnection> controller = std::make_shared<UnitConnection>("emulator");
 
   /// Until the unit answered for the first time.
   void wait_for_unit() const {
-    for (int k = 0; k < 3000 && !desk->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    REQUIRE(desk->newest());
+    for (int k = 0; k < 3000 && !controller->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    REQUIRE(controller->newest());
   }
   /// Until the unit's own clock shows that time: a restart is seen by it.
   void wait_until_it_ran(std::chrono::microseconds time) const {
     const auto ran = [&] {
-      const auto newest = desk->newest();
+      const auto newest = controller->newest();
       return newest && newest->unit_time_us >= static_cast<std::uint64_t>(time.count());
     };
     for (int k = 0; k < 3000 && !ran(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -104,8 +105,8 @@ class Bench {
   /// Does work on the line as a screen would, without a screen.
   template <class Work>
   auto on_line(Work work) const {
-    JobSigns signs;
-    return desk->on_line(signs, work);
+    JobControl control;
+    return controller->on_line(control, work);
   }
   /// kill -9 of the emulator, which is a child of this process.
   static void kill_emulator() {

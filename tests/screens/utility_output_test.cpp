@@ -29,7 +29,7 @@ TEST_CASE("with the relay open a value is put out at once; beyond the limit it i
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.desk);
+  OutputScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   type(screen, "600");
@@ -50,7 +50,7 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.desk);
+  OutputScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)letter(screen, '>');
   (void)letter(screen, '>');
@@ -71,7 +71,7 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
   CHECK(has(picture(screen), "Measured movement of X, um: 10.00"));
   (void)press(screen, Key::Name::enter);
   CHECK(has(picture(screen), "scale and polarity are right"));
-  CHECK(bench.desk->newest()->axes[0].relay_closed);
+  CHECK(bench.controller->newest()->axes[0].relay_closed);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(comes(screen, "nothing is put out, nothing moves"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
@@ -81,7 +81,7 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.desk);
+  OutputScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
@@ -95,7 +95,7 @@ TEST_CASE("what another host puts out is shown, and steps go on from there") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.desk);
+  OutputScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
@@ -130,7 +130,7 @@ TEST_CASE("leaving by any way opens the relay") {
   const Bench bench;
   bench.wait_for_unit();
   {
-    OutputScreen screen(bench.desk);
+    OutputScreen screen(bench.controller);
     REQUIRE(comes(screen, "MCM-0107, integration"));
     (void)letter(screen, 'r');
     (void)letter(screen, 'y');
@@ -145,7 +145,7 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.desk);
+  OutputScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');

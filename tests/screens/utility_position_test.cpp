@@ -6,17 +6,17 @@ using namespace ecs::app;
 using namespace ecs::app::utility_bench;
 
 TEST_CASE("a position that is no number, or too far away, is refused before the unit is asked") {
-  CHECK(PositionDesk::position_in("-100.5").value() == -100.5);
-  CHECK_FALSE(PositionDesk::position_in("12,5"));
-  CHECK_FALSE(PositionDesk::position_in("1000001"));
-  CHECK(PositionDesk::position_in("-1000000"));
+  CHECK(PositionController::position_in("-100.5").value() == -100.5);
+  CHECK_FALSE(PositionController::position_in("12,5"));
+  CHECK_FALSE(PositionController::position_in("1000001"));
+  CHECK(PositionController::position_in("-1000000"));
 }
 
 TEST_CASE("a position is typed, asked for, set, seen live and taken back") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.desk);
+  PositionScreen screen(bench.controller);
   REQUIRE(comes(screen, "unit MCM-0107, integration"));
   (void)letter(screen, 'y');
   (void)press(screen, Key::Name::enter);
@@ -40,20 +40,20 @@ TEST_CASE("no: nothing is set") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.desk);
+  PositionScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   type(screen, "5");
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'n');
   CHECK_FALSE(has(picture(screen), "Let the unit show"));
-  CHECK(bench.desk->newest()->axes[0].position_mm == doctest::Approx(0.0));
+  CHECK(bench.controller->newest()->axes[0].position_mm == doctest::Approx(0.0));
 }
 
 TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.desk);
+  PositionScreen screen(bench.controller);
   const auto set = [&](const std::string& mm) {
     (void)press(screen, Key::Name::enter);
     type(screen, mm);

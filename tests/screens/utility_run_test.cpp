@@ -35,7 +35,7 @@ TEST_CASE("a program is run with its argument, and says what it returned") {
   const Bench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kAddFive);
-  RunScreen screen(bench.desk);
+  RunScreen screen(bench.controller);
   REQUIRE(comes(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::backspace);
@@ -54,7 +54,7 @@ TEST_CASE("empty memory is called empty before it is run; its end is told in wor
   if (emulator_built().empty()) return;
   const Bench bench;
   bench.wait_for_unit();
-  RunScreen screen(bench.desk);
+  RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   REQUIRE(comes(screen, "NO PROGRAM lies there"));
   (void)letter(screen, 'n');
@@ -66,7 +66,7 @@ TEST_CASE("a program that never ends is stopped by Esc") {
   const Bench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kForever);
-  RunScreen screen(bench.desk);
+  RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   REQUIRE(comes(screen, "It begins with 60FE"));
   (void)letter(screen, 'y');
@@ -78,7 +78,7 @@ TEST_CASE("a program that never ends is stopped by Esc") {
 
 TEST_CASE("a region gives its address, to the program or to the argument") {
   const BenchFolder folder;
-  RunScreen screen(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600"));
+  RunScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   for (int k = 0; k < 6; ++k) (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::enter);
   CHECK(has(picture(screen), "argument      0x0E0000"));
@@ -89,7 +89,7 @@ TEST_CASE("kill -9 of the emulator under a running program: it is said, and the 
   const Bench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kForever);
-  RunScreen screen(bench.desk);
+  RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   REQUIRE(comes(screen, "It begins with 60FE"));
   (void)letter(screen, 'y');

@@ -24,7 +24,7 @@ void draw_in_all_sizes(const Screen& screen) {
 TEST_CASE("the menu has the entries of figure 5.4 in their order") {
   const BenchFolder folder;
   std::vector<std::string> names;
-  for (const MenuChoice& choice : utility_choices(std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600")))
+  for (const MenuChoice& choice : utility_choices(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600")))
     names.push_back(choice.name);
   CHECK(names == std::vector<std::string>{"SET AXIS POSITION", "OUTPUT COMPENSATION VALUE", "RECORD DATUM SEQUENCE",
                                           "DISPLAY DATUM SEQUENCE", "TEST DATUM ROUTINE", "DISPLAY ECS STATUS",
@@ -33,8 +33,8 @@ TEST_CASE("the menu has the entries of figure 5.4 in their order") {
 
 TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, says what is missing and lets go") {
   const BenchFolder folder;
-  const auto desk = std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600");
-  for (const MenuChoice& choice : utility_choices(desk)) {
+  const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(controller)) {
     const auto screen = choice.opens();
     if (choice.name != "DISPLAY DATUM SEQUENCE") REQUIRE_MESSAGE(comes(*screen, "NO ANSWER"), choice.name);
     (void)picture(*screen, Canvas(24, 80, Glyphs::ascii));
@@ -45,8 +45,8 @@ TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, s
 
 TEST_CASE("a click chooses the axis on that row") {
   const BenchFolder folder;
-  const auto desk = std::make_shared<UnitDesk>("rtu:/dev/no-such-port:9600");
-  for (const MenuChoice& choice : utility_choices(desk)) {
+  const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(controller)) {
     if (choice.name.find("AXIS") != 4 && choice.name != "OUTPUT COMPENSATION VALUE" &&
         choice.name != "RECORD DATUM SEQUENCE")
       continue;

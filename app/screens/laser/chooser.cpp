@@ -73,10 +73,10 @@ void LaserChooser::go(const fs::path& folder) {
     return;
   }
   look_again_ = false;
-  looking_.start([folder = folder_, entries = entries_](JobSigns& signs) {
+  looking_.start([folder = folder_, entries = entries_](JobControl& control) {
     Looked looked;
     for (const FolderEntry& entry : entries) {
-      if (signs.cancelled) break;
+      if (control.cancelled) break;
       if (!entry.folder) looked.emplace(entry.name, looked_at(folder / entry.name));
     }
     return looked;

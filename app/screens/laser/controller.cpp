@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kDraft = "laser";
 
-/// A folder for this desk; those of programs that are gone are cleared away.
+/// A folder for this controller; those of programs that are gone are cleared away.
 std::filesystem::path new_work_folder() {
   static int count = 0;
   const auto state = state_folder();
@@ -43,7 +43,7 @@ LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : L
 
 }  // namespace
 
-struct LaserDesk::WorkFolder {
+struct LaserController::WorkFolder {
   std::filesystem::path path = new_work_folder();
   ~WorkFolder() {
     std::error_code error;
@@ -51,7 +51,7 @@ struct LaserDesk::WorkFolder {
   }
 };
 
-LaserDesk::LaserDesk(std::shared_ptr<UnitDesk> unit)
+LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
     : unit_(std::move(unit)),
       folder_(std::make_unique<WorkFolder>()),
       offered_(draft_of(kDraft)),
@@ -59,7 +59,7 @@ LaserDesk::LaserDesk(std::shared_ptr<UnitDesk> unit)
   if (offered_ && !choices_in(offered_->text)) offered_.reset();
 }
 
-LaserDesk::~LaserDesk() {
+LaserController::~LaserController() {
   job_.cancel();
   look_.cancel();
   working_out_.cancel();
@@ -67,7 +67,7 @@ LaserDesk::~LaserDesk() {
 
 // --- choices --------------------------------------------------------------------------------------------------------
 
-void LaserDesk::change(const std::string& what, const std::function<void(LaserChoices&)>& how) {
+void LaserController::change(const std::string& what, const std::function<void(LaserChoices&)>& how) {
   LaserChoices next = choices_;
   how(next);
   if (next == choices_) return;
@@ -79,7 +79,7 @@ void LaserDesk::change(const std::string& what, const std::function<void(LaserCh
   work_out(false);
 }
 
-void LaserDesk::undo() {
+void LaserController::undo() {
   if (past_.empty()) {
     message_.say("nothing to undo", Tone::warning);
     return;
@@ -88,7 +88,7 @@ void LaserDesk::undo() {
   step_over(past_, future_);
 }
 
-void LaserDesk::redo() {
+void LaserController::redo() {
   if (future_.empty()) {
     message_.say("nothing to do again", Tone::warning);
     return;
@@ -98,7 +98,7 @@ void LaserDesk::redo() {
 }
 
 /// The newest of `from` becomes what is chosen, what was chosen goes onto `to`.
-void LaserDesk::step_over(History& from, History& to) {
+void LaserController::step_over(History& from, History& to) {
   to.emplace_back(from.back().first, std::move(choices_));
   choices_ = std::move(from.back().second);
   from.pop_back();
@@ -106,13 +106,13 @@ void LaserDesk::step_over(History& from, History& to) {
   work_out(false);
 }
 
-void LaserDesk::keep() {
+void LaserController::keep() {
   changed_ = true;
   ready_.reset();
   if (const auto kept = keep_draft(kDraft, choices_text(choices_)); !kept) message_.say(kept.error());
 }
 
-void LaserDesk::take_up_offered() {
+void LaserController::take_up_offered() {
   if (!offered_) return;
   choices_ = choices_in(offered_->text).value_or(LaserChoices{});
   message_.say("taken up: work of " + offered_->kept);
@@ -122,13 +122,13 @@ void LaserDesk::take_up_offered() {
   work_out(false);
 }
 
-void LaserDesk::drop_offered() {
+void LaserController::drop_offered() {
   offered_.reset();
   drop_draft(kDraft);
 }
 
 /// Single readings are known by their place in the file: a file written anew may hold others there.
-void LaserDesk::warn_of_newer_files(const std::string& than) {
+void LaserController::warn_of_newer_files(const std::string& than) {
   for (const auto& [key, line] : choices_.lines) {
     if (line.readings.empty()) continue;
     for (const LaserFileChoice& file : choices_.files)
@@ -140,7 +140,7 @@ void LaserDesk::warn_of_newer_files(const std::string& than) {
   }
 }
 
-void LaserDesk::read_again() {
+void LaserController::read_again() {
   for (const LaserFile& file : work_->files)
     if (file.stamp != stamp_of(file.choice.path)) {
       warn_of_newer_files("");
@@ -149,7 +149,7 @@ void LaserDesk::read_again() {
   work_out(false);
 }
 
-void LaserDesk::work_out(bool with_map) {
+void LaserController::work_out(bool with_map) {
   if (working_out_.running()) {
     pending_ = true;
     working_out_.cancel();
@@ -157,14 +157,14 @@ void LaserDesk::work_out(bool with_map) {
   }
   pending_ = false;
   map_pending_ = !with_map;
-  working_out_.start([choices = choices_, before = work_, folder = folder_->path, with_map](JobSigns& signs) {
-    return worked_out(choices, before, folder, with_map, signs);
+  working_out_.start([choices = choices_, before = work_, folder = folder_->path, with_map](JobControl& control) {
+    return worked_out(choices, before, folder, with_map, control);
   });
 }
 
 // --- how the steps stand --------------------------------------------------------------------------------------------
 
-LaserMark LaserDesk::mark(LaserStep step) const {
+LaserMark LaserController::mark(LaserStep step) const {
   const LaserWork& w = *work_;
   const auto any_line = [&](auto&& is) { return std::any_of(w.lines.begin(), w.lines.end(), is); };
   switch (step) {
@@ -216,39 +216,39 @@ LaserMark LaserDesk::mark(LaserStep step) const {
   return LaserMark::open;
 }
 
-std::string LaserDesk::unsaved() const {
+std::string LaserController::unsaved() const {
   if (!changed_ || choices_ == LaserChoices{}) return {};
   return "PROCESS LASER DATA: the map with these choices is not saved (they are kept and offered again)";
 }
 
 // --- disc and unit --------------------------------------------------------------------------------------------------
 
-bool LaserDesk::would_overwrite() const {
+bool LaserController::would_overwrite() const {
   std::error_code error;
   const MapFiles files = files_of_map(choices_.map_file);
   const auto there = [&](const std::filesystem::path& file) { return std::filesystem::exists(file, error); };
   return saved_file_ != choices_.map_file && (there(files.map) || there(files.parameters) || there(files.recipe));
 }
 
-bool LaserDesk::idle() {
+bool LaserController::idle() {
   if (!job_.running()) return true;
   message_.say(fmt::format("{}: wait, or Esc stops it", busy_with_), Tone::warning);
   return false;
 }
 
-void LaserDesk::start(Doing doing, const std::string& label, Piece piece) {
+void LaserController::start(Doing doing, const std::string& label, Piece piece) {
   busy_with_ = label;
-  seen_ = std::make_shared<SendSigns>();
+  seen_ = std::make_shared<SendProgress>();
   part_shown_ = -1.0;
-  job_.start([doing, seen = seen_, piece = std::move(piece)](JobSigns& signs) {
+  job_.start([doing, seen = seen_, piece = std::move(piece)](JobControl& control) {
     Done done;
     done.doing = doing;
-    piece(signs, *seen, done);
+    piece(control, *seen, done);
     return done;
   });
 }
 
-bool LaserDesk::can_save() {
+bool LaserController::can_save() {
   if (!idle()) return false;
   if (working() || !work_->map_current)
     message_.say("the map is being worked out: once more in a moment", Tone::warning);
@@ -261,10 +261,10 @@ bool LaserDesk::can_save() {
   return false;
 }
 
-void LaserDesk::save() {
+void LaserController::save() {
   if (!can_save()) return;
   start(Doing::saving, "saving",
-        [work = work_, choices = choices_, folder = folder_->path](JobSigns&, SendSigns&, Done& done) {
+        [work = work_, choices = choices_, folder = folder_->path](JobControl&, SendProgress&, Done& done) {
           const auto files = save_laser_map(work->map, choices, folder);
           done.csv = work->map.csv;
           if (files)
@@ -274,11 +274,11 @@ void LaserDesk::save() {
         });
 }
 
-void LaserDesk::prepare() {
+void LaserController::prepare() {
   if (!can_save()) return;
   ready_.reset();
   start(Doing::preparing, "saving and checking",
-        [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobSigns& signs, SendSigns&,
+        [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobControl& control, SendProgress&,
                                                                                  Done& done) {
           const auto files = save_laser_map(work->map, choices, folder);
           if (!files) {
@@ -287,7 +287,7 @@ void LaserDesk::prepare() {
           }
           done.files = *files;
           done.csv = work->map.csv;
-          auto ready = ready_map(*unit, signs, *files);
+          auto ready = ready_map(*unit, control, *files);
           if (ready)
             done.ready = std::move(*ready);
           else
@@ -295,15 +295,15 @@ void LaserDesk::prepare() {
         });
 }
 
-void LaserDesk::send() {
+void LaserController::send() {
   if (!idle() || !ready_) return;
   failed_.reset();
   after_failure_.clear();
   forget_verdict();
   start(Doing::sending, "sending the map",
-        [ready = *ready_, unit = unit_](JobSigns& signs, SendSigns& seen, Done& done) {
+        [ready = *ready_, unit = unit_](JobControl& control, SendProgress& seen, Done& done) {
           done.ready = ready;
-          auto sent = sent_map(*unit, signs, ready, seen);
+          auto sent = sent_map(*unit, control, ready, seen);
           if (sent)
             done.sent = std::move(*sent);
           else
@@ -311,12 +311,13 @@ void LaserDesk::send() {
         });
 }
 
-void LaserDesk::receive_parameters(const std::string& file) {
+void LaserController::receive_parameters(const std::string& file) {
   if (!idle()) return;
-  start(Doing::receiving, "receiving the parameters", [file, unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
-    done.params_file = file;
-    if (const auto got = receive_parameters_into(*unit, signs, file); !got) done.problem = got.error();
-  });
+  start(Doing::receiving, "receiving the parameters",
+        [file, unit = unit_](JobControl& control, SendProgress&, Done& done) {
+          done.params_file = file;
+          if (const auto got = receive_parameters_into(*unit, control, file); !got) done.problem = got.error();
+        });
 }
 
 }  // namespace ecs::app

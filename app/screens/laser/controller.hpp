@@ -26,18 +26,18 @@ enum class LaserMark {
   doubtful,  ///< something there deserves a look
 };
 
-class LaserDesk {
+class LaserController {
  public:
-  explicit LaserDesk(std::shared_ptr<UnitDesk> unit);
-  ~LaserDesk();
-  LaserDesk(const LaserDesk&) = delete;
-  LaserDesk& operator=(const LaserDesk&) = delete;
+  explicit LaserController(std::shared_ptr<UnitConnection> unit);
+  ~LaserController();
+  LaserController(const LaserController&) = delete;
+  LaserController& operator=(const LaserController&) = delete;
 
   [[nodiscard]] const LaserChoices& choices() const { return choices_; }
   /// Never null; belongs to older choices while working() is true.
   [[nodiscard]] const LaserWork& work() const { return *work_; }
   [[nodiscard]] LaserMark mark(LaserStep step) const;
-  [[nodiscard]] const UnitDesk& unit() const { return *unit_; }
+  [[nodiscard]] const UnitConnection& unit() const { return *unit_; }
 
   // --- choices
   /// Keeps the draft, works out what follows. @param what  for undo: "run 3 left out"
@@ -109,7 +109,7 @@ class LaserDesk {
     std::optional<std::uint32_t> active;
     std::string params_file;
   };
-  using Piece = std::function<void(JobSigns&, SendSigns&, Done&)>;
+  using Piece = std::function<void(JobControl&, SendProgress&, Done&)>;
 
   using History = std::vector<std::pair<std::string, LaserChoices>>;
   void step_over(History& from, History& to);
@@ -130,7 +130,7 @@ class LaserDesk {
   void say_saved(const MapFiles& files);
   void warn_of_newer_files(const std::string& than);
 
-  std::shared_ptr<UnitDesk> unit_;
+  std::shared_ptr<UnitConnection> unit_;
   struct WorkFolder;
   std::unique_ptr<WorkFolder> folder_;  ///< for prepared files; outlives the jobs
   LaserChoices choices_;
@@ -143,7 +143,7 @@ class LaserDesk {
   Job<LaserWorkPtr> working_out_;
   Job<Done> job_;
   std::string busy_with_;
-  std::shared_ptr<SendSigns> seen_;
+  std::shared_ptr<SendProgress> seen_;
   std::string saved_csv_, saved_file_, sent_csv_;
   double part_shown_ = -1.0;
   std::optional<ReadyMap> ready_, failed_;

@@ -1,4 +1,4 @@
-// What came of the work of the laser desk. Does not live here: starting it (controller.cpp).
+// What came of the work of the laser controller. Does not live here: starting it (controller.cpp).
 #include <fmt/format.h>
 
 #include "app/screens/laser/controller.hpp"
@@ -11,7 +11,7 @@ constexpr std::chrono::seconds kBetweenLooks{1};
 
 }  // namespace
 
-bool LaserDesk::advance() {
+bool LaserController::advance() {
   bool changed = false;
   if (auto work = working_out_.take()) {
     changed = true;
@@ -33,11 +33,11 @@ bool LaserDesk::advance() {
   return note_changes() || changed;
 }
 
-void LaserDesk::say_saved(const MapFiles& files) {
+void LaserController::say_saved(const MapFiles& files) {
   message_.say(fmt::format("saved: {}, its parameters {}, the recipe {}", files.map, files.parameters, files.recipe));
 }
 
-void LaserDesk::take(const Done& done) {
+void LaserController::take(const Done& done) {
   if (!done.csv.empty() && !done.files.map.empty()) {
     saved_csv_ = done.csv;
     saved_file_ = done.files.map;
@@ -91,7 +91,7 @@ void LaserDesk::take(const Done& done) {
   }
 }
 
-void LaserDesk::take_failure(const Done& done) {
+void LaserController::take_failure(const Done& done) {
   const std::string why = to_text(*done.problem);
   next_look_ = Clock::now() + kBetweenLooks;
   switch (done.doing) {
@@ -113,11 +113,11 @@ void LaserDesk::take_failure(const Done& done) {
   }
 }
 
-void LaserDesk::look_after_failure() {
+void LaserController::look_after_failure() {
   if (!failed_ || job_.running() || Clock::now() < next_look_ || !unit_->standing().open) return;
   next_look_ = Clock::now() + kBetweenLooks;
-  start(Doing::looking, "looking at the unit", [unit = unit_](JobSigns& signs, SendSigns&, Done& done) {
-    const auto holding = holding_of_unit(*unit, signs);
+  start(Doing::looking, "looking at the unit", [unit = unit_](JobControl& control, SendProgress&, Done& done) {
+    const auto holding = holding_of_unit(*unit, control);
     if (holding)
       done.active = holding->check;
     else

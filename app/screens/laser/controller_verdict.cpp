@@ -10,19 +10,19 @@ namespace ecs::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::seconds kBetweenLooks{3};  ///< a look takes half a second of a line of 9,600 baud
+constexpr std::chrono::seconds kBetweenUnitLooks{3};  ///< a look takes half a second of a line of 9,600 baud
 
 }  // namespace
 
-void LaserDesk::verify() {
+void LaserController::verify() {
   if (!idle()) return;
   if (saved_file_.empty()) {
     message_.say("there is nothing to compare with yet: step 8 saves and sends the map", Tone::warning);
     return;
   }
   start(Doing::verifying, "reading the map back",
-        [files = files_of_map(saved_file_), unit = unit_](JobSigns& signs, SendSigns& seen, Done& done) {
-          auto verified = verified_map(*unit, signs, files, seen);
+        [files = files_of_map(saved_file_), unit = unit_](JobControl& control, SendProgress& seen, Done& done) {
+          auto verified = verified_map(*unit, control, files, seen);
           if (verified)
             done.verified = std::move(*verified);
           else
@@ -30,7 +30,7 @@ void LaserDesk::verify() {
         });
 }
 
-void LaserDesk::compensate() {
+void LaserController::compensate() {
   if (!idle()) return;
   if (!verdict_ && !sent_)
     return message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
@@ -38,14 +38,14 @@ void LaserDesk::compensate() {
     return message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again",
                         Tone::bad);
   start(Doing::switching, "compensation mode",
-        [expected = ExpectedMap{compared_ ? std::nullopt : sent_, compared_}, unit = unit_](JobSigns& signs, SendSigns&,
-                                                                                            Done& done) {
-          const auto switched = switch_to_compensation(*unit, signs, expected);
+        [expected = ExpectedMap{compared_ ? std::nullopt : sent_, compared_}, unit = unit_](JobControl& control,
+                                                                                            SendProgress&, Done& done) {
+          const auto switched = switch_to_compensation(*unit, control, expected);
           if (!switched) done.problem = switched.error();
         });
 }
 
-void LaserDesk::forget_verdict() {
+void LaserController::forget_verdict() {
   verdict_.reset();
   compared_.reset();
   compared_csv_.clear();
@@ -54,22 +54,22 @@ void LaserDesk::forget_verdict() {
   ++comparison_;
 }
 
-void LaserDesk::take_verdict(const VerifiedMap& verified) {
+void LaserController::take_verdict(const VerifiedMap& verified) {
   forget_verdict();
   verdict_ = verified.verdict;
   compared_ = verified.holding;
   compared_csv_ = saved_csv_;
-  next_verdict_look_ = Clock::now() + kBetweenLooks;
+  next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
 }
 
-void LaserDesk::say_stale(const std::string& why) {
+void LaserController::say_stale(const std::string& why) {
   stale_ = why;
   if (!message_.is_problem() || message_.text().empty())  // an error stays until the next action
     message_.say("the unit has changed since it was compared: " + why + "; step 9, Enter compares again",
                  Tone::warning);
 }
 
-bool LaserDesk::note_changes() {
+bool LaserController::note_changes() {
   if (!compared_ || !stale_.empty()) return false;
   const WatchedUnit unit = unit_->standing();
   UnitHolding now = *compared_;
@@ -85,18 +85,18 @@ bool LaserDesk::note_changes() {
   return true;
 }
 
-void LaserDesk::watch_verdict() {
+void LaserController::watch_verdict() {
   if (!compared_ || !stale_.empty() || job_.running() || look_.running()) return;
   if (Clock::now() < next_verdict_look_ || !unit_->standing().open) return;
-  look_.start([unit = unit_, comparison = comparison_](JobSigns& signs) {
-    return Look{comparison, holding_of_unit(*unit, signs)};
+  look_.start([unit = unit_, comparison = comparison_](JobControl& control) {
+    return Look{comparison, holding_of_unit(*unit, control)};
   });
 }
 
-bool LaserDesk::take_look() {
+bool LaserController::take_look() {
   const auto look = look_.take();
   if (!look) return false;
-  next_verdict_look_ = Clock::now() + kBetweenLooks;
+  next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
   if (look->comparison != comparison_ || !look->now || !compared_ || !stale_.empty()) return false;
   const std::string why = changed_since(*compared_, *look->now);
   if (why.empty()) return false;

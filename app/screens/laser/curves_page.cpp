@@ -34,7 +34,7 @@ class CurvesPage final : public LaserPage {
   explicit CurvesPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (work.curves.empty())
       return draw_nothing_yet(canvas, area,
                               work.lines.empty()
@@ -60,7 +60,7 @@ class CurvesPage final : public LaserPage {
   }
 
   bool on_key(const Key& key) override {
-    const auto& curves = desk().work().curves;
+    const auto& curves = controller().work().curves;
     if (is_letter(key, U'p')) {
       host().ask_parameters();
       return true;
@@ -74,7 +74,7 @@ class CurvesPage final : public LaserPage {
     const std::string code(name_of(curve.component));
     if (is_letter(key, U' ')) {
       const auto next = static_cast<laser::SlopeMethod>((static_cast<int>(curve.slope) + 1) % 3);
-      desk().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
+      controller().change(fmt::format("{} of {}", words_for(next), code), [&](LaserChoices& c) {
         c.components[code].slope = next == curve.recommended ? std::nullopt : std::optional(next);
       });
     } else if (key.name == Key::Name::enter) {
@@ -112,12 +112,12 @@ class CurvesPage final : public LaserPage {
   }
 
  private:
-  [[nodiscard]] std::size_t at() const { return place_within(place_, desk().work().curves.size()); }
+  [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().curves.size()); }
 
   /// The choice of now, while the curve may still be that of before.
   [[nodiscard]] LaserComponentChoice choice_of(const LaserCurve& curve) const {
-    const auto found = desk().choices().components.find(std::string(name_of(curve.component)));
-    return found == desk().choices().components.end() ? LaserComponentChoice{} : found->second;
+    const auto found = controller().choices().components.find(std::string(name_of(curve.component)));
+    return found == controller().choices().components.end() ? LaserComponentChoice{} : found->second;
   }
 
   /// Without parameters a row is a line, and several may measure the same component: the place tells them apart.
@@ -214,7 +214,7 @@ class CurvesPage final : public LaserPage {
     const auto grid = v[2].empty() ? std::optional(0.0) : number_in(v[2]);
     if (!smoothing || *smoothing < 0.0) return "smoothing: a width in mm, as in 100, or nothing";
     if (!grid || *grid < 0.0) return "grid: a spacing in mm, as in 50, or nothing";
-    desk().change("slope, smoothing and grid of " + code, [&](LaserChoices& c) {
+    controller().change("slope, smoothing and grid of " + code, [&](LaserChoices& c) {
       LaserComponentChoice& choice = c.components[code];
       choice.smoothing_mm = *smoothing;
       choice.slope = laser::slope_method_named(v[1]);

@@ -27,8 +27,8 @@ class FilesPage final : public LaserPage {
 
   void draw(Canvas& canvas, const Area& area) const override {
     if (chooser_) return chooser_->draw(canvas, area);
-    const LaserWork& work = desk().work();
-    if (desk().choices().files.empty()) {
+    const LaserWork& work = controller().work();
+    if (controller().choices().files.empty()) {
       const std::string begin =
           "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a step, n to the "
           "next one, and back at any time):";
@@ -40,14 +40,14 @@ class FilesPage final : public LaserPage {
     const int below = std::min(4, area.rows / 3);
     canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "taken for", "holds"), Tone::faint);
     std::vector<ListRow> rows;
-    for (const LaserFileChoice& choice : desk().choices().files) rows.push_back(row_of(work, choice));
+    for (const LaserFileChoice& choice : controller().choices().files) rows.push_back(row_of(work, choice));
     draw_list(canvas, {area.row + 1, area.column, std::max(0, area.rows - 1 - below), area.columns}, rows, place_);
     draw_selected(canvas, {area.row + area.rows - below, area.column + 1, below, area.columns - 2});
   }
 
   bool on_key(const Key& key) override {
     if (chooser_) return on_chooser_key(key);
-    const auto& files = desk().choices().files;
+    const auto& files = controller().choices().files;
     if (place_.on_key(key, static_cast<int>(files.size()))) return true;
     const std::size_t at = place_within(place_, files.size());
     if (is_letter(key, U'a') || (key.name == Key::Name::enter && files.empty())) {
@@ -55,15 +55,15 @@ class FilesPage final : public LaserPage {
     } else if (is_letter(key, U'p')) {
       host().ask_parameters();
     } else if (is_letter(key, U'r')) {
-      desk().read_again();
+      controller().read_again();
     } else if (files.empty()) {
       return false;
     } else if (key.name == Key::Name::enter) {
       host().ask_answers(files[at].path);
     } else if (is_letter(key, U'x') || key.name == Key::Name::erase) {
-      desk().change("a file taken off",
-                    [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
-      place_.selected = static_cast<int>(place_within(place_, desk().choices().files.size()));
+      controller().change("a file taken off",
+                          [&](LaserChoices& c) { c.files.erase(c.files.begin() + static_cast<std::ptrdiff_t>(at)); });
+      place_.selected = static_cast<int>(place_within(place_, controller().choices().files.size()));
     } else {
       return false;
     }
@@ -112,16 +112,16 @@ class FilesPage final : public LaserPage {
   }
 
   void draw_selected(Canvas& canvas, const Area& area) const {
-    const LaserChoices& choices = desk().choices();
+    const LaserChoices& choices = controller().choices();
     const std::string unit =
         choices.params_file.empty()
             ? "Parameters: none yet, p chooses them"
             : "Parameters: " + choices.params_file + (choices.scope.empty() ? "" : ", scope " + choices.scope);
-    const std::string& wrong = desk().work().map.parameters_problem;
+    const std::string& wrong = controller().work().map.parameters_problem;
     canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
     const LaserFileChoice& choice = choices.files[place_within(place_, choices.files.size())];
     const Area text{area.row, area.column, area.rows - 1, area.columns};
-    const LaserFile* file = read(desk().work(), choice);
+    const LaserFile* file = read(controller().work(), choice);
     if (file != nullptr && !file->problem.empty()) {
       canvas.paragraph(text, 0, file->problem, Tone::bad);
       return;
@@ -129,7 +129,7 @@ class FilesPage final : public LaserPage {
     const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
     if (file == nullptr) return;
     std::string told;
-    for (const LaserLine& line : desk().work().lines)
+    for (const LaserLine& line : controller().work().lines)
       if (told.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
         told = missing_place_of(line);
     for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
@@ -144,11 +144,12 @@ class FilesPage final : public LaserPage {
         answer == LaserChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
     chooser_.reset();
     if (taken.empty()) return true;
-    desk().change(fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
-      for (const std::string& path : taken)
-        if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
-          c.files.push_back({path, {}});
-    });
+    controller().change(
+        fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
+          for (const std::string& path : taken)
+            if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
+              c.files.push_back({path, {}});
+        });
     return true;
   }
 

@@ -37,7 +37,7 @@ class HeaderPage final : public LaserPage {
       const bool here = k == at();
       canvas.text(area, row, 1, here ? ">" : " ", Tone::strong);
       canvas.text(area, row, 3, kFields[k].name, here ? Tone::strong : Tone::plain);
-      const std::string& chosen = desk().choices().header.*kFields[k].value;
+      const std::string& chosen = controller().choices().header.*kFields[k].value;
       const std::string& value = shown.*kFields[k].value;
       if (editing_ && here) {
         line_.draw(canvas, area, row, kValues, std::max(1, area.columns - kValues - 1), true);
@@ -82,15 +82,15 @@ class HeaderPage final : public LaserPage {
   [[nodiscard]] std::size_t at() const { return place_within(place_, kFields.size()); }
 
   [[nodiscard]] LaserHeaderChoice in_effect() const {
-    LaserHeaderChoice shown = header_with_files(desk().choices().header, desk().work().lines);
-    const LaserMapWork& map = desk().work().map;
+    LaserHeaderChoice shown = header_with_files(controller().choices().header, controller().work().lines);
+    const LaserMapWork& map = controller().work().map;
     if (map.parameters && shown.machine.empty()) shown.machine = map.parameters->identity.machine;
     if (map.parameters && shown.serial_number.empty()) shown.serial_number = map.parameters->identity.serial_number;
     return shown;
   }
 
   void draw_rest(Canvas& canvas, const Area& area) const {
-    const LaserMapWork& map = desk().work().map;
+    const LaserMapWork& map = controller().work().map;
     if (!map.built || area.rows < 2) return;
     canvas.text(area, 0, 1,
                 fmt::format("added by itself: {} source files, {} steps of processing",
@@ -114,11 +114,11 @@ class HeaderPage final : public LaserPage {
     const std::string value = line_.text();
     if (field.value == &LaserHeaderChoice::date)
       if (const auto wrong = wrong_date(value)) {
-        desk().message().say("date: " + *wrong, Tone::bad);
+        controller().message().say("date: " + *wrong, Tone::bad);
         return true;
       }
     if (value != in_effect().*field.value)
-      desk().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
+      controller().change(std::string("the ") + field.name, [&](LaserChoices& c) { c.header.*field.value = value; });
     editing_ = false;
     (void)place_.on_key({Key::Name::down}, static_cast<int>(kFields.size()));
     return true;

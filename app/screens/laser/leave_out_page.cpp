@@ -23,7 +23,7 @@ class LeaveOutPage final : public LaserPage {
   explicit LeaveOutPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: step 1 takes the files.");
     const LaserHalves halves = laser_halves(area);
     const LaserLine& line = work.lines[at()];
@@ -52,7 +52,7 @@ class LeaveOutPage final : public LaserPage {
   }
 
   bool on_key(const Key& key) override {
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (work.lines.empty()) return false;
     const LaserLine& line = work.lines[at()];
     const auto tree = tree_of(line);
@@ -136,12 +136,12 @@ class LeaveOutPage final : public LaserPage {
     return told;
   }
 
-  [[nodiscard]] std::size_t at() const { return place_within(line_, desk().work().lines.size()); }
+  [[nodiscard]] std::size_t at() const { return place_within(line_, controller().work().lines.size()); }
 
   /// As chosen now, also while the curves are still worked out.
   [[nodiscard]] LaserLineChoice choice_of(const LaserLine& line) const {
-    const auto found = desk().choices().lines.find(line.key);
-    return found == desk().choices().lines.end() ? LaserLineChoice{} : found->second;
+    const auto found = controller().choices().lines.find(line.key);
+    return found == controller().choices().lines.end() ? LaserLineChoice{} : found->second;
   }
 
   [[nodiscard]] std::vector<TreeRow> tree_of(const LaserLine& line) const {
@@ -179,15 +179,15 @@ class LeaveOutPage final : public LaserPage {
 
   bool toggle(const LaserLine& line, const TreeRow& row) {
     if (row.reading && choice_of(line).runs.contains(row.run)) {
-      desk().message().say(fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run),
-                           Tone::warning);
+      controller().message().say(fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run),
+                                 Tone::warning);
       return true;
     }
     const bool is_out =
         row.reading ? choice_of(line).readings.contains(*row.reading) : choice_of(line).runs.contains(row.run);
     const std::string what = row.reading ? fmt::format("a reading of {}", name_of_line(line))
                                          : fmt::format("run {} of {}", row.run, name_of_line(line));
-    desk().change(what + (is_out ? " taken back" : " left out"), [&](LaserChoices& c) {
+    controller().change(what + (is_out ? " taken back" : " left out"), [&](LaserChoices& c) {
       LaserLineChoice& choice = c.lines[line.key];
       if (row.reading && is_out) choice.readings.erase(*row.reading);
       if (row.reading && !is_out) choice.readings.emplace(*row.reading, "");
@@ -201,13 +201,13 @@ class LeaveOutPage final : public LaserPage {
     const LaserLineChoice choice = choice_of(line);
     const bool is_out = row.reading ? choice.readings.contains(*row.reading) : choice.runs.contains(row.run);
     if (!is_out) {
-      desk().message().say("leave it out first (Space), then say why", Tone::warning);
+      controller().message().say("leave it out first (Space), then say why", Tone::warning);
       return true;
     }
     const std::string now = row.reading ? choice.readings.at(*row.reading) : choice.runs.at(row.run);
     host().fill(LaserForm("why it is left out", {{"reason", "kept with the map: cold machine, beam broken, ...", now}},
                           [this, key = line.key, row](const std::vector<std::string>& v) {
-                            desk().change("a reason", [&](LaserChoices& c) {
+                            controller().change("a reason", [&](LaserChoices& c) {
                               if (row.reading)
                                 c.lines[key].readings[*row.reading] = v[0];
                               else
@@ -221,7 +221,7 @@ class LeaveOutPage final : public LaserPage {
   /// The next reading of this line that stands out, its run opened.
   bool to_next_suspect(const LaserLine& line) {
     if (line.suspects.empty()) {
-      desk().message().say("no reading of this line stands out from its repeats");
+      controller().message().say("no reading of this line stands out from its repeats");
       return true;
     }
     const auto before = tree_of(line);

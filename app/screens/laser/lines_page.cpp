@@ -89,7 +89,7 @@ class LinesPage final : public LaserPage {
   explicit LinesPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
     const int places = place_columns(work);
     canvas.text(area, 0, 2,
@@ -108,7 +108,7 @@ class LinesPage final : public LaserPage {
   }
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 4);
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (key.name == Key::Name::enter && !work.lines.empty()) {
       const LaserLine& line = work.lines[place_within(place_, work.lines.size())];
       host().ask_answers(file_to_ask(work, line), line.place_unknown.empty() ? "" : "parked");
@@ -165,7 +165,7 @@ class IsoPage final : public LaserPage {
   explicit IsoPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserWork& work = desk().work();
+    const LaserWork& work = controller().work();
     if (work.lines.empty()) return draw_nothing_yet(canvas, area, kNoLines);
     const LaserHalves halves = laser_halves(area, 7);
     draw_list(canvas, halves.list, rows_of_lines(work), place_);
@@ -177,7 +177,7 @@ class IsoPage final : public LaserPage {
   }
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::page_down || key.name == Key::Name::page_up) return scroll_.on_key(key, 6);
-    if (!place_.on_key(key, static_cast<int>(desk().work().lines.size()))) return false;
+    if (!place_.on_key(key, static_cast<int>(controller().work().lines.size()))) return false;
     scroll_ = {};
     return true;
   }

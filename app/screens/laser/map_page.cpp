@@ -38,11 +38,11 @@ class MapPage final : public LaserPage {
   explicit MapPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserMapWork& map = desk().work().map;
+    const LaserMapWork& map = controller().work().map;
     if (!map.parameters) {
       draw_nothing_yet(canvas, area,
                        map.parameters_problem.empty()
-                           ? (desk().choices().params_file.empty()
+                           ? (controller().choices().params_file.empty()
                                   ? "Which components the map needs is in the parameters of the unit: p "
                                     "takes their file, or receives what the unit holds."
                                   : "The parameters are being read ...")
@@ -66,7 +66,7 @@ class MapPage final : public LaserPage {
   }
 
   bool on_key(const Key& key) override {
-    const LaserMapWork& map = desk().work().map;
+    const LaserMapWork& map = controller().work().map;
     if (is_letter(key, U'p')) {
       host().ask_parameters();
       return true;
@@ -114,11 +114,11 @@ class MapPage final : public LaserPage {
   }
 
  private:
-  [[nodiscard]] std::size_t at() const { return place_within(place_, desk().work().map.components.size()); }
+  [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
 
   std::string standing_of(const LaserMapWork& map) const {
     const UnitParameters& p = map.parameters->parameters;
-    const std::string name = std::filesystem::path(desk().choices().params_file).filename().string();
+    const std::string name = std::filesystem::path(controller().choices().params_file).filename().string();
     std::string text =
         fmt::format("{} ({}, {}): {} needed", name, configuration_of(p), word_for(p.scope), map.components.size());
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
@@ -191,8 +191,8 @@ class MapPage final : public LaserPage {
         fmt::format("declare {} zero: {}", code, laser::description_of(one.component)),
         {{"reason", "why it may be taken as zero; it stands in the map's header. Empty: it is not declared zero", now}},
         [this, code](const std::vector<std::string>& v) {
-          desk().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
-                        [&](LaserChoices& c) { c.components[code].zero_reason = std::string(trimmed(v[0])); });
+          controller().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
+                              [&](LaserChoices& c) { c.components[code].zero_reason = std::string(trimmed(v[0])); });
           return std::string();
         });
   }

@@ -46,7 +46,7 @@ std::size_t place_within(const ListPlace& place, std::size_t count) {
 }
 
 void LaserHost::ask_answers(const std::string& path, const std::string& field) {
-  const auto& files = desk.choices().files;
+  const auto& files = controller.choices().files;
   const auto choice = std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.path == path; });
   if (choice == files.end()) return;
   const auto given = given_answers(choice->answers);
@@ -60,7 +60,7 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
     ImportArguments answers;
     for (std::size_t k = 0; k < v.size(); ++k) set_answer(answers, answer_fields()[k].name, v[k]);
     if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
-    desk.change("answers for a file", [&](LaserChoices& c) {
+    controller.change("answers for a file", [&](LaserChoices& c) {
       for (LaserFileChoice& file : c.files)
         if (file.path == path) file.answers = answers;
     });
@@ -71,7 +71,7 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
 }
 
 void LaserHost::ask_parameters() {
-  const LaserChoices& now = desk.choices();
+  const LaserChoices& now = controller.choices();
   const auto state = state_folder();
   const std::string unit_file =
       ((state ? *state : std::filesystem::temp_directory_path()) / "unit-parameters.toml").string();
@@ -86,13 +86,13 @@ void LaserHost::ask_parameters() {
                                   {"", "linear", "planar", "volumetric"}}};
   fill(LaserForm("parameters of the unit", std::move(fields), [this, unit_file](const std::vector<std::string>& v) {
     if (v[0].empty()) {
-      desk.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });
-      desk.receive_parameters(unit_file);
+      controller.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });
+      controller.receive_parameters(unit_file);
       return std::string();
     }
     std::error_code fault;
     if (!std::filesystem::is_regular_file(v[0], fault)) return fmt::format("there is no file {}", v[0]);
-    desk.change("the parameters", [&](LaserChoices& c) {
+    controller.change("the parameters", [&](LaserChoices& c) {
       c.params_file = v[0];
       c.scope = v[1];
     });

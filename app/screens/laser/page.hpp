@@ -1,4 +1,4 @@
-// One step of PROCESS LASER DATA on the screen, and what all steps share: the desk, questions, forms, pictures.
+// One step of PROCESS LASER DATA on the screen, and what all steps share: the controller, questions, forms, pictures.
 // Does not live here: the frame round the steps (screen.hpp).
 #pragma once
 
@@ -20,7 +20,7 @@ namespace ecs::app {
 /// What a step asks of the screen.
 class LaserHost {
  public:
-  explicit LaserHost(std::shared_ptr<UnitDesk> unit) : desk(std::move(unit)) {}
+  explicit LaserHost(std::shared_ptr<UnitConnection> unit) : controller(std::move(unit)) {}
   void ask(Question question, std::function<void()> if_yes) {
     question_ = std::move(question);
     if_yes_ = std::move(if_yes);
@@ -31,7 +31,7 @@ class LaserHost {
   /// What a file does not say, field by field. @param field  where to begin; empty: at the first
   void ask_answers(const std::string& path, const std::string& field = {});
 
-  LaserDesk desk;
+  LaserController controller;
   PictureExport pictures;
 
  private:
@@ -61,7 +61,7 @@ class LaserPage {
   [[nodiscard]] virtual Place cursor(const Area& /*area*/) const { return {-1, -1}; }
 
  protected:
-  [[nodiscard]] LaserDesk& desk() const { return host_->desk; }
+  [[nodiscard]] LaserController& controller() const { return host_->controller; }
   [[nodiscard]] LaserHost& host() const { return *host_; }
 
  private:

@@ -7,8 +7,8 @@
 namespace ecs::app {
 namespace {
 
-constexpr const char* kNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
-                                             "Map",   "Header", "Send",      "Verify"};
+constexpr const char* kStepNames[kLaserSteps] = {"Files", "Lines",  "Leave out", "Slope", "ISO 230",
+                                                 "Map",   "Header", "Send",      "Verify"};
 
 constexpr int kRoomForNames = 78;
 
@@ -34,9 +34,9 @@ std::string not_stated(const laser::MapHeader& header) {
 }
 
 /// What to do next, in one line; empty: everything is done.
-std::string next_to_do(const LaserDesk& desk) {
-  const auto is = [&](LaserStep step, LaserMark mark) { return desk.mark(step) == mark; };
-  const LaserMapWork& map = desk.work().map;
+std::string next_to_do(const LaserController& controller) {
+  const auto is = [&](LaserStep step, LaserMark mark) { return controller.mark(step) == mark; };
+  const LaserMapWork& map = controller.work().map;
   if (is(LaserStep::files, LaserMark::open)) return {};
   if (is(LaserStep::files, LaserMark::doubtful))
     return "Step 1: a file was not read: Enter answers for it, x takes it off.";
@@ -46,7 +46,7 @@ std::string next_to_do(const LaserDesk& desk) {
   if (map.missing() > 0) {
     const std::string missing =
         fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
-    const auto& lines = desk.work().lines;
+    const auto& lines = controller.work().lines;
     const auto placeless =
         std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
     return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked place.", missing, placeless);
@@ -54,18 +54,18 @@ std::string next_to_do(const LaserDesk& desk) {
   if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what stands against this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
     return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
-  if (desk.verdict() && !desk.stale().empty())
+  if (controller.verdict() && !controller.stale().empty())
     return "Step 9: the unit has changed since it was compared: verify again.";
-  if (desk.verified()) return {};
-  if (desk.sent_is_current() && desk.verdict() && !desk.verdict()->same())
+  if (controller.verified()) return {};
+  if (controller.sent_is_current() && controller.verdict() && !controller.verdict()->same())
     return "Step 9: the unit does not hold this map: step 8 sends it again.";
-  if (!desk.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
+  if (!controller.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
   return "Next: step 9 reads the map back from the unit and compares.";
 }
 
 }  // namespace
 
-LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
+LaserScreen::LaserScreen(std::shared_ptr<UnitConnection> unit)
     : host_(std::make_unique<LaserHost>(std::move(unit))),
       pages_{laser_files_page(*host_),  laser_lines_page(*host_), laser_leave_out_page(*host_),
              laser_curves_page(*host_), laser_iso_page(*host_),   laser_map_page(*host_),
@@ -73,8 +73,8 @@ LaserScreen::LaserScreen(std::shared_ptr<UnitDesk> unit)
 
 /// Two, or as many as a long message needs: it is to be read whole.
 int LaserScreen::message_rows(const Area& area) const {
-  const LaserDesk& desk = host_->desk;
-  return desk.busy() ? 2 : std::max(2, desk.message().rows(area.columns - 2, area.rows / 2));
+  const LaserController& controller = host_->controller;
+  return controller.busy() ? 2 : std::max(2, controller.message().rows(area.columns - 2, area.rows / 2));
 }
 
 Area LaserScreen::body_of(const Area& area) const {
@@ -86,7 +86,7 @@ std::array<LaserScreen::Tab, kLaserSteps> LaserScreen::tabs(int columns) const {
   int column = 0;
   for (std::size_t k = 0; k < tabs.size(); ++k) {
     const bool here = static_cast<LaserStep>(k) == step_;
-    tabs[k] = {column, columns >= kRoomForNames || here ? kNames[k] : ""};
+    tabs[k] = {column, columns >= kRoomForNames || here ? kStepNames[k] : ""};
     column += 3 + width_of(tabs[k].name) + (here ? 1 : 0);
   }
   return tabs;
@@ -96,7 +96,7 @@ void LaserScreen::draw_tabs(Canvas& canvas, const Area& area) const {
   drawn_ = area;
   const auto all = tabs(area.columns);
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const LaserMark mark = host_->desk.mark(static_cast<LaserStep>(k));
+    const LaserMark mark = host_->controller.mark(static_cast<LaserStep>(k));
     const bool here = static_cast<LaserStep>(k) == step_;
     const Tone tone = here ? Tone::strong : Tone::plain;
     canvas.text(area, 0, all[k].column, fmt::format("{}{}", here ? '[' : ' ', k + 1), tone);
@@ -114,16 +114,16 @@ void LaserScreen::click(const Key& key) {
 }
 
 void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
-  const LaserDesk& desk = host_->desk;
-  if (desk.busy())
-    draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0, desk.busy_with() + " (Esc stops it)",
-                  desk.part(), desk.seconds_left());
-  else if (!desk.message().text().empty())
-    desk.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
-  else if (desk.working())
+  const LaserController& controller = host_->controller;
+  if (controller.busy())
+    draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0,
+                  controller.busy_with() + " (Esc stops it)", controller.part(), controller.seconds_left());
+  else if (!controller.message().text().empty())
+    controller.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
+  else if (controller.working())
     canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
   else
-    canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(desk), Tone::faint);
+    canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(controller), Tone::faint);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {
@@ -132,7 +132,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   page().draw(canvas, body);
   const int told = message_rows(area);
   if (area.rows > told) draw_message(canvas, {area.row + area.rows - told, area.column, told, area.columns});
-  if (const auto& draft = host_->desk.offered())
+  if (const auto& draft = host_->controller.offered())
     draw_question(canvas, area,
                   {fmt::format("Work of {} found", draft->kept),
                    "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
@@ -146,19 +146,19 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
 }
 
 Place LaserScreen::cursor(const Area& area) const {
-  if (host_->question_ || leaving_ || host_->desk.offered()) return {-1, -1};
+  if (host_->question_ || leaving_ || host_->controller.offered()) return {-1, -1};
   return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
 }
 
 /// What lies over the step gets every key. @return whether something did
 bool LaserScreen::on_lying_over(const Key& key) {
-  LaserDesk& desk = host_->desk;
-  if (desk.offered()) {
+  LaserController& controller = host_->controller;
+  if (controller.offered()) {
     const Reply reply = reply_to(key);
     if (reply == Reply::yes || key.name == Key::Name::enter) {
-      desk.take_up_offered();
+      controller.take_up_offered();
     } else if (is_letter(key, U'd')) {
-      desk.drop_offered();
+      controller.drop_offered();
     }
     return true;
   }
@@ -171,7 +171,7 @@ bool LaserScreen::on_lying_over(const Key& key) {
     if (reply == Reply::yes)
       if_yes();
     else
-      desk.not_now();
+      controller.not_now();
     return true;
   }
   if (host_->form_) {
@@ -184,11 +184,11 @@ bool LaserScreen::on_lying_over(const Key& key) {
 void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSteps) % kLaserSteps); }
 
 void LaserScreen::save() {
-  if (!host_->desk.would_overwrite()) return host_->desk.save();
+  if (!host_->controller.would_overwrite()) return host_->controller.save();
   host_->ask(
-      {fmt::format("Replace {}?", host_->desk.choices().map_file),
+      {fmt::format("Replace {}?", host_->controller.choices().map_file),
        "A file of that name is there already; its parameters and recipe are replaced as well.", "replace", "keep it"},
-      [this] { host_->desk.save(); });
+      [this] { host_->controller.save(); });
 }
 
 /// The keys of every step. @return whether it was one of them
@@ -201,9 +201,9 @@ bool LaserScreen::on_own_key(const Key& key) {
   } else if (key.name == Key::Name::back_tab) {
     go(now - 1);
   } else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) {
-    host_->desk.undo();
+    host_->controller.undo();
   } else if (is_letter(key, U'y')) {
-    host_->desk.redo();
+    host_->controller.redo();
   } else if (is_letter(key, U's')) {
     save();
   } else {
@@ -213,26 +213,26 @@ bool LaserScreen::on_own_key(const Key& key) {
 }
 
 Step LaserScreen::on_key(const Key& key) {
-  LaserDesk& desk = host_->desk;
+  LaserController& controller = host_->controller;
   if (leaving_) {
     const Reply reply = reply_to(key);
     if (reply != Reply::none) leaving_ = false;
     return reply == Reply::yes ? back() : stay();
   }
-  if (desk.offered() && reply_to(key) == Reply::no) return back();
+  if (controller.offered() && reply_to(key) == Reply::no) return back();
   if (on_lying_over(key)) return stay();
-  if (desk.busy() && key.name == Key::Name::escape) {
-    desk.cancel();
+  if (controller.busy() && key.name == Key::Name::escape) {
+    controller.cancel();
     return stay();
   }
-  if (!desk.busy()) desk.message().clear();
+  if (!controller.busy()) controller.message().clear();
   if (page().holds_keys()) {
     (void)page().on_key(key);
     return stay();
   }
   if (key.name == Key::Name::escape && page().on_escape()) return stay();
   if (key.name == Key::Name::escape) {
-    leaving_ = !desk.unsaved().empty() && !desk.offered();
+    leaving_ = !controller.unsaved().empty() && !controller.offered();
     return leaving_ ? stay() : back();
   }
   if (key.name == Key::Name::mouse) {
@@ -246,14 +246,14 @@ Step LaserScreen::on_key(const Key& key) {
 }
 
 bool LaserScreen::advance() {
-  bool changed = host_->desk.advance();
-  changed = host_->pictures.advance(host_->desk.message()) || changed;
+  bool changed = host_->controller.advance();
+  changed = host_->pictures.advance(host_->controller.message()) || changed;
   changed = page().advance() || changed;
   return changed;
 }
 
 std::vector<KeyHelp> LaserScreen::keys() const {
-  if (host_->desk.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (host_->controller.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
   if (host_->question_ || leaving_) return {{"y", "yes"}, {"n", "no"}};
   if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
   std::vector<KeyHelp> keys = page().keys();

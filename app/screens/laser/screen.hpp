@@ -13,7 +13,7 @@ namespace ecs::app {
 
 class LaserScreen final : public Screen {
  public:
-  explicit LaserScreen(std::shared_ptr<UnitDesk> unit);
+  explicit LaserScreen(std::shared_ptr<UnitConnection> unit);
 
   [[nodiscard]] std::string title() const override { return "FROM FILES TO THE MAP"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -23,9 +23,9 @@ class LaserScreen final : public Screen {
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return host_->form_.has_value() || page().typing(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
-  [[nodiscard]] std::string unsaved() const override { return host_->desk.unsaved(); }
+  [[nodiscard]] std::string unsaved() const override { return host_->controller.unsaved(); }
 
-  [[nodiscard]] LaserDesk& desk() { return host_->desk; }
+  [[nodiscard]] LaserController& controller() { return host_->controller; }
   [[nodiscard]] LaserStep step() const { return step_; }
 
  private:

@@ -25,13 +25,13 @@ std::string unit_text(const WatchedUnit& unit) {
 }
 
 /// Lines of "name   text", wrapped under the text.
-class Told {
+class LineWriter {
  public:
-  Told(Canvas& canvas, const Area& area) : canvas_(&canvas), area_(area) {}
+  LineWriter(Canvas& canvas, const Area& area) : canvas_(&canvas), area_(area) {}
   void say(const std::string& name, const std::string& text, Tone tone = Tone::plain) {
-    constexpr int kNames = 12;
+    constexpr int kNameColumns = 12;
     canvas_->text(area_, row_, 1, name, Tone::faint);
-    const Area right{area_.row, area_.column + kNames, area_.rows, std::max(1, area_.columns - kNames - 1)};
+    const Area right{area_.row, area_.column + kNameColumns, area_.rows, std::max(1, area_.columns - kNameColumns - 1)};
     row_ += std::max(1, canvas_->paragraph(right, row_, text, tone));
   }
   void skip() { ++row_; }
@@ -48,74 +48,77 @@ class SendPage final : public LaserPage {
   explicit SendPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserDesk& d = desk();
+    const LaserController& d = controller();
     const LaserMapWork& map = d.work().map;
-    Told told(canvas, area);
+    LineWriter lines(canvas, area);
     const MapFiles files = files_of_map(d.choices().map_file);
-    told.say("map file", d.choices().map_file, Tone::strong);
-    told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
-    told.skip();
-    told.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    lines.say("map file", d.choices().map_file, Tone::strong);
+    lines.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    lines.skip();
+    lines.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
     if (map.complete())
-      for (const std::string& remark : remarks_shown(map)) told.say("remark", remark, Tone::warning);
+      for (const std::string& remark : remarks_shown(map)) lines.say("remark", remark, Tone::warning);
     const char* not_saved = map.built ? "not as it is now: s saves it, Enter saves and sends" : "no";
-    told.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
-    told.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
-    if (!d.after_failure().empty()) told.say("after that", d.after_failure(), Tone::warning);
-    if (d.ready()) told.say("checked", checked_text(*d.ready()));
-    told.skip();
-    if (!map.complete() && map.parameters) told.say("lacking", lacking_of(map), Tone::warning);
-    if (d.sent_is_current() && !d.busy()) told.say("next", "step 9 reads it back and compares.");
-    if (map.parameters && (!map.complete() || d.sent_is_current())) told.skip();
-    told.say("beside it",
-             fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
-                         files.parameters, files.recipe),
-             Tone::faint);
+    lines.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
+    lines.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
+    if (!d.after_failure().empty()) lines.say("after that", d.after_failure(), Tone::warning);
+    if (d.ready()) lines.say("checked", checked_text(*d.ready()));
+    lines.skip();
+    if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
+    if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares.");
+    if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
+    lines.say("beside it",
+              fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
+                          files.parameters, files.recipe),
+              Tone::faint);
   }
 
   bool on_key(const Key& key) override {
     if (is_letter(key, U'f')) {
-      host().fill(LaserForm(
-          "where the map is saved",
-          {{"file", "the map as CSV; parameters and recipe stand beside it", desk().choices().map_file, {}, true}},
-          [this](const std::vector<std::string>& v) {
-            if (v[0].empty()) return std::string("the map needs the name of a file");
-            desk().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
-            return std::string();
-          }));
+      host().fill(LaserForm("where the map is saved",
+                            {{"file",
+                              "the map as CSV; parameters and recipe stand beside it",
+                              controller().choices().map_file,
+                              {},
+                              true}},
+                            [this](const std::vector<std::string>& v) {
+                              if (v[0].empty()) return std::string("the map needs the name of a file");
+                              controller().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
+                              return std::string();
+                            }));
       return true;
     }
     if (key.name != Key::Name::enter) return false;
-    if (!desk().work().map.complete()) {
-      desk().message().say("the map is not complete: a unit takes none that lacks a component; step 6 says what",
-                           Tone::bad);
+    if (!controller().work().map.complete()) {
+      controller().message().say("the map is not complete: a unit takes none that lacks a component; step 6 says what",
+                                 Tone::bad);
       return true;
     }
-    if (desk().would_overwrite())
-      host().ask({fmt::format("Replace {}?", desk().choices().map_file),
+    if (controller().would_overwrite())
+      host().ask({fmt::format("Replace {}?", controller().choices().map_file),
                   "A file of that name is there already; its parameters and recipe are replaced as well.", "replace",
                   "keep it"},
-                 [this] { desk().prepare(); });
+                 [this] { controller().prepare(); });
     else
-      desk().prepare();
+      controller().prepare();
     return true;
   }
 
   bool advance() override {
-    if (!desk().ready() || desk().busy()) asked_ = false;
-    if (!desk().ready() || desk().busy() || asked_) return false;
+    if (!controller().ready() || controller().busy()) asked_ = false;
+    if (!controller().ready() || controller().busy() || asked_) return false;
     asked_ = true;
-    const ReadyMap& ready = *desk().ready();
+    const ReadyMap& ready = *controller().ready();
     host().ask(
-        {fmt::format("Send the map to {}?", unit_text(desk().unit().standing())),
+        {fmt::format("Send the map to {}?", unit_text(controller().unit().standing())),
          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
-                     doubts_of(desk().work().map), ready.map->image.bytes.size(), ready.check,
+                     doubts_of(controller().work().map), ready.map->image.bytes.size(), ready.check,
                      ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
                                                 "the new map is whole and checked",
                                                 check_text(ready.active))
                                   : std::string("The unit holds no map yet, and takes this one whole or not at all")),
          "send", "not now"},
-        [this] { desk().send(); });
+        [this] { controller().send(); });
     return true;
   }
 
@@ -167,11 +170,12 @@ class SendPage final : public LaserPage {
     return text;
   }
   std::string sent_text() const {
-    const auto& sent = desk().sent();
+    const auto& sent = controller().sent();
     if (!sent) return "no";
-    return fmt::format("{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
-                       desk().sent_is_current() ? "" : "changed since it was sent: ", sent->identity.serial_number,
-                       sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
+    return fmt::format(
+        "{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
+        controller().sent_is_current() ? "" : "changed since it was sent: ", sent->identity.serial_number,
+        sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
   }
 
   bool asked_ = false;  ///< about the map that is ready
@@ -182,49 +186,49 @@ class VerifyPage final : public LaserPage {
   explicit VerifyPage(LaserHost& host) : LaserPage(host) {}
 
   void draw(Canvas& canvas, const Area& area) const override {
-    const LaserDesk& d = desk();
-    Told told(canvas, area);
-    told.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    const LaserController& d = controller();
+    LineWriter lines(canvas, area);
+    lines.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
     if (!d.verdict()) {
-      told.skip();
-      told.say("compare", d.sent() ? "Enter reads the unit's map back and compares it with the file."
-                                   : "Nothing was sent yet: step 8. Enter compares the unit with the map saved last.");
+      lines.skip();
+      lines.say("compare", d.sent() ? "Enter reads the unit's map back and compares it with the file."
+                                    : "Nothing was sent yet: step 8. Enter compares the unit with the map saved last.");
       return;
     }
     const MapVerdict& verdict = *d.verdict();
     const std::string& stale = d.stale();
     if (!stale.empty())
-      told.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
-    told.say(stale.empty() ? "compared" : "then",
-             verdict.same() ? "the unit holds this map and its parameters, value by value"
-                            : fmt::format("{} differences in the map, {} in the parameters", verdict.differences.size(),
-                                          verdict.parameters.size()),
-             !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
-    told.say("its map",
-             fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
+      lines.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
+    lines.say(stale.empty() ? "compared" : "then",
+              verdict.same() ? "the unit holds this map and its parameters, value by value"
+                             : fmt::format("{} differences in the map, {} in the parameters",
+                                           verdict.differences.size(), verdict.parameters.size()),
+              !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
+    lines.say("its map",
+              fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
     if (verdict.same() && stale.empty() && !d.verified())
-      told.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
-    told.skip();
+      lines.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
+    lines.skip();
     if (verdict.same() && stale.empty()) {
-      told.say("next",
-               "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
-      told.say("", "2. c switches the unit to compensation; reference every axis at the control");
-      told.say("", "3. measure the same lines again, compensated, into another folder");
-      told.say("", "4. compare before and after: / laser table on the first screen, or the report");
+      lines.say("next",
+                "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
+      lines.say("", "2. c switches the unit to compensation; reference every axis at the control");
+      lines.say("", "3. measure the same lines again, compensated, into another folder");
+      lines.say("", "4. compare before and after: / laser table on the first screen, or the report");
       return;
     }
-    const Area rest = told.rest();
+    const Area rest = lines.rest();
     draw_scrolled(canvas, {rest.row, rest.column + 1, rest.rows, rest.columns - 2}, differences_of(verdict), scroll_);
   }
 
   bool advance() override {
-    desk().watch_verdict();
+    controller().watch_verdict();
     return false;
   }
 
   bool on_key(const Key& key) override {
     if (key.name == Key::Name::enter) {
-      desk().verify();
+      controller().verify();
       return true;
     }
     if (is_letter(key, U'c')) {
@@ -233,7 +237,7 @@ class VerifyPage final : public LaserPage {
                   "memory, closes the relays once every axis is referenced, and from then on moves the axes by the "
                   "values of that map.",
                   "switch", "not now"},
-                 [this] { desk().compensate(); });
+                 [this] { controller().compensate(); });
       return true;
     }
     return scroll_.on_key(key);

@@ -23,17 +23,17 @@ std::string name_of_file(const std::string& path) { return std::filesystem::path
 
 }  // namespace
 
-std::string MemoryDesk::compared_file() const { return name_of_file(other_file_); }
+std::string MemoryController::compared_file() const { return name_of_file(other_file_); }
 
-MemoryDesk::MemoryDesk(std::shared_ptr<UnitDesk> unit) : unit_(std::move(unit)) {}
+MemoryController::MemoryController(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {}
 
-std::string MemoryDesk::source() const {
+std::string MemoryController::source() const {
   if (is_file()) return fmt::format("file {}{}", name_of_file(file_), file_detail_);
   if (serial_number_.empty()) return "unit: none has answered yet";
   return fmt::format("unit {}", serial_number_);
 }
 
-bool MemoryDesk::advance(const Stretch& shown) {
+bool MemoryController::advance(const Stretch& shown) {
   bool changed = !working_on().empty();
   if (auto landing = job_.take()) {
     if (!waiting_) label_.clear();
@@ -52,7 +52,7 @@ bool MemoryDesk::advance(const Stretch& shown) {
   return changed;
 }
 
-bool MemoryDesk::follow_unit() {
+bool MemoryController::follow_unit() {
   if (is_file()) return false;
   const WatchedUnit now = unit_->standing();
   if (!now.open) {
@@ -81,7 +81,7 @@ bool MemoryDesk::follow_unit() {
 }
 
 // --- where
-void MemoryDesk::go(Address address) {
+void MemoryController::go(Address address) {
   if (memory_.regions().empty()) {
     cursor_ = address;
     return;
@@ -92,7 +92,7 @@ void MemoryDesk::go(Address address) {
   cursor_ = std::clamp(address, nearest->first, nearest->last());
 }
 
-void MemoryDesk::move(long long bytes) {
+void MemoryController::move(long long bytes) {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
   const long long to = static_cast<long long>(cursor_) + bytes;
@@ -110,7 +110,7 @@ void MemoryDesk::move(long long bytes) {
 }
 
 // --- reading
-Stretch MemoryDesk::needed(const Stretch& shown) const {
+Stretch MemoryController::needed(const Stretch& shown) const {
   const auto unread = [this](Address first, std::uint32_t bytes, std::uint32_t pages) {
     return memory_.unread(first, first + bytes, pages);
   };
@@ -126,7 +126,7 @@ Stretch MemoryDesk::needed(const Stretch& shown) const {
   return unread(shown.first + shown.bytes, kPageBytes, 1);
 }
 
-void MemoryDesk::start_needed(const Stretch& shown) {
+void MemoryController::start_needed(const Stretch& shown) {
   if (is_file() || is_empty() || Clock::now() < not_before_) return;
   if (const WatchedUnit now = unit_->standing(); !now.open) return;
   const Stretch stretch = needed(shown);
@@ -134,16 +134,16 @@ void MemoryDesk::start_needed(const Stretch& shown) {
   if (stretch.bytes == 0 && filling_) filling_.reset();
 }
 
-void MemoryDesk::read(const Stretch& stretch) {
-  job_.start([unit = unit_, stretch](JobSigns& signs) -> Landing {
+void MemoryController::read(const Stretch& stretch) {
+  job_.start([unit = unit_, stretch](JobControl& control) -> Landing {
     const auto bytes =
-        unit->on_line(signs, [&](UnitLink& line) { return line.client().read_memory(stretch.first, stretch.bytes); });
-    if (signs.cancelled) return [](MemoryDesk&) {};
-    return [stretch, bytes](MemoryDesk& desk) { desk.landed(stretch, bytes); };
+        unit->on_line(control, [&](UnitLink& line) { return line.client().read_memory(stretch.first, stretch.bytes); });
+    if (control.cancelled) return [](MemoryController&) {};
+    return [stretch, bytes](MemoryController& controller) { controller.landed(stretch, bytes); };
   });
 }
 
-void MemoryDesk::landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes) {
+void MemoryController::landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes) {
   if (is_file()) return;
   if (!bytes) {
     not_before_ = Clock::now() + kBeforeNextRead;
@@ -169,9 +169,9 @@ void MemoryDesk::landed(const Stretch& stretch, const Result<std::vector<std::ui
   compare_again();
 }
 
-void MemoryDesk::decode_again() { names_ = MemoryNames(memory_); }
+void MemoryController::decode_again() { names_ = MemoryNames(memory_); }
 
-void MemoryDesk::read_again(const Stretch& shown) {
+void MemoryController::read_again(const Stretch& shown) {
   if (is_file()) return message_.say("this is a file: it does not change", Tone::warning);
   if (job_.running()) return message_.say("still reading", Tone::warning);
   if (is_empty() || !memory_.region_of(shown.first)) return;
@@ -183,7 +183,7 @@ void MemoryDesk::read_again(const Stretch& shown) {
   message_.say("read again");
 }
 
-void MemoryDesk::read_region() {
+void MemoryController::read_region() {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
   if (memory_.part_known(*region) >= 1.0)
@@ -194,7 +194,7 @@ void MemoryDesk::read_region() {
 }
 
 // --- finding
-void MemoryDesk::seek(const std::string& typed) {
+void MemoryController::seek(const std::string& typed) {
   const auto pattern = pattern_in(typed);
   if (!pattern) return message_.say(pattern.error());
   sought_ = typed;
@@ -203,7 +203,7 @@ void MemoryDesk::seek(const std::string& typed) {
   step_search();
 }
 
-void MemoryDesk::seek_on() {
+void MemoryController::seek_on() {
   if (sought_.empty()) return message_.say("nothing was sought yet: / begins", Tone::warning);
   const MemoryRegion* region = memory_.region_of(cursor_);
   const auto pattern = pattern_in(sought_);
@@ -214,7 +214,7 @@ void MemoryDesk::seek_on() {
   step_search();
 }
 
-void MemoryDesk::step_search() {
+void MemoryController::step_search() {
   const SearchStep step = find_pattern(memory_, search_->pattern, search_->from);
   if (step.kind == SearchStep::Kind::unread) {
     search_->at = step.address;
@@ -233,34 +233,35 @@ void MemoryDesk::step_search() {
 }
 
 // --- comparing
-void MemoryDesk::compare_again() {
+void MemoryController::compare_again() {
   differences_ = other_ ? difference_rows(memory_, names_, *other_, other_names_) : std::vector<DifferenceRow>();
 }
 
-void MemoryDesk::compare_with(const std::string& path) {
-  begin("reading " + path, [path](JobSigns&) -> Landing {
+void MemoryController::compare_with(const std::string& path) {
+  begin("reading " + path, [path](JobControl&) -> Landing {
     const auto dump = read_dump(path);
-    return [path, dump](MemoryDesk& desk) {
-      if (!dump) return desk.message_.say(dump.error());
-      desk.other_ = MemoryBytes::of_dump(*dump);
-      desk.other_names_ = MemoryNames(*desk.other_);
-      desk.other_file_ = path;
-      desk.compare_again();
-      desk.message_.say(desk.differences_.empty() ? fmt::format("no difference to {} in what is read", path)
-                                                  : fmt::format("compared with {}: d goes to the next difference, 2 "
-                                                                "lists them",
-                                                                path));
-      for (const std::string& damage : dump->damage) desk.message_.say(damage, Tone::bad);
+    return [path, dump](MemoryController& controller) {
+      if (!dump) return controller.message_.say(dump.error());
+      controller.other_ = MemoryBytes::of_dump(*dump);
+      controller.other_names_ = MemoryNames(*controller.other_);
+      controller.other_file_ = path;
+      controller.compare_again();
+      controller.message_.say(controller.differences_.empty()
+                                  ? fmt::format("no difference to {} in what is read", path)
+                                  : fmt::format("compared with {}: d goes to the next difference, 2 "
+                                                "lists them",
+                                                path));
+      for (const std::string& damage : dump->damage) controller.message_.say(damage, Tone::bad);
     };
   });
 }
 
-void MemoryDesk::end_comparison() {
+void MemoryController::end_comparison() {
   other_.reset();
   compare_again();
 }
 
-void MemoryDesk::to_next_difference() {
+void MemoryController::to_next_difference() {
   if (!other_) return message_.say("nothing is compared yet: c names a file", Tone::warning);
   const auto next = next_difference(memory_, *other_, cursor_);
   if (!next) return message_.say(fmt::format("no difference to {} in what is read", other_file_));
@@ -268,7 +269,7 @@ void MemoryDesk::to_next_difference() {
 }
 
 // --- long work
-void MemoryDesk::begin(std::string label, Work work) {
+void MemoryController::begin(std::string label, Work work) {
   if (!label_.empty()) return message_.say(fmt::format("still {}: Esc gives it up", label_), Tone::warning);
   filling_.reset();
   search_.reset();
@@ -283,14 +284,14 @@ void MemoryDesk::begin(std::string label, Work work) {
   }
 }
 
-std::string MemoryDesk::working_on() const {
+std::string MemoryController::working_on() const {
   if (!label_.empty()) return label_;
   if (search_) return "looking for " + search_->typed;
   const MemoryRegion* region = filling_ ? memory_.region_of(*filling_) : nullptr;
   return region == nullptr ? "" : "reading " + region->name;
 }
 
-double MemoryDesk::part() const {
+double MemoryController::part() const {
   if (!label_.empty()) return waiting_ ? 0.0 : job_.part();
   const MemoryRegion* region = memory_.region_of(search_ ? search_->at : filling_.value_or(0));
   if (region == nullptr) return 0.0;
@@ -298,14 +299,14 @@ double MemoryDesk::part() const {
   return memory_.part_known(*region);
 }
 
-double MemoryDesk::seconds_left() const {
+double MemoryController::seconds_left() const {
   if (search_) return -1.0;
   const double done = part() - part_begun_;
   const double spent_s = std::chrono::duration<double>(Clock::now() - begun_).count();
   return done > 0.01 ? spent_s * (1.0 - part()) / done : -1.0;
 }
 
-void MemoryDesk::cancel() {
+void MemoryController::cancel() {
   if (working_on().empty()) return;
   message_.say(fmt::format("given up: {}", working_on()), Tone::warning);
   search_.reset();

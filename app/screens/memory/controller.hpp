@@ -19,11 +19,11 @@
 
 namespace ecs::app {
 
-class MemoryDesk {
+class MemoryController {
  public:
-  explicit MemoryDesk(std::shared_ptr<UnitDesk> unit);
-  MemoryDesk(const MemoryDesk&) = delete;
-  MemoryDesk& operator=(const MemoryDesk&) = delete;
+  explicit MemoryController(std::shared_ptr<UnitConnection> unit);
+  MemoryController(const MemoryController&) = delete;
+  MemoryController& operator=(const MemoryController&) = delete;
 
   /// Takes what has come and begins what is needed next. @return whether anything changed
   [[nodiscard]] bool advance(const Stretch& shown);
@@ -85,7 +85,7 @@ class MemoryDesk {
   void cancel();
 
  private:
-  using Landing = std::function<void(MemoryDesk&)>;
+  using Landing = std::function<void(MemoryController&)>;
   using Work = Job<Landing>::Work;
   struct Search {
     std::vector<std::uint8_t> pattern;
@@ -110,7 +110,7 @@ class MemoryDesk {
   void save_now(const std::string& path, DumpScope scope);
   void show_dump(const std::string& path, const MemoryDump& dump);
 
-  std::shared_ptr<UnitDesk> unit_;
+  std::shared_ptr<UnitConnection> unit_;
   MemoryBytes memory_;
   MemoryNames names_;
   std::string file_;           ///< empty: the unit

@@ -1,4 +1,4 @@
-// What a memory desk writes: bytes into the unit and back, dumps into files.
+// What a memory controller writes: bytes into the unit and back, dumps into files.
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
@@ -18,12 +18,12 @@ std::string time_now() { return fmt::format("{:%H:%M:%S}", fmt::localtime(std::t
 
 }  // namespace
 
-void MemoryDesk::say_unless(const Result<void>& result) {
+void MemoryController::say_unless(const Result<void>& result) {
   if (!result) message_.say(result.error());
 }
 
 // --- writing
-bool MemoryDesk::lets_write() {
+bool MemoryController::lets_write() {
   Result<void> may = may_write(memory_, cursor_, 1);
   if (is_file()) may = problem(ProblemKind::refused, "this is a file: o with an empty name goes back to the unit");
   const auto sample = unit_->newest();
@@ -33,7 +33,7 @@ bool MemoryDesk::lets_write() {
   return may.has_value();
 }
 
-void MemoryDesk::propose(const std::string& typed) {
+void MemoryController::propose(const std::string& typed) {
   const auto bytes = pattern_in(typed);
   if (!bytes) return message_.say(bytes.error());
   if (const auto may = may_write(memory_, cursor_, bytes->size()); !may) return message_.say(may.error());
@@ -52,7 +52,7 @@ void MemoryDesk::propose(const std::string& typed) {
                false);
 }
 
-void MemoryDesk::propose_undo() {
+void MemoryController::propose_undo() {
   const auto last = std::find_if(written_.rbegin(), written_.rend(), [](const auto& w) { return !w.taken_back; });
   if (last == written_.rend()) return message_.say("nothing was written that could be taken back", Tone::warning);
   ByteWrite back = *last;
@@ -62,7 +62,7 @@ void MemoryDesk::propose_undo() {
   ask_to_write(std::move(back), true);
 }
 
-void MemoryDesk::ask_to_write(ByteWrite write, bool undo) {
+void MemoryController::ask_to_write(ByteWrite write, bool undo) {
   const WatchedUnit now = unit_->standing();
   Question question;
   question.title =
@@ -78,15 +78,15 @@ void MemoryDesk::ask_to_write(ByteWrite write, bool undo) {
   if_yes_ = [this, write = std::move(write), undo] { this->write(write, undo); };
 }
 
-void MemoryDesk::write(const ByteWrite& write, bool undo) {
-  begin("writing", [unit = unit_, serial = serial_number_, write, undo](JobSigns& signs) -> Landing {
+void MemoryController::write(const ByteWrite& write, bool undo) {
+  begin("writing", [unit = unit_, serial = serial_number_, write, undo](JobControl& control) -> Landing {
     const Result<void> done = unit->on_line(
-        signs, [&](UnitLink& line) -> Result<void> { return write_checked(line.client(), serial, write); });
-    return [write, undo, done](MemoryDesk& desk) { desk.landed_write(write, undo, done); };
+        control, [&](UnitLink& line) -> Result<void> { return write_checked(line.client(), serial, write); });
+    return [write, undo, done](MemoryController& controller) { controller.landed_write(write, undo, done); };
   });
 }
 
-void MemoryDesk::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
+void MemoryController::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
   if (!done) {
     memory_.forget();
     if (!undo && done.error().kind == ProblemKind::link) {  // some of it may have been written
@@ -117,7 +117,7 @@ void MemoryDesk::landed_write(const ByteWrite& write, bool undo, const Result<vo
                            hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
 }
 
-void MemoryDesk::answer(bool yes) {
+void MemoryController::answer(bool yes) {
   question_.reset();
   const auto act = std::move(if_yes_);
   if_yes_ = {};
@@ -128,7 +128,7 @@ void MemoryDesk::answer(bool yes) {
 }
 
 // --- files
-void MemoryDesk::open(const std::string& path) {
+void MemoryController::open(const std::string& path) {
   if (path.empty() || path == "unit") {
     if (!is_file()) return message_.say("this is the unit", Tone::warning);
     file_.clear();
@@ -139,16 +139,16 @@ void MemoryDesk::open(const std::string& path) {
     compare_again();
     return message_.say("the unit's memory");
   }
-  begin("reading " + path, [path](JobSigns&) -> Landing {
+  begin("reading " + path, [path](JobControl&) -> Landing {
     const auto dump = read_dump(path);
-    return [path, dump](MemoryDesk& desk) {
-      if (!dump) return desk.message_.say(dump.error());
-      desk.show_dump(path, *dump);
+    return [path, dump](MemoryController& controller) {
+      if (!dump) return controller.message_.say(dump.error());
+      controller.show_dump(path, *dump);
     };
   });
 }
 
-void MemoryDesk::show_dump(const std::string& path, const MemoryDump& dump) {
+void MemoryController::show_dump(const std::string& path, const MemoryDump& dump) {
   file_ = path;
   file_detail_.clear();
   if (!dump.serial_number.empty()) file_detail_ += ", unit " + dump.serial_number;
@@ -161,7 +161,7 @@ void MemoryDesk::show_dump(const std::string& path, const MemoryDump& dump) {
   for (const std::string& damage : dump.damage) message_.say(damage, Tone::bad);
 }
 
-void MemoryDesk::save(const std::string& path, DumpScope scope) {
+void MemoryController::save(const std::string& path, DumpScope scope) {
   if (path.empty()) return message_.say("expected a file name, got none", Tone::bad);
   if (is_file()) return message_.say("this is a file already", Tone::warning);
   std::error_code error;
@@ -171,25 +171,25 @@ void MemoryDesk::save(const std::string& path, DumpScope scope) {
   if_yes_ = [this, path, scope] { save_now(path, scope); };
 }
 
-void MemoryDesk::save_now(const std::string& path, DumpScope scope) {
-  begin("taking the dump", [unit = unit_, path, scope](JobSigns& signs) -> Landing {
-    const auto dump = unit->on_line(signs, [&](UnitLink& line) {
-      return take_dump(line.client(), line.name(), scope, [&signs](const protocol::Progress& progress) {
-        signs.part = static_cast<double>(progress.bytes_done) /
-                     static_cast<double>(std::max<std::size_t>(1, progress.bytes_total));
+void MemoryController::save_now(const std::string& path, DumpScope scope) {
+  begin("taking the dump", [unit = unit_, path, scope](JobControl& control) -> Landing {
+    const auto dump = unit->on_line(control, [&](UnitLink& line) {
+      return take_dump(line.client(), line.name(), scope, [&control](const protocol::Progress& progress) {
+        control.part = static_cast<double>(progress.bytes_done) /
+                       static_cast<double>(std::max<std::size_t>(1, progress.bytes_total));
       });
     });
     const Result<void> written = dump ? write_file(path, to_bytes(*dump)) : tl::unexpected(dump.error());
-    return [path, dump, written](MemoryDesk& desk) {
-      if (!written) return desk.message_.say(written.error());
+    return [path, dump, written](MemoryController& controller) {
+      if (!written) return controller.message_.say(written.error());
       std::size_t bytes = 0;
       for (const DumpRegion& region : dump->regions) {
-        desk.memory_.put(region.address, region.bytes);
+        controller.memory_.put(region.address, region.bytes);
         bytes += region.bytes.size();
       }
-      desk.decode_again();
-      desk.compare_again();
-      desk.message_.say(fmt::format("{} bytes with the unit's status written to {}", bytes, path));
+      controller.decode_again();
+      controller.compare_again();
+      controller.message_.say(fmt::format("{} bytes with the unit's status written to {}", bytes, path));
     };
   });
 }

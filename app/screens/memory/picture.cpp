@@ -24,17 +24,17 @@ struct ByteLook {
   Tone tone = Tone::faint;
 };
 
-ByteLook look_of(const MemoryDesk& desk, Address address, const std::optional<NamedPlace>& field) {
+ByteLook look_of(const MemoryController& controller, Address address, const std::optional<NamedPlace>& field) {
   ByteLook look;
-  const auto byte = desk.memory().at(address);
+  const auto byte = controller.memory().at(address);
   if (byte) {
     look.digits = fmt::format("{:02X}", *byte);
     look.character = *byte >= 0x20 && *byte < 0x7F ? *byte : U'.';
     look.tone = Tone::plain;
   }
   if (field && address >= field->first && address - field->first < field->bytes) look.tone = Tone::strong;
-  if (desk.differs(address)) look.tone = Tone::warning;
-  if (address == desk.cursor()) look.tone = Tone::selected;
+  if (controller.differs(address)) look.tone = Tone::warning;
+  if (address == controller.cursor()) look.tone = Tone::selected;
   return look;
 }
 
@@ -57,24 +57,24 @@ MemoryRows rows_for(const MemoryRegion& region, Address cursor, int rows, int co
   return out;
 }
 
-void draw_memory(Canvas& canvas, const Area& area, const MemoryDesk& desk, const MemoryRows& rows) {
-  const MemoryRegion* region = desk.memory().region_of(desk.cursor());
+void draw_memory(Canvas& canvas, const Area& area, const MemoryController& controller, const MemoryRows& rows) {
+  const MemoryRegion* region = controller.memory().region_of(controller.cursor());
   if (region == nullptr || area.rows < 2) return;
   draw_heading(canvas, area, rows.per_row);
-  const auto field = desk.names().at(desk.memory(), desk.cursor());
+  const auto field = controller.names().at(controller.memory(), controller.cursor());
   const int characters = characters_at(rows.per_row);
   for (int r = 0; r < std::min(rows.rows, area.rows - 1); ++r) {
     const Address row = rows.first + static_cast<Address>(r) * rows.per_row;
     if (!region->contains(row)) break;
     canvas.text(area, r + 1, 1, fmt::format("{:06X}", row), Tone::faint);
     for (std::uint32_t k = 0; k < rows.per_row && region->contains(row + k); ++k) {
-      const ByteLook look = look_of(desk, row + k, field);
+      const ByteLook look = look_of(controller, row + k, field);
       canvas.text(area, r + 1, column_of(k), look.digits, look.tone);
-      if (desk.differs(row + k)) canvas.text(area, r + 1, column_of(k) + 2, "*", Tone::warning);
+      if (controller.differs(row + k)) canvas.text(area, r + 1, column_of(k) + 2, "*", Tone::warning);
       canvas.put(area.row + r + 1, area.column + characters + static_cast<int>(k), look.character, look.tone);
     }
-    if (desk.cursor() >= row && desk.cursor() - row < rows.per_row) {
-      const int column = column_of(desk.cursor() - row);
+    if (controller.cursor() >= row && controller.cursor() - row < rows.per_row) {
+      const int column = column_of(controller.cursor() - row);
       canvas.text(area, r + 1, column - 1, "[", Tone::strong);
       canvas.text(area, r + 1, column + 2, "]", Tone::strong);
     }

@@ -19,7 +19,7 @@ struct MemoryRows {
 [[nodiscard]] MemoryRows rows_for(const MemoryRegion& region, Address cursor, int rows, int columns, Address first);
 
 /// Addresses, bytes and characters; `[45]` is under the cursor, `45*` differs, `..` is not read yet.
-void draw_memory(Canvas& canvas, const Area& area, const MemoryDesk& desk, const MemoryRows& rows);
+void draw_memory(Canvas& canvas, const Area& area, const MemoryController& controller, const MemoryRows& rows);
 /// The byte at a place of the canvas; nothing: there is none.
 [[nodiscard]] std::optional<Address> byte_at(const Area& area, const MemoryRows& rows, const MemoryRegion& region,
                                              Place place);

@@ -31,7 +31,7 @@ void MemoryScreen::begin_typing(Typing what, const std::string& text) {
   text_.set(text);
   target_ = {};
   choices_.clear();
-  desk_.message().clear();
+  controller_.message().clear();
 }
 
 std::string MemoryScreen::prompt() const {
@@ -41,7 +41,7 @@ std::string MemoryScreen::prompt() const {
     case Typing::sought:
       return "find";
     case Typing::bytes:
-      return fmt::format("write at {}", hex_address(desk_.cursor()));
+      return fmt::format("write at {}", hex_address(controller_.cursor()));
     case Typing::file_to_open:
       return "open the dump";
     case Typing::file_to_compare:
@@ -75,15 +75,15 @@ std::vector<MemoryScreen::Target> MemoryScreen::targets() const {
   const std::string part = lower(trimmed(text_.text()));
   std::vector<Target> found;
   const auto address = hexadecimal(part);
-  if (address && desk_.memory().region_of(*address))
+  if (address && controller_.memory().region_of(*address))
     found.push_back({*address, fmt::format("{}  the address", hex_address(*address))});
   const auto add = [&](Address at, const std::string& name, const std::string& detail) {
     if (lower(name).find(part) != std::string::npos)
       found.push_back({at, fmt::format("{}  {:<34} {}", hex_address(at), name, detail)});
   };
-  for (const MemoryRegion& region : desk_.memory().regions())
+  for (const MemoryRegion& region : controller_.memory().regions())
     add(region.first, region.name, fmt::format("{} bytes{}", region.size, region.writable ? "" : ", protected"));
-  for (const NamedStretch& stretch : desk_.names().all()) add(stretch.first, stretch.name, stretch.value);
+  for (const NamedStretch& stretch : controller_.names().all()) add(stretch.first, stretch.name, stretch.value);
   return found;
 }
 
@@ -94,17 +94,17 @@ void MemoryScreen::typed() {
   if (what == Typing::place) {
     const auto found = targets();
     if (found.empty())
-      desk_.message().say(fmt::format("no memory and no name like \"{}\"", text), Tone::bad);
+      controller_.message().say(fmt::format("no memory and no name like \"{}\"", text), Tone::bad);
     else
-      desk_.go(
+      controller_.go(
           found[static_cast<std::size_t>(std::clamp(target_.selected, 0, static_cast<int>(found.size()) - 1))].address);
   }
-  if (what == Typing::sought) desk_.seek(text);
-  if (what == Typing::bytes) desk_.propose(text);
-  if (what == Typing::file_to_open) desk_.open(text);
-  if (what == Typing::file_to_compare && text.empty()) desk_.end_comparison();
-  if (what == Typing::file_to_compare && !text.empty()) desk_.compare_with(text);
-  if (what == Typing::file_to_save) desk_.save(text, scope_);
+  if (what == Typing::sought) controller_.seek(text);
+  if (what == Typing::bytes) controller_.propose(text);
+  if (what == Typing::file_to_open) controller_.open(text);
+  if (what == Typing::file_to_compare && text.empty()) controller_.end_comparison();
+  if (what == Typing::file_to_compare && !text.empty()) controller_.compare_with(text);
+  if (what == Typing::file_to_save) controller_.save(text, scope_);
 }
 
 void MemoryScreen::on_typing_key(const Key& key) {
@@ -131,41 +131,41 @@ void MemoryScreen::on_typing_key(const Key& key) {
 
 bool MemoryScreen::on_move_key(const Key& key) {
   const auto row = static_cast<long long>(rows_.per_row);
-  const MemoryRegion* region = desk_.memory().region_of(desk_.cursor());
+  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
   switch (key.name) {
     case Key::Name::left:
-      desk_.move(-1);
+      controller_.move(-1);
       return true;
     case Key::Name::right:
-      desk_.move(1);
+      controller_.move(1);
       return true;
     case Key::Name::up:
-      desk_.move(-row);
+      controller_.move(-row);
       return true;
     case Key::Name::down:
-      desk_.move(row);
+      controller_.move(row);
       return true;
     case Key::Name::wheel_up:
-      desk_.move(-3 * row);
+      controller_.move(-3 * row);
       return true;
     case Key::Name::wheel_down:
-      desk_.move(3 * row);
+      controller_.move(3 * row);
       return true;
     case Key::Name::page_up:
-      desk_.move(-row * rows_.rows);
+      controller_.move(-row * rows_.rows);
       return true;
     case Key::Name::page_down:
-      desk_.move(row * rows_.rows);
+      controller_.move(row * rows_.rows);
       return true;
     case Key::Name::home:
-      if (region != nullptr) desk_.go(region->first);
+      if (region != nullptr) controller_.go(region->first);
       return true;
     case Key::Name::end:
-      if (region != nullptr) desk_.go(region->last());
+      if (region != nullptr) controller_.go(region->last());
       return true;
     case Key::Name::mouse:
       if (region != nullptr)
-        if (const auto at = byte_at(rows_area_, rows_, *region, {key.row, key.column})) desk_.go(*at);
+        if (const auto at = byte_at(rows_area_, rows_, *region, {key.row, key.column})) controller_.go(*at);
       return true;
     default:
       return false;
@@ -173,24 +173,25 @@ bool MemoryScreen::on_move_key(const Key& key) {
 }
 
 void MemoryScreen::on_list_key(const Key& key) {
-  const auto& rows = desk_.differences();
-  const auto& written = desk_.written();
+  const auto& rows = controller_.differences();
+  const auto& written = controller_.written();
   const bool differences = page_ == Page::differences;
   const int count = static_cast<int>(differences ? rows.size() : written.size());
   ListPlace& place = differences ? difference_ : write_;
   if (const auto clicked = place.clicked(key); clicked && *clicked < count) place.selected = *clicked;
   if (place.on_key(key, count) || key.name != Key::Name::enter || count == 0) return;
   const auto chosen = static_cast<std::size_t>(std::clamp(place.selected, 0, count - 1));
-  desk_.go(differences ? rows[chosen].first : written[chosen].address);
+  controller_.go(differences ? rows[chosen].first : written[chosen].address);
   page_ = Page::bytes;
 }
 
 void MemoryScreen::to_named(bool forward) {
-  const auto to = forward ? desk_.names().next(desk_.cursor()) : desk_.names().previous(desk_.cursor());
+  const auto to =
+      forward ? controller_.names().next(controller_.cursor()) : controller_.names().previous(controller_.cursor());
   if (to)
-    desk_.go(*to);
+    controller_.go(*to);
   else
-    desk_.message().say(forward ? "no name after this place" : "no name before this place", Tone::warning);
+    controller_.message().say(forward ? "no name after this place" : "no name before this place", Tone::warning);
 }
 
 void MemoryScreen::on_letter(char32_t letter) {
@@ -200,24 +201,24 @@ void MemoryScreen::on_letter(char32_t letter) {
     case U'/':
       return begin_typing(Typing::sought);
     case U'm':
-      return desk_.seek_on();
+      return controller_.seek_on();
     case U'n':
       return to_named(true);
     case U'p':
       return to_named(false);
     case U'w':
-      if (desk_.lets_write()) begin_typing(Typing::bytes);
+      if (controller_.lets_write()) begin_typing(Typing::bytes);
       return;
     case U'u':
-      return desk_.propose_undo();
+      return controller_.propose_undo();
     case U'r':
-      return desk_.read_again(rows_.shown());
+      return controller_.read_again(rows_.shown());
     case U'a':
-      return desk_.read_region();
+      return controller_.read_region();
     case U'c':
-      return begin_typing(Typing::file_to_compare, desk_.compared_path());
+      return begin_typing(Typing::file_to_compare, controller_.compared_path());
     case U'd':
-      return desk_.to_next_difference();
+      return controller_.to_next_difference();
     case U's':
       return begin_typing(Typing::file_to_save, dump_name());
     case U'o':
@@ -233,9 +234,9 @@ void MemoryScreen::on_letter(char32_t letter) {
 }
 
 Step MemoryScreen::on_key(const Key& key) {
-  if (desk_.question()) {
+  if (controller_.question()) {
     const Reply reply = reply_to(key);
-    if (reply != Reply::none) desk_.answer(reply == Reply::yes);
+    if (reply != Reply::none) controller_.answer(reply == Reply::yes);
     return stay();
   }
   if (typing()) {
@@ -243,18 +244,18 @@ Step MemoryScreen::on_key(const Key& key) {
     return stay();
   }
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (desk_.working_on().empty()) return back();
-    desk_.cancel();
+    if (controller_.working_on().empty()) return back();
+    controller_.cancel();
     return stay();
   }
   if (key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::tab)
     page_ = static_cast<Page>((static_cast<int>(page_) + 1) % 3);
   else if (key.name == Key::Name::letter)
     on_letter(key.letter);
   else if (key.name == Key::Name::control && key.letter == U'z')
-    desk_.propose_undo();
+    controller_.propose_undo();
   else if (page_ != Page::bytes)
     on_list_key(key);
   else

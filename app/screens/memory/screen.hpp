@@ -13,14 +13,14 @@ namespace ecs::app {
 
 class MemoryScreen final : public Screen {
  public:
-  explicit MemoryScreen(std::shared_ptr<UnitDesk> unit) : desk_(std::move(unit)) {}
+  explicit MemoryScreen(std::shared_ptr<UnitConnection> unit) : controller_(std::move(unit)) {}
 
   [[nodiscard]] std::string title() const override { return "MEMORY"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(rows_.shown()); }
+  [[nodiscard]] bool advance() override { return controller_.advance(rows_.shown()); }
   [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing; }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
@@ -54,7 +54,7 @@ class MemoryScreen final : public Screen {
   [[nodiscard]] std::string selected_row() const;
   void draw_bottom(Canvas& canvas, const Area& area) const;
 
-  MemoryDesk desk_;
+  MemoryController controller_;
   Page page_ = Page::bytes;
   Typing typing_ = Typing::nothing;
   TextLine text_;

@@ -38,17 +38,17 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
     draw_written(canvas, body);
   } else {
     draw_bytes(canvas, body);
-    if (!desk_.is_empty() && area.rows - below > 2)
+    if (!controller_.is_empty() && area.rows - below > 2)
       draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - bottom, area.columns - 2});
   }
   if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - bottom, area.column + 1, bottom, area.columns - 2});
-  if (desk_.question()) draw_question(canvas, area, *desk_.question());
+  if (controller_.question()) draw_question(canvas, area, *controller_.question());
 }
 
 /// Two, or what the message needs.
 int MemoryScreen::bottom_rows(const Area& area) const {
-  if (typing() || !desk_.working_on().empty()) return 2;
-  return std::max(2, desk_.message().rows(area.columns - 2, area.rows / 3));
+  if (typing() || !controller_.working_on().empty()) return 2;
+  return std::max(2, controller_.message().rows(area.columns - 2, area.rows / 3));
 }
 
 /// @param whole  with the names of the pages that are not shown
@@ -66,14 +66,14 @@ std::string MemoryScreen::tabs_text(bool whole) const {
 void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
   std::string tabs = tabs_text(true);
-  if (width_of(desk_.source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
+  if (width_of(controller_.source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
   const bool room = text.columns >= 60;
-  canvas.text({text.row, text.column, 1, room ? text.columns - width_of(tabs) - 1 : text.columns}, 0, 0, desk_.source(),
-              Tone::strong);
+  canvas.text({text.row, text.column, 1, room ? text.columns - width_of(tabs) - 1 : text.columns}, 0, 0,
+              controller_.source(), Tone::strong);
   if (room) canvas.text_right(text, 0, tabs, Tone::faint);
-  const MemoryRegion* region = desk_.memory().region_of(desk_.cursor());
+  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
   if (region == nullptr) return;
-  const std::string content = desk_.names().content_of(*region);
+  const std::string content = controller_.names().content_of(*region);
   const char* may = region->writable ? "writable" : "PROTECTED";
   const Tone tone = region->writable ? Tone::faint : Tone::warning;
   const std::string range =
@@ -87,71 +87,71 @@ void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
 }
 
 void MemoryScreen::draw_bytes(Canvas& canvas, const Area& area) const {
-  const MemoryRegion* region = desk_.memory().region_of(desk_.cursor());
+  const MemoryRegion* region = controller_.memory().region_of(controller_.cursor());
   if (region == nullptr) {
     draw_paragraph(canvas, {area.row + 1, area.column + 1, area.rows - 1, area.columns - 2},
                    "The unit's memory is shown as soon as a unit answers (LINK says why it does not). o opens a dump "
                    "that `ecs memory dump` or s wrote.");
     return;
   }
-  rows_ = rows_for(*region, desk_.cursor(), area.rows, area.columns, rows_.first);
+  rows_ = rows_for(*region, controller_.cursor(), area.rows, area.columns, rows_.first);
   rows_area_ = area;
-  draw_memory(canvas, area, desk_, rows_);
+  draw_memory(canvas, area, controller_, rows_);
 }
 
 void MemoryScreen::draw_under_cursor(Canvas& canvas, const Area& area) const {
-  const auto place = desk_.names().at(desk_.memory(), desk_.cursor());
+  const auto place = controller_.names().at(controller_.memory(), controller_.cursor());
   int row = 0;
-  int c = canvas.text(area, row, 0, hex_address(desk_.cursor()) + "  ", Tone::faint);
+  int c = canvas.text(area, row, 0, hex_address(controller_.cursor()) + "  ", Tone::faint);
   if (place) {
     const std::string value = place->value.empty() ? "" : " = " + place->value;
     if (c + width_of(place->name) + width_of(value) > area.columns) {
-      canvas.paragraph(area.top(1), 0, hex_address(desk_.cursor()) + "  " + place->name + value);
+      canvas.paragraph(area.top(1), 0, hex_address(controller_.cursor()) + "  " + place->name + value);
     } else {
       c += canvas.text(area, row, c, place->name, Tone::strong);
       canvas.text(area, row, c, value);
     }
-    const auto more = fmt::format("byte {} of {}", desk_.cursor() - place->first + 1, place->bytes);
+    const auto more = fmt::format("byte {} of {}", controller_.cursor() - place->first + 1, place->bytes);
     if (area.rows > 1) canvas.text_right(area, 1, more, Tone::faint);
   } else {
     canvas.text(area, row, c, "no name for this place", Tone::faint);
   }
-  if (area.rows > 1) canvas.text(area, ++row, 0, numbers_at(desk_.memory(), desk_.cursor()), Tone::faint);
-  if (area.rows > 2 && desk_.compares()) {
-    std::string text = desk_.differences().empty()
-                           ? fmt::format("no difference to {} in what is read", desk_.compared_file())
-                           : fmt::format("{} place{} differ{} from {}", desk_.differences().size(),
-                                         desk_.differences().size() == 1 ? "" : "s",
-                                         desk_.differences().size() == 1 ? "s" : "", desk_.compared_file());
-    canvas.text(area, ++row, 0, text, desk_.differences().empty() ? Tone::good : Tone::warning);
+  if (area.rows > 1) canvas.text(area, ++row, 0, numbers_at(controller_.memory(), controller_.cursor()), Tone::faint);
+  if (area.rows > 2 && controller_.compares()) {
+    std::string text = controller_.differences().empty()
+                           ? fmt::format("no difference to {} in what is read", controller_.compared_file())
+                           : fmt::format("{} place{} differ{} from {}", controller_.differences().size(),
+                                         controller_.differences().size() == 1 ? "" : "s",
+                                         controller_.differences().size() == 1 ? "s" : "", controller_.compared_file());
+    canvas.text(area, ++row, 0, text, controller_.differences().empty() ? Tone::good : Tone::warning);
   }
 }
 
 void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
   const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (!desk_.compares())
+  if (!controller_.compares())
     return draw_paragraph(canvas, text, "Nothing is compared yet: c names a dump file to compare with what is shown.");
-  if (desk_.differences().empty())
+  if (controller_.differences().empty())
     return draw_paragraph(canvas, text,
                           fmt::format("No difference to {} in what is read. a on the page of the bytes reads a whole "
                                       "region, s reads all memory.",
-                                      desk_.compared_file()));
+                                      controller_.compared_file()));
   std::vector<ListRow> rows;
-  for (const DifferenceRow& row : desk_.differences()) rows.push_back({text_of(row), Tone::plain});
+  for (const DifferenceRow& row : controller_.differences()) rows.push_back({text_of(row), Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
-              fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", desk_.compared_file()),
+              fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", controller_.compared_file()),
               Tone::faint);
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, difference_);
 }
 
 void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
-  if (desk_.written().empty())
+  if (controller_.written().empty())
     return draw_paragraph(canvas, text,
                           "Nothing was written this time. w on the page of the bytes writes at the cursor; "
                           "it asks first, and u writes the old bytes back.");
   std::vector<ListRow> rows;
-  for (const ByteWrite& write : desk_.written())
+  for (const ByteWrite& write : controller_.written())
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2, "time      address   before > after  where", Tone::faint);
   draw_list(canvas, {area.row + 1, area.column, area.rows - 1, area.columns}, rows, write_);
@@ -163,13 +163,13 @@ std::string MemoryScreen::selected_row() const {
     return static_cast<std::size_t>(std::clamp(place.selected, 0, static_cast<int>(count) - 1));
   };
   if (page_ == Page::differences) {
-    const auto& rows = desk_.differences();
-    if (!desk_.compares() || rows.empty()) return {};
+    const auto& rows = controller_.differences();
+    if (!controller_.compares() || rows.empty()) return {};
     const DifferenceRow& row = rows[at(difference_, rows.size())];
-    return fmt::format("{} {}: here {}, in {} {}", hex_address(row.first), row.name, row.a, desk_.compared_file(),
+    return fmt::format("{} {}: here {}, in {} {}", hex_address(row.first), row.name, row.a, controller_.compared_file(),
                        row.b);
   }
-  const auto& writes = desk_.written();
+  const auto& writes = controller_.written();
   return writes.empty() ? std::string() : text_of(writes[at(write_, writes.size())]);
 }
 
@@ -192,17 +192,17 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
     canvas.paragraph(area.below(1), 0, choices_.empty() ? hint() : choices_, Tone::faint);
     return;
   }
-  const std::string working = desk_.working_on();
+  const std::string working = controller_.working_on();
   if (!working.empty()) {
-    draw_progress(canvas, area, 0, working, desk_.part(), desk_.seconds_left());
-    if (desk_.message().is_problem() && !desk_.message().text().empty())
-      desk_.message().draw(canvas, area.below(1));
+    draw_progress(canvas, area, 0, working, controller_.part(), controller_.seconds_left());
+    if (controller_.message().is_problem() && !controller_.message().text().empty())
+      controller_.message().draw(canvas, area.below(1));
     else
       canvas.text(area, 1, 0, "Esc gives it up", Tone::faint);
     return;
   }
-  if (!desk_.message().text().empty())
-    desk_.message().draw(canvas, area);
+  if (!controller_.message().text().empty())
+    controller_.message().draw(canvas, area);
   else if (page_ != Page::bytes)
     canvas.paragraph(area, 0, selected_row(), Tone::faint);
 }

@@ -24,12 +24,6 @@ constexpr std::array<int, 3> kApproaches{1, -1, 0};
 
 std::string_view approach_word(int approach) { return approach > 0 ? "forward" : (approach < 0 ? "reverse" : "any"); }
 
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
-  return lines;
-}
-
 /// What a panel shows of a line: the rows of one run, or of all.
 struct Shown {
   const Observations& data;
@@ -61,12 +55,12 @@ PlotSeries readings_of(const Shown& shown, const std::vector<double>& value, int
   return series;
 }
 
-PlotPanel panel_of(const Shown& shown, const std::vector<double>& signs, const std::vector<double>& lines,
+PlotPanel panel_of(const Shown& shown, const std::vector<double>& control, const std::vector<double>& lines,
                    const std::string& title) {
   const std::string unit = is_rotation(shown.line.sense) ? "um/m" : "um";
   PlotPanel panel{title, fmt::format("{} mm", letter_of(shown.line.axis)), unit, {}};
   for (const int approach : kApproaches)
-    if (PlotSeries series = readings_of(shown, signs, approach); !series.points.empty())
+    if (PlotSeries series = readings_of(shown, control, approach); !series.points.empty())
       panel.series.push_back(std::move(series));
   for (const int approach : kApproaches)
     if (PlotSeries series = means_of(shown, lines, approach); !series.points.empty())
@@ -87,98 +81,101 @@ PlotPanel residual_panel(const Observations& data, const Fit& fit, const Measure
   return panel_of({data, line, run}, fit.residual, fit.residual, "what the model leaves");
 }
 
-Result<ModelDesk::Fitted> ModelDesk::fitted(model::Model model, const Observations& data, std::string said) {
+Result<ModelController::Fitted> ModelController::fitted(model::Model model, const Observations& data,
+                                                        std::string said) {
   auto fit = model::fit(model, data);
   if (!fit) return tl::unexpected(fit.error());
-  auto comparison = lines_in(comparison_text(model::compare(*fit, data), data.size()));
+  auto comparison = owned_lines_of(comparison_text(model::compare(*fit, data), data.size()));
   return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
 }
 
-Result<std::unique_ptr<ModelDesk>> ModelDesk::open(Session& session, const ModelArguments& files) {
-  auto work = model_work(session, files);
+Result<std::unique_ptr<ModelController>> ModelController::open(VerbContext& context, const ModelArguments& files) {
+  auto work = model_work(context, files);
   if (!work) return tl::unexpected(work.error());
   auto first = fitted(work->model, work->data, "");
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
-  std::unique_ptr<ModelDesk> desk(new ModelDesk);
-  desk->files_ = files;
-  desk->work_ = std::make_shared<const ModelWork>(std::move(*work));
-  desk->lines_ = measured_lines(desk->data());
-  const std::set<int> runs(desk->data().run.begin(), desk->data().run.end());
-  desk->runs_.assign(runs.begin(), runs.end());
-  desk->model_ = std::move(first->model);
-  desk->fit_ = std::move(first->fit);
-  desk->comparison_ = std::move(first->comparison);
-  return desk;
+  std::unique_ptr<ModelController> controller(new ModelController);
+  controller->files_ = files;
+  controller->work_ = std::make_shared<const ModelWork>(std::move(*work));
+  controller->lines_ = measured_lines(controller->data());
+  const std::set<int> runs(controller->data().run.begin(), controller->data().run.end());
+  controller->runs_.assign(runs.begin(), runs.end());
+  controller->model_ = std::move(first->model);
+  controller->fit_ = std::move(first->fit);
+  controller->comparison_ = std::move(first->comparison);
+  return controller;
 }
 
-Result<std::unique_ptr<ModelDesk>> ModelDesk::begin_new(Session& session, const ModelArguments& files) {
-  if (const auto begun = begun_model(session, files); !begun) return tl::unexpected(begun.error());
-  auto desk = open(session, files);
-  if (!desk) {
+Result<std::unique_ptr<ModelController>> ModelController::begin_new(VerbContext& context, const ModelArguments& files) {
+  if (const auto begun = begun_model(context, files); !begun) return tl::unexpected(begun.error());
+  auto controller = open(context, files);
+  if (!controller) {
     std::error_code error;
     std::filesystem::remove(files.model, error);
-    return desk;
+    return controller;
   }
-  (*desk)->message_.say(fmt::format(
-      "begun in {} with offset, slope and backlash of what was measured; d finds what else there is, a adds it",
-      std::filesystem::path(files.model).filename().string()));
-  return desk;
+  (*controller)
+      ->message_.say(fmt::format(
+          "begun in {} with offset, slope and backlash of what was measured; d finds what else there is, a adds it",
+          std::filesystem::path(files.model).filename().string()));
+  return controller;
 }
 
-void ModelDesk::begin(const std::string& what) {
+void ModelController::begin(const std::string& what) {
   working_on_ = what;
   since_ = std::chrono::steady_clock::now();
   cancelled_ = false;
   message_.clear();
 }
 
-double ModelDesk::seconds_working() const {
+double ModelController::seconds_working() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count();
 }
 
-bool ModelDesk::busy() const {
+bool ModelController::busy() const {
   return diagnosing_.running() || fitting_.running() || reckoning_.running() || building_.running();
 }
 
-std::string ModelDesk::draft_name() const {
+std::string ModelController::draft_name() const {
   std::error_code error;
   const std::filesystem::path path = std::filesystem::absolute(files_.model, error);
   return "model-" + sha256_hex(path.string()).substr(0, 16);
 }
 
-std::optional<Draft> ModelDesk::draft() const { return draft_of(draft_name()); }
-void ModelDesk::drop_draft() { app::drop_draft(draft_name()); }
+std::optional<Draft> ModelController::draft() const { return draft_of(draft_name()); }
+void ModelController::drop_draft() { app::drop_draft(draft_name()); }
 
-void ModelDesk::take_draft() {
+void ModelController::take_draft() {
   const auto kept = draft();
   if (!kept || busy()) return;
   auto model = model::parse_model(kept->text, "the unsaved work", std::filesystem::path(files_.model).parent_path());
   if (!model) return message_.say(model.error());
   begin("taking up the unsaved work");
-  fitting_.start([model = std::move(*model), work = work_](JobSigns&) {
+  fitting_.start([model = std::move(*model), work = work_](JobControl&) {
     return fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
   });
 }
 
-void ModelDesk::start_diagnosis() {
+void ModelController::start_diagnosis() {
   if (busy()) return;
   begin("looking for what is missing");
-  diagnosing_.start([model = model_, work = work_](JobSigns& signs) {
+  diagnosing_.start([model = model_, work = work_](JobControl& control) {
     model::DiagnoseOptions options;
-    options.cancelled = &signs.cancelled;
+    options.cancelled = &control.cancelled;
     Diagnosed found{model::diagnose(model, work->data, options), {}};
-    if (found.diagnosis && !signs.cancelled) found.next = model::next_measurement(model, work->data, *found.diagnosis);
+    if (found.diagnosis && !control.cancelled)
+      found.next = model::next_measurement(model, work->data, *found.diagnosis);
     return found;
   });
 }
 
-void ModelDesk::start_adding(std::size_t candidate) {
+void ModelController::start_adding(std::size_t candidate) {
   if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
   const model::AddRequest request{effect.id,       effect.axis,   effect.sense, effect.code,
                                   effect.approach, effect.sensor, effect.name};
   begin("adding " + to_text(effect));
-  fitting_.start([model = model_, work = work_, request](JobSigns&) -> Result<Fitted> {
+  fitting_.start([model = model_, work = work_, request](JobControl&) -> Result<Fitted> {
     auto added = model::add_effect(model, work->data, request, work->data_name);
     if (!added) return tl::unexpected(added.error());
     return fitted(std::move(added->model), work->data,
@@ -187,18 +184,18 @@ void ModelDesk::start_adding(std::size_t candidate) {
   });
 }
 
-void ModelDesk::undo() {
+void ModelController::undo() {
   if (busy()) return;
   auto before = model::undo(model_);
   if (!before) return message_.say(before.error());
   const std::string taken = model_.history.empty() ? "" : model_.history.back().effect;
   begin("taking back " + taken);
-  fitting_.start([model = std::move(*before), work = work_, taken](JobSigns&) {
+  fitting_.start([model = std::move(*before), work = work_, taken](JobControl&) {
     return fitted(model, work->data, "taken back: " + taken);
   });
 }
 
-void ModelDesk::save() {
+void ModelController::save() {
   if (busy()) return;
   std::string beside;
   if (!saved_) {  // what people wrote into the file by hand, comments too, is not lost
@@ -215,44 +212,44 @@ void ModelDesk::save() {
   message_.say("written to " + files_.model + (beside.empty() ? "" : "; as it was: " + beside));
 }
 
-void ModelDesk::start_after(const std::vector<std::string>& measured_again) {
+void ModelController::start_after(const std::vector<std::string>& measured_again) {
   if (busy()) return;
   begin("reckoning what compensation would leave");
-  reckoning_.start([model = model_, work = work_, files = files_, measured_again](JobSigns&) -> Result<Lines> {
+  reckoning_.start([model = model_, work = work_, files = files_, measured_again](JobControl&) -> Result<Lines> {
     std::ostringstream out, messages;
-    Face face(out, messages);
-    Session session{face, {}, {}};
+    Console console(out, messages);
+    VerbContext context{console, {}, {}};
     const ModelWork now{model, work->machine, {}, work->data, work->data_name};
-    const auto told = what_if_told(session, now, files.model, measured_again, files.import);
+    const auto told = what_if_told(context, now, files.model, measured_again, files.import);
     if (!told) return tl::unexpected(told.error());
-    return lines_in(what_if_text(*told));
+    return owned_lines_of(what_if_text(*told));
   });
 }
 
-void ModelDesk::start_map(const std::string& output) {
+void ModelController::start_map(const std::string& output) {
   if (busy()) return;
   if (changed_) return message_.say("save the model first (s): the map's header names its file", Tone::warning);
   begin("compiling the model to a map");
-  building_.start([files = files_, output](JobSigns&) -> Result<std::string> {
+  building_.start([files = files_, output](JobControl&) -> Result<std::string> {
     std::ostringstream out, messages;
-    Face face(out, messages);
-    Session session{face, {}, {}};
+    Console console(out, messages);
+    VerbContext context{console, {}, {}};
     FromModelArguments arguments;
     arguments.model = files.model;
     arguments.machine = files.machine;
     arguments.output = output;
     arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
-    const auto built = map_from_model(session, arguments);
+    const auto built = map_from_model(context, arguments);
     if (!built) return tl::unexpected(built.error());
     return built->text;
   });
 }
 
-void ModelDesk::export_picture() {
+void ModelController::export_picture() {
   picture_.start(fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string());
 }
 
-void ModelDesk::cancel() {
+void ModelController::cancel() {
   if (!busy()) return;
   cancelled_ = true;
   diagnosing_.cancel();
@@ -262,7 +259,7 @@ void ModelDesk::cancel() {
   message_.say("given up", Tone::warning);
 }
 
-void ModelDesk::take(Fitted fitted) {
+void ModelController::take(Fitted fitted) {
   model_ = std::move(fitted.model);
   fit_ = std::move(fitted.fit);
   comparison_ = std::move(fitted.comparison);
@@ -275,13 +272,13 @@ void ModelDesk::take(Fitted fitted) {
   if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
 }
 
-void ModelDesk::take(Diagnosed found) {
+void ModelController::take(Diagnosed found) {
   if (!found.diagnosis) return message_.say(found.diagnosis.error());
   diagnosis_ = std::move(*found.diagnosis);
   next_ = std::move(found.next);
 }
 
-bool ModelDesk::advance() {
+bool ModelController::advance() {
   bool changed = picture_.advance(message_);
   if (auto found = diagnosing_.take()) {
     if (!cancelled_) take(std::move(*found));
@@ -298,7 +295,7 @@ bool ModelDesk::advance() {
     changed = true;
   }
   if (auto built = building_.take()) {
-    if (*built) after_ = lines_in(**built);
+    if (*built) after_ = owned_lines_of(**built);
     if (!*built) message_.say(built->error());
     changed = true;
   }

@@ -21,19 +21,20 @@
 
 namespace ecs::app {
 
-/// Readings (signs) with the model through them (lines), forward and reverse. @param run  absent: all runs
+/// Readings (control) with the model through them (lines), forward and reverse. @param run  absent: all runs
 [[nodiscard]] PlotPanel measured_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
                                        std::optional<int> run = {});
-/// What the model leaves: readings as signs, means as lines.
+/// What the model leaves: readings as control, means as lines.
 [[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
                                        std::optional<int> run = {});
 
-class ModelDesk {
+class ModelController {
  public:
   /// Reads and fits; takes up to seconds for large sets.
-  [[nodiscard]] static Result<std::unique_ptr<ModelDesk>> open(Session& session, const ModelArguments& files);
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(VerbContext& context, const ModelArguments& files);
   /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
-  [[nodiscard]] static Result<std::unique_ptr<ModelDesk>> begin_new(Session& session, const ModelArguments& files);
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(VerbContext& context,
+                                                                          const ModelArguments& files);
 
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const model::Observations& data() const { return work_->data; }
@@ -90,7 +91,7 @@ class ModelDesk {
     model::NextMeasurement next;
   };
   using Lines = std::vector<std::string>;
-  ModelDesk() = default;
+  ModelController() = default;
   void begin(const std::string& what);
   [[nodiscard]] static Result<Fitted> fitted(model::Model model, const model::Observations& data, std::string said);
   void take(Fitted fitted);

@@ -92,11 +92,11 @@ void ModelForm::open() {
 }
 
 void ModelForm::start(bool anew) {
-  opening_.start([files = files(), anew](JobSigns&) -> Opened {
+  opening_.start([files = files(), anew](JobControl&) -> Opened {
     std::ostringstream out, messages;
-    Face face(out, messages);
-    Session session{face, {}, {}};
-    return anew ? ModelDesk::begin_new(session, files) : ModelDesk::open(session, files);
+    Console console(out, messages);
+    VerbContext context{console, {}, {}};
+    return anew ? ModelController::begin_new(context, files) : ModelController::open(context, files);
   });
 }
 

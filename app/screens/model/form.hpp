@@ -35,9 +35,9 @@ class ModelForm final : public Screen {
   bool problem_ = false;
   std::optional<Question> question_;  ///< whether the model shall be begun in a new file
   mutable int fields_row_ = 0;        ///< of the canvas, as drawn last
-  using Opened = Result<std::unique_ptr<ModelDesk>>;
+  using Opened = Result<std::unique_ptr<ModelController>>;
   Job<Opened> opening_;
-  std::unique_ptr<ModelDesk> ready_;
+  std::unique_ptr<ModelController> ready_;
 };
 
 }  // namespace ecs::app

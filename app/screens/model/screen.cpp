@@ -6,11 +6,12 @@
 
 namespace ecs::app {
 
-ModelScreen::ModelScreen(std::unique_ptr<ModelDesk> desk) : desk_(std::move(desk)), draft_(desk_->draft()) {}
+ModelScreen::ModelScreen(std::unique_ptr<ModelController> controller)
+    : controller_(std::move(controller)), draft_(controller_->draft()) {}
 
 /// All runs, then one after the other.
 void ModelScreen::next_run() {
-  const auto& runs = desk_->runs();
+  const auto& runs = controller_->runs();
   const auto at = run_ ? std::find(runs.begin(), runs.end(), *run_) : runs.end();
   if (!run_ && runs.size() > 1)
     run_ = runs.front();
@@ -26,7 +27,7 @@ void ModelScreen::turn_page(int by) {
 }
 
 bool ModelScreen::on_curve_key(const Key& key) {
-  const int count = static_cast<int>(desk_->lines().size());
+  const int count = static_cast<int>(controller_->lines().size());
   if (count == 0) return false;
   if (key.name == Key::Name::down || key.name == Key::Name::up) {
     line_ = (line_ + (key.name == Key::Name::down ? 1 : count - 1)) % count;
@@ -44,15 +45,15 @@ Step ModelScreen::on_question(const Key& key) {
   const Reply reply = reply_to(key);
   if (draft_) {
     if (reply == Reply::no) return back();
-    if (reply == Reply::yes) desk_->take_draft();
-    if (is_letter(key, U'd')) desk_->drop_draft();
+    if (reply == Reply::yes) controller_->take_draft();
+    if (is_letter(key, U'd')) controller_->drop_draft();
     if (reply == Reply::yes || is_letter(key, U'd')) draft_.reset();
     return stay();
   }
   if (reply == Reply::none) return stay();
   leaving_ = false;
   if (reply == Reply::no) return stay();
-  desk_->drop_draft();
+  controller_->drop_draft();
   return back();
 }
 
@@ -67,9 +68,9 @@ void ModelScreen::on_asked(const Key& key) {
     asked_.reset();
     if (asked.line.text().empty()) return;
     if (asked.purpose == Asked::For::map)
-      desk_->start_map(asked.line.text());
+      controller_->start_map(asked.line.text());
     else
-      desk_->start_after(split_words(asked.line.text()));
+      controller_->start_after(split_words(asked.line.text()));
   } else {
     (void)asked_->line.on_key(key);
   }
@@ -77,11 +78,11 @@ void ModelScreen::on_asked(const Key& key) {
 
 bool ModelScreen::on_after_key(const Key& key) {
   if (is_letter(key, U'w')) {
-    desk_->start_after({});
+    controller_->start_after({});
   } else if (is_letter(key, U'o')) {
     asked_ = {Asked::For::measured_again, "measured again with compensation, files:", {}};
   } else if (is_letter(key, U'm')) {
-    asked_ = {Asked::For::map, "write the map to:", TextLine(desk_->model_file() + ".map.csv")};
+    asked_ = {Asked::For::map, "write the map to:", TextLine(controller_->model_file() + ".map.csv")};
   } else {
     return false;
   }
@@ -104,11 +105,11 @@ Step ModelScreen::on_key(const Key& key) {
     return stay();
   }
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (desk_->busy()) {
-      desk_->cancel();
+    if (controller_->busy()) {
+      controller_->cancel();
       return stay();
     }
-    if (!desk_->changed()) return back();
+    if (!controller_->changed()) return back();
     leaving_ = true;
     return stay();
   }
@@ -124,22 +125,22 @@ Step ModelScreen::on_key(const Key& key) {
   if (is_letter(key, U'd')) {
     page_ = Page::causes;
     cause_ = {};
-    desk_->start_diagnosis();
-  } else if (is_letter(key, U'a') && desk_->diagnosis()) {
+    controller_->start_diagnosis();
+  } else if (is_letter(key, U'a') && controller_->diagnosis()) {
     page_ = Page::ladder;
-    desk_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
+    controller_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
   } else if (is_letter(key, U'u')) {
-    desk_->undo();
+    controller_->undo();
   } else if (is_letter(key, U's')) {
-    desk_->save();
+    controller_->save();
   } else if (is_letter(key, U'e')) {
-    desk_->export_picture();
+    controller_->export_picture();
   } else if (on_after_key(key)) {
     return stay();
   } else if (page_ == Page::curves) {
     (void)on_curve_key(key);
   } else if (page_ == Page::causes) {
-    const int count = desk_->diagnosis() ? static_cast<int>(desk_->diagnosis()->candidates.size()) : 0;
+    const int count = controller_->diagnosis() ? static_cast<int>(controller_->diagnosis()->candidates.size()) : 0;
     if (const auto clicked = cause_.clicked(key); clicked && *clicked < count)
       cause_.selected = *clicked;
     else if (!cause_.on_key(key, count) || count == 0)
@@ -162,7 +163,8 @@ std::vector<KeyHelp> ModelScreen::keys() const {
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
   else
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
-  if (desk_->diagnosis() && !desk_->diagnosis()->candidates.empty()) keys.insert(keys.begin(), {"a", "add"});
+  if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty())
+    keys.insert(keys.begin(), {"a", "add"});
   keys.push_back({"u", "undo"});
   keys.push_back({"s", "save"});
   keys.push_back({"e", "picture"});
@@ -180,7 +182,7 @@ std::string ModelScreen::help() const {
 }
 
 std::string ModelScreen::unsaved() const {
-  return desk_->changed() ? desk_->model_file() + " has changes that are not saved" : "";
+  return controller_->changed() ? controller_->model_file() + " has changes that are not saved" : "";
 }
 
 }  // namespace ecs::app

@@ -11,14 +11,14 @@ namespace ecs::app {
 
 class ModelScreen final : public Screen {
  public:
-  explicit ModelScreen(std::unique_ptr<ModelDesk> desk);
+  explicit ModelScreen(std::unique_ptr<ModelController> controller);
 
   [[nodiscard]] std::string title() const override { return "MODEL"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_->advance(); }
+  [[nodiscard]] bool advance() override { return controller_->advance(); }
   [[nodiscard]] std::string unsaved() const override;
   [[nodiscard]] bool typing() const override { return asked_.has_value(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
@@ -58,7 +58,7 @@ class ModelScreen final : public Screen {
   [[nodiscard]] bool on_after_key(const Key& key);
   void next_run();
 
-  std::unique_ptr<ModelDesk> desk_;
+  std::unique_ptr<ModelController> controller_;
   Page page_ = Page::curves;
   int line_ = 0;
   ChartView view_;

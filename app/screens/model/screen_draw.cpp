@@ -16,12 +16,6 @@ namespace {
 
 constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next", "After"};
 
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
-  return lines;
-}
-
 constexpr int kCauseNumbers = 45;  ///< columns behind the name of a cause
 
 /// "cyclic:X:EX    4.81 -> 0.55 um   98.7 %   false 0.25 %   1 rival"
@@ -63,14 +57,15 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
   }
   draw_standing(canvas, {area.row + area.rows - standing, area.column, standing, area.columns});
   if (draft_)
+    draw_question(canvas, area,
+                  {"Unsaved work on this model was found. Take it up?",
+                   fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept,
+                               controller_->model_file()),
+                   "take it up", "not now    d drop it"});
+  else if (leaving_)
     draw_question(
         canvas, area,
-        {"Unsaved work on this model was found. Take it up?",
-         fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept, desk_->model_file()),
-         "take it up", "not now    d drop it"});
-  else if (leaving_)
-    draw_question(canvas, area,
-                  {"Leave without saving the model?", desk_->model_file() + " stays as it was.", "leave", "stay"});
+        {"Leave without saving the model?", controller_->model_file() + " stays as it was.", "leave", "stay"});
 }
 
 void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
@@ -82,7 +77,7 @@ void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
     column +=
         canvas.text(area, 0, column, (here ? "[" : " ") + name + (here ? "]" : " "), here ? Tone::strong : Tone::faint);
   }
-  const std::string file = std::filesystem::path(desk_->model_file()).filename().string();
+  const std::string file = std::filesystem::path(controller_->model_file()).filename().string();
   if (column + width_of(file) + 2 <= area.columns) canvas.text_right(area.left(area.columns - 1), 0, file, Tone::faint);
 }
 
@@ -95,70 +90,73 @@ int ModelScreen::asked_rows(const Area& area) const {
 
 /// What the last rows say while nothing is asked and nothing was told.
 std::string ModelScreen::standing_text() const {
-  const model::Fit& fit = desk_->fit();
-  const std::size_t effects = desk_->model().effects.size();
-  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um", desk_->data().size(),
-                     effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
+  const model::Fit& fit = controller_->fit();
+  const std::size_t effects = controller_->model().effects.size();
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um",
+                     controller_->data().size(), effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
 }
 
 int ModelScreen::standing_rows(const Area& area) const {
-  if (desk_->busy()) return 1;
+  if (controller_->busy()) return 1;
   if (asked_) return 1 + asked_rows(area);
   const int most = std::max(1, area.rows / 4);
-  if (!desk_->message().text().empty()) return desk_->message().rows(area.columns - 2, most);
+  if (!controller_->message().text().empty()) return controller_->message().rows(area.columns - 2, most);
   return std::min(most, static_cast<int>(wrapped(standing_text(), area.columns - 2).size()));
 }
 
 void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
-  if (desk_->busy()) {
-    canvas.paragraph(text, 0,
-                     fmt::format("{} ... {:.0f} s, Esc gives up", desk_->working_on(), desk_->seconds_working()),
-                     Tone::warning);
+  if (controller_->busy()) {
+    canvas.paragraph(
+        text, 0,
+        fmt::format("{} ... {:.0f} s, Esc gives up", controller_->working_on(), controller_->seconds_working()),
+        Tone::warning);
   } else if (asked_) {
     canvas.paragraph(text, 0, asked_->label, Tone::strong);
     const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
     asked_->line.draw(canvas, area, area.rows - 1, begin, std::max(4, area.columns - begin - 1), true);
-  } else if (!desk_->message().text().empty()) {
-    desk_->message().draw(canvas, text);
+  } else if (!controller_->message().text().empty()) {
+    controller_->message().draw(canvas, text);
   } else {
     canvas.paragraph(text, 0, standing_text());
   }
 }
 
 void ModelScreen::draw_curves(Canvas& canvas, const Area& area) const {
-  if (desk_->lines().empty()) return;
+  if (controller_->lines().empty()) return;
   const Curves& shown = curves();
   const int upper = std::max(8, area.rows * 3 / 5);
   draw_chart(canvas, area.top(upper), shown.measured, view_);
   if (area.rows - upper >= 6) draw_chart(canvas, area.below(upper), shown.residual, view_);
   canvas.text_right({area.row + upper, area.column, 1, area.columns - 8}, 0,
-                    fmt::format("line {} of {}", line_ + 1, desk_->lines().size()), Tone::faint);
+                    fmt::format("line {} of {}", line_ + 1, controller_->lines().size()), Tone::faint);
 }
 
 const ModelScreen::Curves& ModelScreen::curves() const {
-  if (curves_.generation == desk_->generation() && curves_.line == line_ && curves_.run == run_) return curves_;
-  const MeasuredLine& line = desk_->lines()[static_cast<std::size_t>(line_)];
-  curves_ = {desk_->generation(), line_, run_, measured_panel(desk_->data(), desk_->fit(), line, run_),
-             residual_panel(desk_->data(), desk_->fit(), line, run_)};
+  if (curves_.generation == controller_->generation() && curves_.line == line_ && curves_.run == run_) return curves_;
+  const MeasuredLine& line = controller_->lines()[static_cast<std::size_t>(line_)];
+  curves_ = {controller_->generation(), line_, run_,
+             measured_panel(controller_->data(), controller_->fit(), line, run_),
+             residual_panel(controller_->data(), controller_->fit(), line, run_)};
   return curves_;
 }
 
 void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
-  if (!desk_->diagnosis()) {
+  if (!controller_->diagnosis()) {
     canvas.paragraph(text, 1,
-                     desk_->busy() ? "The library is being tried on what the model leaves."
-                                   : "Press d: every effect of the library is tried on what the model leaves, and "
-                                     "weighed against noise made for this very data set.");
+                     controller_->busy()
+                         ? "The library is being tried on what the model leaves."
+                         : "Press d: every effect of the library is tried on what the model leaves, and "
+                           "weighed against noise made for this very data set.");
     return;
   }
-  const model::Diagnosis& d = *desk_->diagnosis();
+  const model::Diagnosis& d = *controller_->diagnosis();
   const Tone tone = d.verdict == model::Verdict::adequate ? Tone::good : Tone::warning;
   int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
   if (d.candidates.empty()) {
     const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
-    draw_scrolled(canvas, wide, sentences_wrapped(lines_in(diagnosis_text(d)), wide.columns), scroll_);
+    draw_scrolled(canvas, wide, sentences_wrapped(owned_lines_of(diagnosis_text(d)), wide.columns), scroll_);
     return;
   }
   int names = 24;  // as wide as the longest, where the numbers leave room
@@ -187,13 +185,13 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
 
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
-  const auto& history = desk_->model().history;
+  const auto& history = controller_->model().history;
   std::vector<std::pair<std::string, double>> rungs;
-  if (history.empty()) rungs.emplace_back("the model as it is", desk_->fit().rms_um);
+  if (history.empty()) rungs.emplace_back("the model as it is", controller_->fit().rms_um);
   if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
   for (const model::LadderStep& step : history)
     rungs.emplace_back(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
-  double most = desk_->fit().rms_um;
+  double most = controller_->fit().rms_um;
   for (const auto& [name, rms_um] : rungs) most = std::max(most, rms_um);
 
   constexpr int kNumbers = 10;
@@ -210,32 +208,33 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const auto room = static_cast<std::size_t>(std::max(2, area.rows * 2 / 3 - 3));  // the newest, all in the table below
   for (std::size_t k = rungs.size() > room ? rungs.size() - room : 0; k < rungs.size(); ++k)
     rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
-  rung("noise of one reading", desk_->fit().noise.noise_um, Tone::faint, Tone::faint);
+  rung("noise of one reading", controller_->fit().noise.noise_um, Tone::faint, Tone::faint);
   draw_scrolled(canvas, area.below(row + 1),
                 history.empty() ? wrapped(" No effect was added yet: d finds one, a adds it.", area.columns - 1)
-                                : sentences_wrapped(lines_in(ladder_text(history)), area.columns),
+                                : sentences_wrapped(owned_lines_of(ladder_text(history)), area.columns),
                 scroll_);
 }
 
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
-  if (page_ == Page::fails) return sentences_wrapped(desk_->comparison(), columns + 1);
+  if (page_ == Page::fails) return sentences_wrapped(controller_->comparison(), columns + 1);
   if (page_ == Page::after) {
-    if (!desk_->after().empty()) return sentences_wrapped(desk_->after(), columns + 1);
+    if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
     return wrapped(
         "w reckons what compensation by the unit would leave of these errors, effect by effect. o opens files measured "
         "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "
         "unit (PROCESS LASER DATA sends it).",
         columns);
   }
-  if (!desk_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
+  if (!controller_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
   std::vector<std::string> lines;
   const auto add = [&](const std::string& text) {
     for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));
     lines.emplace_back();
   };
-  if (!desk_->next()->rivals.empty()) add(fmt::format("To tell apart: {}", fmt::join(desk_->next()->rivals, ", ")));
-  for (const model::MeasurementProposal& proposal : desk_->next()->proposals) add(proposal.sentence);
-  for (const std::string& note : desk_->next()->notes) add(note);
+  if (!controller_->next()->rivals.empty())
+    add(fmt::format("To tell apart: {}", fmt::join(controller_->next()->rivals, ", ")));
+  for (const model::MeasurementProposal& proposal : controller_->next()->proposals) add(proposal.sentence);
+  for (const std::string& note : controller_->next()->notes) add(note);
   if (lines.empty()) add("Nothing is in doubt that a measurement could settle.");
   return lines;
 }

@@ -33,7 +33,7 @@ Result<void> plain_file(const std::string& path) {
 
 }  // namespace
 
-Result<void> ParametersDesk::open_file(const std::string& path) {
+Result<void> ParametersController::open_file(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
   auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
@@ -45,7 +45,7 @@ Result<void> ParametersDesk::open_file(const std::string& path) {
   return {};
 }
 
-Result<void> ParametersDesk::start_from_machine(const std::string& path) {
+Result<void> ParametersController::start_from_machine(const std::string& path) {
   if (auto checked = check_with(path); !checked) return checked;
   if (!machine_) return problem(ProblemKind::usage, "expected the name of a machine file, found nothing");
   in_file_.reset();
@@ -54,7 +54,7 @@ Result<void> ParametersDesk::start_from_machine(const std::string& path) {
   return {};
 }
 
-Result<void> ParametersDesk::take_from_unit(const UnitContent& unit) {
+Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   know_unit(unit);
   if (!unit.parameters)
     return problem(ProblemKind::refused,
@@ -69,11 +69,11 @@ Result<void> ParametersDesk::take_from_unit(const UnitContent& unit) {
   return {};
 }
 
-std::optional<Draft> ParametersDesk::draft() const { return loaded_ ? std::nullopt : draft_of(kParametersDraft); }
+std::optional<Draft> ParametersController::draft() const { return loaded_ ? std::nullopt : draft_of(kParametersDraft); }
 
-void ParametersDesk::drop_draft() { app::drop_draft(kParametersDraft); }
+void ParametersController::drop_draft() { app::drop_draft(kParametersDraft); }
 
-Result<void> ParametersDesk::take_up_draft() {
+Result<void> ParametersController::take_up_draft() {
   const auto kept = draft_of(kParametersDraft);
   if (!kept) return problem(ProblemKind::refused, "the unsaved work is gone: another program took it up");
   auto draft = parsed_draft(kept->text);
@@ -97,7 +97,7 @@ Result<void> ParametersDesk::take_up_draft() {
   return {};
 }
 
-void ParametersDesk::load(ParameterSet set, std::string file) {
+void ParametersController::load(ParameterSet set, std::string file) {
   loaded_ = true;
   set_ = std::move(set);
   file_ = std::move(file);
@@ -107,13 +107,13 @@ void ParametersDesk::load(ParameterSet set, std::string file) {
 }
 
 /// What stands there now is safe somewhere: it counts as unchanged from here on.
-void ParametersDesk::settle() {
+void ParametersController::settle() {
   base_ = set_;
   drop_draft();
   refresh();
 }
 
-void ParametersDesk::edit(ParameterSet after, std::string what) {
+void ParametersController::edit(ParameterSet after, std::string what) {
   if (after == set_) return;
   done_.push_back({set_, after, std::move(what)});
   if (done_.size() > kMostUndo) done_.erase(done_.begin());
@@ -123,14 +123,14 @@ void ParametersDesk::edit(ParameterSet after, std::string what) {
   refresh();
 }
 
-Result<void> ParametersDesk::change(const std::string& key, const std::string& text) {
+Result<void> ParametersController::change(const std::string& key, const std::string& text) {
   ParameterSet after = set_;
   if (auto changed = set_value(key, after, text); !changed) return changed;
   edit(after, fmt::format("{}: {} > {}", full_label_of(key), shown(value_of(key, set_)), shown(value_of(key, after))));
   return {};
 }
 
-bool ParametersDesk::cycle(const std::string& key, int by) {
+bool ParametersController::cycle(const std::string& key, int by) {
   const auto choices = choices_of(key);
   if (choices.empty()) return false;
   const auto at = std::find(choices.begin(), choices.end(), value_of(key, set_));
@@ -139,18 +139,18 @@ bool ParametersDesk::cycle(const std::string& key, int by) {
   return change(key, choices[static_cast<std::size_t>((now + by + count) % count)]).has_value();
 }
 
-void ParametersDesk::set_default(const std::string& key) { (void)change(key, value_of(key, ParameterSet{})); }
+void ParametersController::set_default(const std::string& key) { (void)change(key, value_of(key, ParameterSet{})); }
 
-bool ParametersDesk::take_from_file(const std::string& key) {
+bool ParametersController::take_from_file(const std::string& key) {
   return in_file_ && change(key, value_of(key, *in_file_)).has_value();
 }
 
-bool ParametersDesk::take_from_unit(const std::string& key) {
+bool ParametersController::take_from_unit(const std::string& key) {
   if (!has_unit_values() || params::field_named(key) == nullptr) return false;
   return change(key, value_of(key, {*unit_->parameters, {}})).has_value();
 }
 
-std::string ParametersDesk::undo() {
+std::string ParametersController::undo() {
   if (done_.empty()) return {};
   undone_.push_back(std::move(done_.back()));
   done_.pop_back();
@@ -160,7 +160,7 @@ std::string ParametersDesk::undo() {
   return undone_.back().what;
 }
 
-std::string ParametersDesk::redo() {
+std::string ParametersController::redo() {
   if (undone_.empty()) return {};
   done_.push_back(std::move(undone_.back()));
   undone_.pop_back();
@@ -170,14 +170,14 @@ std::string ParametersDesk::redo() {
   return done_.back().what;
 }
 
-void ParametersDesk::keep_draft() const {
+void ParametersController::keep_draft() const {
   if (set_ == base_)
     drop_draft();
   else
     (void)app::keep_draft(kParametersDraft, draft_text({file_, machine_path_, set_, base_}));
 }
 
-void ParametersDesk::refresh() {
+void ParametersController::refresh() {
   findings_ = params::check(set_.parameters, machine_ ? &*machine_ : nullptr);
   compared_.clear();
   changes_ = 0;
@@ -192,45 +192,45 @@ void ParametersDesk::refresh() {
   }
 }
 
-std::vector<const params::Finding*> ParametersDesk::findings_of(const std::string& key) const {
+std::vector<const params::Finding*> ParametersController::findings_of(const std::string& key) const {
   std::vector<const params::Finding*> found;
   for (const params::Finding& finding : findings_)
     if (std::find(finding.keys.begin(), finding.keys.end(), key) != finding.keys.end()) found.push_back(&finding);
   return found;
 }
 
-std::size_t ParametersDesk::errors() const {
+std::size_t ParametersController::errors() const {
   return static_cast<std::size_t>(std::count_if(findings_.begin(), findings_.end(), [](const params::Finding& finding) {
     return finding.severity == params::Severity::error;
   }));
 }
 
-std::optional<std::string> ParametersDesk::was(const std::string& key) const {
+std::optional<std::string> ParametersController::was(const std::string& key) const {
   std::string before = value_of(key, base_);
   if (before == value_of(key, set_)) return std::nullopt;
   return before;
 }
 
-std::size_t ParametersDesk::differs_from_file() const {
+std::size_t ParametersController::differs_from_file() const {
   if (!in_file_) return 0;
   return static_cast<std::size_t>(
       std::count_if(compared_.begin(), compared_.end(), [](const ComparedKey& row) { return row.file != row.screen; }));
 }
 
-std::vector<ComparedKey> ParametersDesk::differs_from_unit() const {
+std::vector<ComparedKey> ParametersController::differs_from_unit() const {
   std::vector<ComparedKey> differing;
   for (const ComparedKey& row : compared_)
     if (differs_from_unit(row.key)) differing.push_back(row);
   return differing;
 }
 
-bool ParametersDesk::differs_from_unit(const std::string& key) const {
+bool ParametersController::differs_from_unit(const std::string& key) const {
   if (!has_unit_values() || params::field_named(key) == nullptr) return false;
   const auto row = std::find_if(compared_.begin(), compared_.end(), [&](const ComparedKey& c) { return c.key == key; });
   return row != compared_.end() && row->unit != row->screen;
 }
 
-Result<void> ParametersDesk::check_with(const std::string& machine_path) {
+Result<void> ParametersController::check_with(const std::string& machine_path) {
   if (machine_path.empty()) {
     machine_.reset();
     machine_path_.clear();
@@ -247,7 +247,7 @@ Result<void> ParametersDesk::check_with(const std::string& machine_path) {
   return {};
 }
 
-std::string ParametersDesk::overwrites(const std::string& path) const {
+std::string ParametersController::overwrites(const std::string& path) const {
   std::error_code fault;
   if (!std::filesystem::exists(path, fault)) return {};
   if (path != file_) return fmt::format("{} exists already; what stands in it is lost.", path);
@@ -256,7 +256,7 @@ std::string ParametersDesk::overwrites(const std::string& path) const {
   return fmt::format("{} was changed by another program since it was read here; that change is lost.", path);
 }
 
-Result<void> ParametersDesk::save(const std::string& path) {
+Result<void> ParametersController::save(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
   std::string text = params::parameters_toml(set_.parameters, set_.identity);
   if (auto written = write_file(path, text); !written) return written;
@@ -267,12 +267,12 @@ Result<void> ParametersDesk::save(const std::string& path) {
   return {};
 }
 
-void ParametersDesk::know_unit(UnitContent unit) {
+void ParametersController::know_unit(UnitContent unit) {
   unit_ = std::move(unit);
   refresh();
 }
 
-void ParametersDesk::sent(const ParameterSet& what, UnitContent after) {
+void ParametersController::sent(const ParameterSet& what, UnitContent after) {
   unit_ = std::move(after);
   base_ = what;
   keep_draft();

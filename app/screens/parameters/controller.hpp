@@ -21,7 +21,7 @@ struct ComparedKey {
   std::string screen, file, unit;
 };
 
-class ParametersDesk {
+class ParametersController {
  public:
   // --- where the set comes from; each begins a new history, so ask before edits are lost
   [[nodiscard]] Result<void> open_file(const std::string& path);

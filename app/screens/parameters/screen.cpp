@@ -7,11 +7,11 @@
 
 namespace ecs::app {
 
-ParametersScreen::ParametersScreen(std::shared_ptr<UnitDesk> line)
-    : draft_(desk_.draft()), transfer_(std::move(line)) {}
+ParametersScreen::ParametersScreen(std::shared_ptr<UnitConnection> line)
+    : draft_(controller_.draft()), transfer_(std::move(line)) {}
 
 std::vector<ParameterRow> ParametersScreen::rows() const {
-  return rows_of(static_cast<params::Group>(static_cast<int>(page_)), desk_.set().parameters);
+  return rows_of(static_cast<params::Group>(static_cast<int>(page_)), controller_.set().parameters);
 }
 
 std::string ParametersScreen::key_here() const {
@@ -49,7 +49,7 @@ void ParametersScreen::turn_page(int to) {
 
 void ParametersScreen::go_to(const std::string& key) {
   for (const Page page : {Page::configuration, Page::compensation, Page::datuming}) {
-    const auto list = rows_of(static_cast<params::Group>(static_cast<int>(page)), desk_.set().parameters);
+    const auto list = rows_of(static_cast<params::Group>(static_cast<int>(page)), controller_.set().parameters);
     const auto found = std::find_if(list.begin(), list.end(), [&](const ParameterRow& row) { return row.key == key; });
     if (found == list.end()) continue;
     page_ = page;
@@ -62,16 +62,16 @@ void ParametersScreen::go_to(const std::string& key) {
 bool ParametersScreen::typing() const { return prompt_ || seeking_ || (edit_ && !edit_->choosing); }
 
 std::string ParametersScreen::unsaved() const {
-  if (!desk_.unsaved()) return {};
+  if (!controller_.unsaved()) return {};
   return fmt::format("Parameters: {} change{} neither saved nor sent. A draft is kept and offered next time.",
-                     desk_.changes(), desk_.changes() == 1 ? "" : "s");
+                     controller_.changes(), controller_.changes() == 1 ? "" : "s");
 }
 
 bool ParametersScreen::advance() {
-  bool changed = transfer_.advance(desk_, message_);
+  bool changed = transfer_.advance(controller_, message_);
   if (auto question = transfer_.take_question()) asking_ = std::move(question);
-  if (desk_.loaded() && on_group()) settle_on_field(1);
-  if (!desk_.loaded() && seen_changes_ != transfer_.line().changes()) {
+  if (controller_.loaded() && on_group()) settle_on_field(1);
+  if (!controller_.loaded() && seen_changes_ != transfer_.line().changes()) {
     seen_changes_ = transfer_.line().changes();
     changed = true;
   }
@@ -107,11 +107,11 @@ Step ParametersScreen::on_key(const Key& key) {
     transfer_.cancel();
     return stay();
   }
-  return desk_.loaded() ? on_page_key(key) : on_start_key(key);
+  return controller_.loaded() ? on_page_key(key) : on_start_key(key);
 }
 
 Step ParametersScreen::leave() {
-  if (!desk_.unsaved()) return back();
+  if (!controller_.unsaved()) return back();
   asking_ = Asking{{"Leave the parameters?", unsaved(), "leave", "stay"}, [] {}};
   leaving_ = true;
   return stay();
@@ -126,13 +126,13 @@ Step ParametersScreen::on_start_key(const Key& key) {
       asking_ = Asking{
           {"Drop the unsaved work?", fmt::format("What was edited at {} is lost.", draft_->kept), "drop", "keep"},
           [this] {
-            ParametersDesk::drop_draft();
+            ParametersController::drop_draft();
             draft_.reset();
             start_ = {};
           }};
     } else if (enter) {
-      after(desk_.take_up_draft(), "the unsaved work is here again");
-      if (desk_.loaded()) turn_page(0);
+      after(controller_.take_up_draft(), "the unsaved work is here again");
+      if (controller_.loaded()) turn_page(0);
     } else {
       (void)start_.on_key(key, 2);
     }
@@ -163,9 +163,11 @@ Step ParametersScreen::on_page_key(const Key& key) {
   } else if (on_group() && place().on_key(key, static_cast<int>(rows().size()), page_rows())) {
     const bool upwards = key.name == Key::Name::up || key.name == Key::Name::page_up || key.name == Key::Name::end;
     settle_on_field(upwards ? -1 : 1);
-  } else if (page_ == Page::findings && place().on_key(key, static_cast<int>(desk_.findings().size()), page_rows())) {
+  } else if (page_ == Page::findings &&
+             place().on_key(key, static_cast<int>(controller_.findings().size()), page_rows())) {
     return stay();
-  } else if (page_ == Page::compare && place().on_key(key, static_cast<int>(desk_.compared().size()), page_rows())) {
+  } else if (page_ == Page::compare &&
+             place().on_key(key, static_cast<int>(controller_.compared().size()), page_rows())) {
     return stay();
   } else if (transfer_.running()) {
     message_.say("wait until the exchange with the unit is done, or Esc cancels it", Tone::warning);
@@ -196,9 +198,9 @@ bool ParametersScreen::on_command(const Key& key) {
   else if (is_letter(key, U'l'))
     look_again();
   else if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z'))
-    report_undo(desk_.undo(), "taken back");
+    report_undo(controller_.undo(), "taken back");
   else if (is_letter(key, U'y') || (key.name == Key::Name::control && key.letter == U'y'))
-    report_undo(desk_.redo(), "done again");
+    report_undo(controller_.redo(), "done again");
   else
     return false;
   return true;
@@ -218,23 +220,23 @@ void ParametersScreen::on_field_key(const Key& key) {
   if (key.name == Key::Name::enter) {
     begin_edit();
   } else if (is_letter(key, U' ') || key.name == Key::Name::right || key.name == Key::Name::left) {
-    if (!desk_.cycle(here, key.name == Key::Name::left ? -1 : 1) && is_letter(key, U' ')) begin_edit();
+    if (!controller_.cycle(here, key.name == Key::Name::left ? -1 : 1) && is_letter(key, U' ')) begin_edit();
   } else if (is_letter(key, U'd')) {
-    desk_.set_default(here);
+    controller_.set_default(here);
     message_.say(fmt::format("{} has its default; u takes it back", full_label_of(here)));
   }
   settle_on_field(1);
 }
 
 void ParametersScreen::on_findings_key(const Key& key) {
-  const auto& findings = desk_.findings();
+  const auto& findings = controller_.findings();
   if (key.name != Key::Name::enter || findings.empty()) return;
   const auto k = std::min(static_cast<std::size_t>(place().selected), findings.size() - 1);
   if (!findings[k].keys.empty()) go_to(std::string(findings[k].keys.front()));
 }
 
 void ParametersScreen::on_compare_key(const Key& key) {
-  const auto& compared = desk_.compared();
+  const auto& compared = controller_.compared();
   if (compared.empty()) return;
   const std::string here = compared[std::min(static_cast<std::size_t>(place().selected), compared.size() - 1)].key;
   if (key.name == Key::Name::enter) {
@@ -242,35 +244,35 @@ void ParametersScreen::on_compare_key(const Key& key) {
   }
   if (is_letter(key, U'f') || is_letter(key, U'g')) {
     const bool file = is_letter(key, U'f');
-    if (file ? desk_.take_from_file(here) : desk_.take_from_unit(here))
+    if (file ? controller_.take_from_file(here) : controller_.take_from_unit(here))
       message_.say(fmt::format("{} taken from the {}; u takes it back", full_label_of(here), file ? "file" : "unit"));
     else
       message_.say(file ? "there is no file to take it from" : "no unit has given a value that could be taken",
                    Tone::warning);
   }
-  place().selected = std::clamp(place().selected, 0, std::max(0, static_cast<int>(desk_.compared().size()) - 1));
+  place().selected = std::clamp(place().selected, 0, std::max(0, static_cast<int>(controller_.compared().size()) - 1));
 }
 
 void ParametersScreen::on_click(const Key& key) {
   const int row = key.row - list_area_.row;
   if (row < 0 || row >= list_area_.rows || key.column >= list_area_.column + list_area_.columns) return;
-  const int count = on_group()
-                        ? static_cast<int>(rows().size())
-                        : static_cast<int>(page_ == Page::findings ? desk_.findings().size() : desk_.compared().size());
+  const int count = on_group() ? static_cast<int>(rows().size())
+                               : static_cast<int>(page_ == Page::findings ? controller_.findings().size()
+                                                                          : controller_.compared().size());
   place().selected = std::clamp(place().first + row, 0, std::max(0, count - 1));
   if (on_group()) settle_on_field(1);
 }
 
 void ParametersScreen::begin_edit() {
   const std::string here = key_here();
-  edit_ = ValueEdit{here, TextLine(value_of(here, desk_.set())), !choices_of(here).empty(), ""};
+  edit_ = ValueEdit{here, TextLine(value_of(here, controller_.set())), !choices_of(here).empty(), ""};
 }
 
 void ParametersScreen::on_edit_key(const Key& key) {
   if (key.name == Key::Name::escape) {
     edit_.reset();
   } else if (key.name == Key::Name::enter) {
-    if (auto changed = desk_.change(edit_->key, edit_->text.text()); !changed)
+    if (auto changed = controller_.change(edit_->key, edit_->text.text()); !changed)
       edit_->refusal = changed.error().message;
     else
       edit_.reset();

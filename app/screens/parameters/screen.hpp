@@ -22,7 +22,7 @@ namespace ecs::app {
 
 class ParametersScreen final : public Screen {
  public:
-  explicit ParametersScreen(std::shared_ptr<UnitDesk> line);
+  explicit ParametersScreen(std::shared_ptr<UnitConnection> line);
 
   [[nodiscard]] std::string title() const override { return "parameters"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -34,7 +34,7 @@ class ParametersScreen final : public Screen {
   [[nodiscard]] Place cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override;
 
-  [[nodiscard]] const ParametersDesk& desk() const { return desk_; }
+  [[nodiscard]] const ParametersController& controller() const { return controller_; }
 
  private:
   enum class Page { configuration, compensation, datuming, findings, compare };
@@ -105,7 +105,7 @@ class ParametersScreen final : public Screen {
   [[nodiscard]] int page_rows() const;
   void settle_on_field(int direction);
 
-  ParametersDesk desk_;
+  ParametersController controller_;
   std::optional<Draft> draft_;  ///< offered at the beginning
   ParametersTransfer transfer_;
   std::uint64_t seen_changes_ = 0;  ///< of the line

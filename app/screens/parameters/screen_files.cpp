@@ -18,11 +18,11 @@ void ParametersScreen::after(const Result<void>& done, const std::string& said) 
 }
 
 void ParametersScreen::unless_lost(const std::string& title, std::function<void()> what) {
-  if (!desk_.unsaved()) return what();
+  if (!controller_.unsaved()) return what();
   asking_ =
       Asking{{title,
               fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
-                          desk_.changes(), desk_.changes() == 1 ? " is" : "s are"),
+                          controller_.changes(), controller_.changes() == 1 ? " is" : "s are"),
               "go on, lose them", "stay"},
              std::move(what)};
 }
@@ -33,10 +33,10 @@ void ParametersScreen::prompt_for(std::string title, std::string help, const std
 }
 
 void ParametersScreen::ask_for_file() {
-  const std::string beside = desk_.file().substr(0, desk_.file().rfind('/') + 1);
+  const std::string beside = controller_.file().substr(0, controller_.file().rfind('/') + 1);
   prompt_for("open the parameter file", "Path of a .toml file; Tab completes it.", beside,
              [this](const std::string& path) {
-               auto opened = desk_.open_file(path);
+               auto opened = controller_.open_file(path);
                if (!opened) {
                  prompt_->hint = to_text(opened.error());
                  return;
@@ -51,16 +51,16 @@ void ParametersScreen::ask_for_machine() {
   prompt_for(
       "new parameters for the machine file", "Path of a machine file (.toml); Tab completes it.", "",
       [this](const std::string& path) {
-        auto begun = desk_.start_from_machine(path);
+        auto begun = controller_.start_from_machine(path);
         if (!begun) {
           prompt_->hint = to_text(begun.error());
           return;
         }
         prompt_.reset();
         turn_page(0);
-        message_.say(
-            "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
-            std::string(desk_.findings().empty() ? "of the control" : "of the control; page 4 says what is missing"));
+        message_.say("new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
+                     std::string(controller_.findings().empty() ? "of the control"
+                                                                : "of the control; page 4 says what is missing"));
       });
 }
 
@@ -69,12 +69,12 @@ void ParametersScreen::ask_for_check() {
       "check against the machine file",
       "Path of a machine file (.toml): axes, travels, transducers and datum are compared with it. Empty: without.", "",
       [this](const std::string& path) {
-        if (auto checked = desk_.check_with(path); !checked) {
+        if (auto checked = controller_.check_with(path); !checked) {
           prompt_->hint = to_text(checked.error());
           return;
         }
         prompt_.reset();
-        const std::size_t count = desk_.findings().size();
+        const std::size_t count = controller_.findings().size();
         message_.say(count == 0 ? "nothing stands against these parameters"
                                 : fmt::format("{} finding{}: page 4", count, count == 1 ? "" : "s"),
                      count == 0 ? Tone::good : Tone::warning);
@@ -83,20 +83,20 @@ void ParametersScreen::ask_for_check() {
 
 void ParametersScreen::ask_where_to_save() {
   prompt_for("save as", "Path of the file; Tab completes it. The old file stays whole until the new one is on disc.",
-             desk_.file(), [this](const std::string& path) {
-               const std::string lost = path.empty() ? "" : desk_.overwrites(path);
+             controller_.file(), [this](const std::string& path) {
+               const std::string lost = path.empty() ? "" : controller_.overwrites(path);
                if (lost.empty()) return save_to(path);
                asking_ = Asking{{"Save over it?", lost, "save", "do not save"}, [this, path] { save_to(path); }};
              });
 }
 
 void ParametersScreen::save_to(const std::string& path) {
-  if (auto saved = desk_.save(path); !saved) {
+  if (auto saved = controller_.save(path); !saved) {
     if (prompt_) prompt_->hint = to_text(saved.error());
     return;
   }
   prompt_.reset();
-  const std::size_t errors = desk_.errors();
+  const std::size_t errors = controller_.errors();
   if (errors == 0)
     message_.say("saved to " + path);
   else
@@ -121,15 +121,16 @@ void ParametersScreen::on_prompt_key(const Key& key) {
 }
 
 void ParametersScreen::send() {
-  if (desk_.errors() > 0) {
+  if (controller_.errors() > 0) {
     turn_page(static_cast<int>(Page::findings));
     place().selected = 0;
     message_.say(fmt::format("not sent: {} against these parameters; Enter goes to the field",
-                             desk_.errors() == 1 ? "an error stands" : fmt::format("{} errors stand", desk_.errors())),
+                             controller_.errors() == 1 ? "an error stands"
+                                                       : fmt::format("{} errors stand", controller_.errors())),
                  Tone::warning);
     return;
   }
-  transfer_.send(desk_);
+  transfer_.send(controller_);
 }
 
 void ParametersScreen::receive() {
@@ -157,7 +158,7 @@ void ParametersScreen::seek() {
   if (sought.empty()) return;
   std::vector<std::string> by_help;
   for (const params::Group group : {params::Group::configuration, params::Group::compensation, params::Group::datuming})
-    for (const ParameterRow& row : rows_of(group, desk_.set().parameters)) {
+    for (const ParameterRow& row : rows_of(group, controller_.set().parameters)) {
       if (row.key.empty()) continue;
       const KeyWords words = words_of(row.key);
       if (lower(row.key + " " + full_label_of(row.key)).find(sought) != std::string::npos)

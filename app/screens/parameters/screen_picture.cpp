@@ -31,11 +31,11 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 0, "the terminal is too small");
     return;
   }
-  if (!desk_.loaded()) {
+  if (!controller_.loaded()) {
     draw_start(canvas, area);
   } else {
-    canvas.text(area.left(area.columns - 1), 0, 1, about(desk_, area.columns - 2),
-                desk_.unsaved() ? Tone::warning : Tone::plain);
+    canvas.text(area.left(area.columns - 1), 0, 1, about(controller_, area.columns - 2),
+                controller_.unsaved() ? Tone::warning : Tone::plain);
     draw_tabs(canvas, {area.row + 1, area.column, 1, area.columns});
     const Area body{area.row + 2, area.column, area.rows - 3, area.columns};
     if (area.columns >= kWide && !nothing_listed()) {
@@ -58,7 +58,8 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
 /// The page has one sentence instead of rows, and nothing is asked or told below it.
 bool ParametersScreen::nothing_listed() const {
   if (prompt_ || !message_.text().empty()) return false;
-  return (page_ == Page::findings && desk_.findings().empty()) || (page_ == Page::compare && desk_.compared().empty());
+  return (page_ == Page::findings && controller_.findings().empty()) ||
+         (page_ == Page::compare && controller_.compared().empty());
 }
 
 void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
@@ -103,12 +104,12 @@ void ParametersScreen::draw_tabs(Canvas& canvas, const Area& area) const {
   for (int p = 0; p < kPages; ++p) {
     const bool here = static_cast<Page>(p) == page_;
     const bool finds = static_cast<Page>(p) == Page::findings;
-    const std::size_t count =
-        finds ? desk_.findings().size() : (static_cast<Page>(p) == Page::compare ? desk_.compared().size() : 0);
+    const std::size_t count = finds ? controller_.findings().size()
+                                    : (static_cast<Page>(p) == Page::compare ? controller_.compared().size() : 0);
     std::string name = fmt::format("{}", p + 1);
     if (room || here) name += std::string(" ") + kTitles[static_cast<std::size_t>(p)];
     if (count > 0) name += fmt::format(" {}", count);
-    const Tone tone = finds && count > 0 ? (desk_.errors() > 0 ? Tone::bad : Tone::warning) : Tone::faint;
+    const Tone tone = finds && count > 0 ? (controller_.errors() > 0 ? Tone::bad : Tone::warning) : Tone::faint;
     column += canvas.text(area, 0, column, fmt::format("{}{}{}", here ? "[" : " ", name, here ? "]" : " "),
                           here ? Tone::strong : tone);
     column += room ? 1 : 0;
@@ -118,12 +119,12 @@ void ParametersScreen::draw_tabs(Canvas& canvas, const Area& area) const {
 void ParametersScreen::draw_page(Canvas& canvas, const Area& area) const {
   list_area_ = area;
   if (on_group()) {
-    cursor_ = draw_parameters(canvas, area, desk_, rows(), place(), edit_);
+    cursor_ = draw_parameters(canvas, area, controller_, rows(), place(), edit_);
     list_area_ = area.below(1);
   } else if (page_ == Page::findings) {
-    draw_findings(canvas, area, desk_, place());
+    draw_findings(canvas, area, controller_, place());
   } else {
-    draw_compared(canvas, area, desk_, place());
+    draw_compared(canvas, area, controller_, place());
     list_area_ = area.below(1);
   }
 }
@@ -136,11 +137,11 @@ void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
   } else if (width_of(message_.text()) > area.columns - 2) {
     draw_panel(canvas, area, "", {{message_.text(), Tone::strong}});
   } else if (on_group()) {
-    draw_key_panel(canvas, area, desk_, key_here(), edit_ ? edit_->refusal : "");
+    draw_key_panel(canvas, area, controller_, key_here(), edit_ ? edit_->refusal : "");
   } else if (page_ == Page::findings) {
-    draw_finding_panel(canvas, area, desk_, place());
+    draw_finding_panel(canvas, area, controller_, place());
   } else {
-    draw_compared_panel(canvas, area, desk_, place());
+    draw_compared_panel(canvas, area, controller_, place());
   }
 }
 
@@ -182,8 +183,9 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
   if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
   if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
   if (transfer_.running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
-  if (!desk_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
-  if (!desk_.loaded()) return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
+  if (!controller_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
+  if (!controller_.loaded())
+    return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
   std::vector<KeyHelp> keys;
   if (on_group()) keys = {{"Enter", "edit"}, {"Space", "next"}};
   if (page_ == Page::findings) keys = {{"Enter", "go to field"}};

@@ -13,9 +13,9 @@ constexpr std::size_t kWarned = 2;
 std::string value_or_nothing(const std::string& value) { return value.empty() ? "nothing" : value; }
 
 /// "7 parameters of the unit are overwritten: X deadband 5 > 2.5, … and 3 more."
-std::string overwritten(const ParametersDesk& desk) {
-  if (!desk.has_unit_values()) return fmt::format("Nothing is overwritten: {}.", desk.unit()->none_because);
-  const auto differing = desk.differs_from_unit();
+std::string overwritten(const ParametersController& controller) {
+  if (!controller.has_unit_values()) return fmt::format("Nothing is overwritten: {}.", controller.unit()->none_because);
+  const auto differing = controller.differs_from_unit();
   std::string text =
       fmt::format("Overwritten there: {} parameter{}:", differing.size(), differing.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kNamed, differing.size()); ++k)
@@ -25,8 +25,8 @@ std::string overwritten(const ParametersDesk& desk) {
   return text;
 }
 
-std::string warned(const ParametersDesk& desk) {
-  const auto& findings = desk.findings();
+std::string warned(const ParametersController& controller) {
+  const auto& findings = controller.findings();
   if (findings.empty()) return {};
   std::string text = fmt::format("\n{} warning{}:", findings.size(), findings.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kWarned, findings.size()); ++k)
@@ -50,8 +50,8 @@ std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
 void ParametersTransfer::read(Reading purpose, bool switching) {
   purpose_ = purpose;
   since_ = Clock::now();
-  reading_.start([line = line_, switching](JobSigns& signs) {
-    return line->on_line(signs, [switching](UnitLink& unit) -> Result<UnitContent> {
+  reading_.start([line = line_, switching](JobControl& control) {
+    return line->on_line(control, [switching](UnitLink& unit) -> Result<UnitContent> {
       return switching ? switched_to_integration(unit) : unit_content(unit);
     });
   });
@@ -59,8 +59,8 @@ void ParametersTransfer::read(Reading purpose, bool switching) {
 
 void ParametersTransfer::receive() { read(Reading::to_receive, false); }
 
-void ParametersTransfer::send(const ParametersDesk& desk) {
-  to_send_ = desk.set();
+void ParametersTransfer::send(const ParametersController& controller) {
+  to_send_ = controller.set();
   read(Reading::to_send, false);
 }
 
@@ -74,7 +74,7 @@ void ParametersTransfer::look_when_opened() {
   const WatchedUnit unit = line_->standing();
   if (!unit.open || unit.lent || looked_at_ == unit.opened_at) return;
   looked_at_ = unit.opened_at;
-  looking_.start([line = line_](JobSigns& signs) { return line->on_line(signs, unit_content); });
+  looking_.start([line = line_](JobControl& control) { return line->on_line(control, unit_content); });
 }
 
 void ParametersTransfer::draw(Canvas& canvas, const Area& area) const {
@@ -88,19 +88,19 @@ void ParametersTransfer::draw(Canvas& canvas, const Area& area) const {
   }
 }
 
-bool ParametersTransfer::advance(ParametersDesk& desk, MessageLine& message) {
+bool ParametersTransfer::advance(ParametersController& controller, MessageLine& message) {
   bool changed = running();
   if (auto looked = looking_.take()) {
-    if (*looked) desk.know_unit(std::move(**looked));
+    if (*looked) controller.know_unit(std::move(**looked));
     changed = true;
   }
-  if (auto unit = reading_.take()) take_read(desk, message, std::move(*unit));
-  if (auto sent = sending_.take()) take_sent(desk, message, std::move(*sent));
+  if (auto unit = reading_.take()) take_read(controller, message, std::move(*unit));
+  if (auto sent = sending_.take()) take_sent(controller, message, std::move(*sent));
   look_when_opened();
   return changed;
 }
 
-void ParametersTransfer::take_read(ParametersDesk& desk, MessageLine& message, Result<UnitContent> unit) {
+void ParametersTransfer::take_read(ParametersController& controller, MessageLine& message, Result<UnitContent> unit) {
   if (!unit) {
     message.say("no exchange with the unit; everything here stays as it is: " + to_text(unit.error()) +
                     ". The line is opened again by itself: try again then.",
@@ -108,14 +108,14 @@ void ParametersTransfer::take_read(ParametersDesk& desk, MessageLine& message, R
     return;
   }
   if (purpose_ == Reading::to_receive) {
-    const char* undo = desk.loaded() ? "; u brings back what was here" : "";
-    if (auto taken = desk.take_from_unit(*unit); !taken)
+    const char* undo = controller.loaded() ? "; u brings back what was here" : "";
+    if (auto taken = controller.take_from_unit(*unit); !taken)
       message.say(taken.error());
     else
       message.say(fmt::format("received from {}{}", title_of(*unit), undo));
     return;
   }
-  desk.know_unit(*unit);
+  controller.know_unit(*unit);
   if (unit->mode == UnitMode::datuming || unit->mode == UnitMode::compensating) {
     ask_to_switch(*unit);
   } else if (unit->mode != UnitMode::integration) {
@@ -123,11 +123,11 @@ void ParametersTransfer::take_read(ParametersDesk& desk, MessageLine& message, R
                             "under ECS UTILITY",
                             title_of(*unit), ecs::name_of(unit->mode)),
                 Tone::bad);
-  } else if (desk.has_unit_values() && desk.differs_from_unit().empty()) {
-    desk.sent(to_send_, std::move(*unit));
+  } else if (controller.has_unit_values() && controller.differs_from_unit().empty()) {
+    controller.sent(to_send_, std::move(*unit));
     message.say("nothing to send: the unit holds these parameters already");
   } else {
-    ask_to_send(desk);
+    ask_to_send(controller);
   }
 }
 
@@ -140,34 +140,36 @@ void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
                    [this] { read(Reading::to_send, true); }};
 }
 
-void ParametersTransfer::ask_to_send(const ParametersDesk& desk) {
-  const std::string other = other_unit_sentence(to_send_, *desk.unit());
-  asking_ = Asking{{fmt::format("Send the parameters to {}?", title_of(*desk.unit())),
-                    (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(desk) + warned(desk), "send",
-                    "do not send"},
-                   [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
-                     start_sending(owner, UnfitMap::refuse);
-                   }};
+void ParametersTransfer::ask_to_send(const ParametersController& controller) {
+  const std::string other = other_unit_sentence(to_send_, *controller.unit());
+  asking_ =
+      Asking{{fmt::format("Send the parameters to {}?", title_of(*controller.unit())),
+              (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(controller) + warned(controller),
+              "send", "do not send"},
+             [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
+               start_sending(owner, UnfitMap::refuse);
+             }};
 }
 
 void ParametersTransfer::start_sending(const params::Identity& owner, UnfitMap unfit) {
   owner_ = owner;
   since_ = Clock::now();
-  sending_.start([line = line_, set = to_send_, owner, unfit](JobSigns& signs) {
-    return line->on_line(signs, [&](UnitLink& unit) {
-      return sent_to_unit(unit, set.parameters, owner, unfit, [&signs](const protocol::Progress& progress) {
+  sending_.start([line = line_, set = to_send_, owner, unfit](JobControl& control) {
+    return line->on_line(control, [&](UnitLink& unit) {
+      return sent_to_unit(unit, set.parameters, owner, unfit, [&control](const protocol::Progress& progress) {
         if (progress.bytes_total > 0)
-          signs.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+          control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
       });
     });
   });
 }
 
-void ParametersTransfer::take_sent(ParametersDesk& desk, MessageLine& message, Result<SentParameters> sent) {
+void ParametersTransfer::take_sent(ParametersController& controller, MessageLine& message,
+                                   Result<SentParameters> sent) {
   if (sent) {
     const SentParameters report = *sent;
-    desk.sent(to_send_, std::move(sent->after));
-    message.say(taken_in_words(report, desk.differs_from_unit().size()));
+    controller.sent(to_send_, std::move(sent->after));
+    message.say(taken_in_words(report, controller.differs_from_unit().size()));
     return;
   }
   const Problem& why = sent.error();

@@ -24,10 +24,10 @@ struct Asking {
 
 class ParametersTransfer {
  public:
-  explicit ParametersTransfer(std::shared_ptr<UnitDesk> line) : line_(std::move(line)) {}
+  explicit ParametersTransfer(std::shared_ptr<UnitConnection> line) : line_(std::move(line)) {}
 
   /// @pre !running(), and nothing stands against the set (cross-check)
-  void send(const ParametersDesk& desk);
+  void send(const ParametersController& controller);
   /// @pre !running()
   void receive();
   /// What the unit holds, for comparing; by itself it is done whenever the line was opened.
@@ -36,10 +36,10 @@ class ParametersTransfer {
   [[nodiscard]] bool running() const { return reading_.running() || sending_.running(); }
   void cancel();
   void draw(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] const UnitDesk& line() const { return *line_; }
+  [[nodiscard]] const UnitConnection& line() const { return *line_; }
 
-  /// Takes what arrived into the desk, says what happened. @return whether anything changed
-  [[nodiscard]] bool advance(ParametersDesk& desk, MessageLine& message);
+  /// Takes what arrived into the controller, says what happened. @return whether anything changed
+  [[nodiscard]] bool advance(ParametersController& controller, MessageLine& message);
   /// To be asked now, once.
   [[nodiscard]] std::optional<Asking> take_question() { return std::exchange(asking_, std::nullopt); }
 
@@ -47,13 +47,13 @@ class ParametersTransfer {
   enum class Reading { to_receive, to_send };
   void read(Reading purpose, bool switching);
   void look_when_opened();
-  void take_read(ParametersDesk& desk, MessageLine& message, Result<UnitContent> unit);
+  void take_read(ParametersController& controller, MessageLine& message, Result<UnitContent> unit);
   void ask_to_switch(const UnitContent& unit);
-  void ask_to_send(const ParametersDesk& desk);
+  void ask_to_send(const ParametersController& controller);
   void start_sending(const params::Identity& owner, UnfitMap unfit);
-  void take_sent(ParametersDesk& desk, MessageLine& message, Result<SentParameters> sent);
+  void take_sent(ParametersController& controller, MessageLine& message, Result<SentParameters> sent);
 
-  std::shared_ptr<UnitDesk> line_;
+  std::shared_ptr<UnitConnection> line_;
   Job<Result<UnitContent>> looking_;                                ///< by itself
   std::optional<std::chrono::steady_clock::time_point> looked_at_;  ///< the opening of the line that was looked at
   Job<Result<UnitContent>> reading_;

@@ -38,18 +38,19 @@ bool has_error(const std::vector<const params::Finding*>& findings) {
 }
 
 /// "error, was 5, unit 7"
-std::string note_of(const ParametersDesk& desk, const std::string& key) {
+std::string note_of(const ParametersController& controller, const std::string& key) {
   std::vector<std::string> parts;
-  if (const auto found = desk.findings_of(key); !found.empty()) parts.push_back(has_error(found) ? "error" : "warning");
-  if (const auto was = desk.was(key)) parts.push_back("was " + (was->empty() ? std::string("empty") : *was));
-  if (desk.differs_from_unit(key)) parts.push_back("unit " + value_of(key, {*desk.unit()->parameters, {}}));
+  if (const auto found = controller.findings_of(key); !found.empty())
+    parts.push_back(has_error(found) ? "error" : "warning");
+  if (const auto was = controller.was(key)) parts.push_back("was " + (was->empty() ? std::string("empty") : *was));
+  if (controller.differs_from_unit(key)) parts.push_back("unit " + value_of(key, {*controller.unit()->parameters, {}}));
   std::string note;
   for (const std::string& part : parts) note += (note.empty() ? "" : ", ") + part;
   return note;
 }
 
-void draw_row(Canvas& canvas, const Area& area, int r, const ParametersDesk& desk, const ParameterRow& row, bool here,
-              const ValueEdit* edit, Place& cursor) {
+void draw_row(Canvas& canvas, const Area& area, int r, const ParametersController& controller, const ParameterRow& row,
+              bool here, const ValueEdit* edit, Place& cursor) {
   if (row.key.empty()) {
     canvas.text(area, r, kMarks, row.label, Tone::strong);
     return;
@@ -59,12 +60,12 @@ void draw_row(Canvas& canvas, const Area& area, int r, const ParametersDesk& des
   const Tone tone = selected ? Tone::selected : Tone::plain;
   if (selected) canvas.fill({area.row + r, area.column, 1, area.columns - 1}, U' ', Tone::selected);
   if (here) canvas.text(area, r, 0, ">", tone);
-  const auto findings = desk.findings_of(row.key);
-  const bool changed = desk.was(row.key).has_value();
+  const auto findings = controller.findings_of(row.key);
+  const bool changed = controller.was(row.key).has_value();
   const Tone finding_tone = has_error(findings) ? Tone::bad : Tone::warning;
   if (!findings.empty()) canvas.text(area, r, kMarks, "!", selected ? tone : finding_tone);
   if (changed) canvas.text(area, r, kMarks + 1, "*", tone);
-  if (desk.differs_from_unit(row.key)) canvas.text(area, r, kMarks + 2, "u", tone);
+  if (controller.differs_from_unit(row.key)) canvas.text(area, r, kMarks + 2, "u", tone);
   canvas.text(area.left(at.value - 1), r, kNames, row.label, tone);
   if (edit != nullptr) {
     if (edit->choosing) {
@@ -76,8 +77,8 @@ void draw_row(Canvas& canvas, const Area& area, int r, const ParametersDesk& des
     }
     return;
   }
-  const std::string note = at.note == 0 ? "" : note_of(desk, row.key);
-  const std::string value = value_with_unit(row.key, value_of(row.key, desk.set()));
+  const std::string note = at.note == 0 ? "" : note_of(controller, row.key);
+  const std::string value = value_with_unit(row.key, value_of(row.key, controller.set()));
   canvas.text(area.left(note.empty() ? at.end : at.note - 1), r, at.value, value.empty() ? "(not stated)" : value,
               selected ? tone : (value.empty() ? Tone::faint : Tone::strong));
   if (!note.empty())
@@ -94,28 +95,28 @@ void keep_in_sight(const ListPlace& place, int rows, int count) {
 
 }  // namespace
 
-std::string about(const ParametersDesk& desk, int columns) {
-  std::string name = desk.file().empty() ? "in no file yet" : desk.file();
-  std::string rest = desk.changes() > 0 ? ", " + counted(desk.changes(), "change") : "";
-  if (desk.unsaved()) rest += " not saved";
-  if (const std::size_t other = desk.differs_from_file(); !desk.unsaved() && other > 0)
+std::string about(const ParametersController& controller, int columns) {
+  std::string name = controller.file().empty() ? "in no file yet" : controller.file();
+  std::string rest = controller.changes() > 0 ? ", " + counted(controller.changes(), "change") : "";
+  if (controller.unsaved()) rest += " not saved";
+  if (const std::size_t other = controller.differs_from_file(); !controller.unsaved() && other > 0)
     rest += fmt::format(", {} there", differing(other));
   std::vector<std::string> more;
-  if (desk.has_unit_values()) {
-    const std::size_t other = desk.differs_from_unit().size();
+  if (controller.has_unit_values()) {
+    const std::size_t other = controller.differs_from_unit().size();
     more.push_back(other == 0 ? "the unit holds the same" : differing(other) + " in the unit");
-  } else if (desk.unit()) {
+  } else if (controller.unit()) {
     more.push_back("the unit holds no parameters");
   }
-  if (!desk.machine().empty()) more.push_back("checked for " + desk.machine());
+  if (!controller.machine().empty()) more.push_back("checked for " + controller.machine());
   for (const std::string& part : more)
     if (std::min(width_of(name), 30) + width_of(rest + "; " + part) <= columns) rest += "; " + part;
-  if (width_of(name) + width_of(rest) > columns && !desk.file().empty())
-    name = std::filesystem::path(desk.file()).filename().string();
+  if (width_of(name) + width_of(rest) > columns && !controller.file().empty())
+    name = std::filesystem::path(controller.file()).filename().string();
   return name + rest;
 }
 
-Place draw_parameters(Canvas& canvas, const Area& area, const ParametersDesk& desk,
+Place draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
                       const std::vector<ParameterRow>& rows, const ListPlace& place,
                       const std::optional<ValueEdit>& edit) {
   Place cursor{-1, -1};
@@ -130,7 +131,7 @@ Place draw_parameters(Canvas& canvas, const Area& area, const ParametersDesk& de
   for (int r = 0; r < std::min(list.rows, count - place.first); ++r) {
     const ParameterRow& row = rows[static_cast<std::size_t>(place.first + r)];
     const bool here = place.first + r == place.selected;
-    draw_row(canvas, list, r, desk, row, here, here && edit && edit->key == row.key ? &*edit : nullptr, cursor);
+    draw_row(canvas, list, r, controller, row, here, here && edit && edit->key == row.key ? &*edit : nullptr, cursor);
   }
   draw_scroll_marks(canvas, list, place.first, count);
   return cursor;
@@ -145,12 +146,12 @@ void draw_panel(Canvas& canvas, const Area& area, const std::string& title, cons
   for (const PanelText& part : texts) row += canvas.paragraph(inside, row, part.text, part.tone);
 }
 
-void draw_key_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const std::string& key,
+void draw_key_panel(Canvas& canvas, const Area& area, const ParametersController& controller, const std::string& key,
                     const std::string& refusal) {
   const KeyWords words = words_of(key);
   std::vector<PanelText> texts;
   if (!refusal.empty()) texts.push_back({"Refused: " + refusal, Tone::bad});
-  for (const params::Finding* finding : desk.findings_of(key))
+  for (const params::Finding* finding : controller.findings_of(key))
     texts.push_back({fmt::format("! {}: {}", params::name_of(finding->severity), finding->message),
                      finding->severity == params::Severity::error ? Tone::bad : Tone::warning});
   texts.push_back({fmt::format("Accepts {}{}.", words.accepts,
@@ -161,13 +162,13 @@ void draw_key_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk
   draw_panel(canvas, area, key, texts);
 }
 
-void draw_findings(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place) {
-  const auto& findings = desk.findings();
+void draw_findings(Canvas& canvas, const Area& area, const ParametersController& controller, const ListPlace& place) {
+  const auto& findings = controller.findings();
   if (findings.empty()) {
     canvas.paragraph({area.row + 1, area.column + 2, area.rows - 1, area.columns - 4}, 0,
                      "Nothing stands against these parameters." +
-                         std::string(desk.machine().empty() ? " Press m to check them against a machine file too."
-                                                            : " They were checked against the machine as well."),
+                         std::string(controller.machine().empty() ? " Press m to check them against a machine file too."
+                                                                  : " They were checked against the machine as well."),
                      Tone::good);
     return;
   }
@@ -181,18 +182,19 @@ void draw_findings(Canvas& canvas, const Area& area, const ParametersDesk& desk,
   draw_list(canvas, area, rows, place);
 }
 
-void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place) {
-  if (desk.findings().empty()) return draw_panel(canvas, area, "", {});
-  const auto k = std::min(static_cast<std::size_t>(std::max(0, place.selected)), desk.findings().size() - 1);
-  const params::Finding& finding = desk.findings()[k];
+void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersController& controller,
+                        const ListPlace& place) {
+  if (controller.findings().empty()) return draw_panel(canvas, area, "", {});
+  const auto k = std::min(static_cast<std::size_t>(std::max(0, place.selected)), controller.findings().size() - 1);
+  const params::Finding& finding = controller.findings()[k];
   std::vector<PanelText> texts{{finding.message, Tone::plain}};
   for (const std::string& key : finding.keys)
-    texts.push_back({fmt::format("{} = {}", key, value_with_unit(key, value_of(key, desk.set()))), Tone::strong});
-  texts.push_back({desk.errors() > 0 ? "Errors keep these parameters from being sent. Enter goes to the field."
-                                     : "Warnings may be meant. Enter goes to the field.",
+    texts.push_back({fmt::format("{} = {}", key, value_with_unit(key, value_of(key, controller.set()))), Tone::strong});
+  texts.push_back({controller.errors() > 0 ? "Errors keep these parameters from being sent. Enter goes to the field."
+                                           : "Warnings may be meant. Enter goes to the field.",
                    Tone::faint});
-  draw_panel(canvas, area, fmt::format("{} {} of {}", params::name_of(finding.severity), k + 1, desk.findings().size()),
-             texts);
+  draw_panel(canvas, area,
+             fmt::format("{} {} of {}", params::name_of(finding.severity), k + 1, controller.findings().size()), texts);
 }
 
 }  // namespace ecs::app

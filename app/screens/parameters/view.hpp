@@ -20,22 +20,24 @@ struct ValueEdit {
 };
 
 /// Which file, how many changes, which machine, which unit; what fits into `columns`.
-[[nodiscard]] std::string about(const ParametersDesk& desk, int columns);
+[[nodiscard]] std::string about(const ParametersController& controller, int columns);
 
 /// @return where the terminal's cursor belongs; row −1: nowhere
-Place draw_parameters(Canvas& canvas, const Area& area, const ParametersDesk& desk,
+Place draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
                       const std::vector<ParameterRow>& rows, const ListPlace& place,
                       const std::optional<ValueEdit>& edit);
 
 /// The key under the cursor: what stands against it, what it accepts, its help.
-void draw_key_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const std::string& key,
+void draw_key_panel(Canvas& canvas, const Area& area, const ParametersController& controller, const std::string& key,
                     const std::string& refusal);
 
-void draw_findings(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
-void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
+void draw_findings(Canvas& canvas, const Area& area, const ParametersController& controller, const ListPlace& place);
+void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersController& controller,
+                        const ListPlace& place);
 
-void draw_compared(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
-void draw_compared_panel(Canvas& canvas, const Area& area, const ParametersDesk& desk, const ListPlace& place);
+void draw_compared(Canvas& canvas, const Area& area, const ParametersController& controller, const ListPlace& place);
+void draw_compared_panel(Canvas& canvas, const Area& area, const ParametersController& controller,
+                         const ListPlace& place);
 
 /// A rule with a title, then texts in their tones, whole words; F2 shows what there are no rows for.
 struct PanelText {

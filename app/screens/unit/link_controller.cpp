@@ -26,26 +26,26 @@ std::vector<FoundPort> survey(const std::string& in_use) {
 
 }  // namespace
 
-LinkDesk::LinkDesk(std::shared_ptr<UnitDesk> unit) : unit_(std::move(unit)) {
+LinkController::LinkController(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {
   if (const auto choice = chosen_link(unit_->link())) form_ = LinkForm(*choice);
   if (const auto stored = stored_link(); stored && *stored) stored_ = **stored;
   look_for_ports();
 }
 
-std::vector<std::string> LinkDesk::port_names() const {
+std::vector<std::string> LinkController::port_names() const {
   std::vector<std::string> names;
   for (const FoundPort& port : ports_) names.push_back(port.device);
   return names;
 }
 
-DoctorAnswer LinkDesk::doctor() const {
+DoctorAnswer LinkController::doctor() const {
   const std::lock_guard lock(told_->mutex);
   return told_->answer;
 }
 
-double LinkDesk::seconds_working() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+double LinkController::seconds_working() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
 
-bool LinkDesk::advance() {
+bool LinkController::advance() {
   bool changed = !label_.empty();
   if (auto landing = job_.take()) {
     label_.clear();
@@ -64,7 +64,7 @@ bool LinkDesk::advance() {
   return changed;
 }
 
-bool LinkDesk::begin(std::string label, Job<Landing>::Work work) {
+bool LinkController::begin(std::string label, Job<Landing>::Work work) {
   if (job_.running()) {
     message_.say(fmt::format("still {}: Esc gives it up", label_.empty() ? "looking" : label_), Tone::warning);
     return false;
@@ -75,17 +75,17 @@ bool LinkDesk::begin(std::string label, Job<Landing>::Work work) {
   return true;
 }
 
-void LinkDesk::look_for_ports() {
-  (void)begin("looking for serial ports", [where = unit_->standing().where](JobSigns&) -> Landing {
+void LinkController::look_for_ports() {
+  (void)begin("looking for serial ports", [where = unit_->standing().where](JobControl&) -> Landing {
     const auto found = survey(where);
-    return [found](LinkDesk& desk) {
-      desk.ports_ = found;
-      desk.ports_known_ = true;
+    return [found](LinkController& connection) {
+      connection.ports_ = found;
+      connection.ports_known_ = true;
     };
   });
 }
 
-std::optional<LinkChoice> LinkDesk::chosen() {
+std::optional<LinkChoice> LinkController::chosen() {
   auto choice = parsed_link(form_.text(), "LINK");
   if (choice) return std::move(*choice);
   message_.say(choice.error());
@@ -93,7 +93,7 @@ std::optional<LinkChoice> LinkDesk::chosen() {
 }
 
 // --- trying
-bool LinkDesk::try_it() {
+bool LinkController::try_it() {
   const auto choice = chosen();
   if (!choice) return false;
   const std::string link = to_text(*choice);
@@ -108,12 +108,15 @@ bool LinkDesk::try_it() {
     told->answer.findings.push_back(finding);
     ++told->changes;
   };
-  const bool begun = begin("trying " + link, [unit = unit_, choice = *choice, note, heard](JobSigns& signs) -> Landing {
-    const auto lent = unit->lend();
-    note("asking the unit");
-    const Diagnosis diagnosis = diagnosis_of(choice, note, heard, signs.cancelled);
-    return [diagnosis, cancelled = signs.cancelled.load()](LinkDesk& desk) { desk.ended(diagnosis, cancelled); };
-  });
+  const bool begun =
+      begin("trying " + link, [unit = unit_, choice = *choice, note, heard](JobControl& control) -> Landing {
+        const auto lent = unit->lend();
+        note("asking the unit");
+        const Diagnosis diagnosis = diagnosis_of(choice, note, heard, control.cancelled);
+        return [diagnosis, cancelled = control.cancelled.load()](LinkController& connection) {
+          connection.ended(diagnosis, cancelled);
+        };
+      });
   if (!begun) return false;
   const std::lock_guard lock(told->mutex);
   told->answer = {link, "waiting for the line", {}, {}};
@@ -121,7 +124,7 @@ bool LinkDesk::try_it() {
   return true;
 }
 
-void LinkDesk::ended(const Diagnosis& diagnosis, bool cancelled) {
+void LinkController::ended(const Diagnosis& diagnosis, bool cancelled) {
   std::string link;
   {
     const std::lock_guard lock(told_->mutex);
@@ -148,20 +151,20 @@ void LinkDesk::ended(const Diagnosis& diagnosis, bool cancelled) {
 }
 
 // --- taking and storing
-void LinkDesk::use() {
+void LinkController::use() {
   if (const auto choice = chosen()) take(to_text(*choice));
 }
 
-void LinkDesk::take(const std::string& link) {
-  (void)begin("changing the link", [unit = unit_, link](JobSigns&) -> Landing {
+void LinkController::take(const std::string& link) {
+  (void)begin("changing the link", [unit = unit_, link](JobControl&) -> Landing {
     unit->choose(link);
-    return [link](LinkDesk& desk) {
-      desk.message_.say(fmt::format("{} is in use now; s stores it for the next start", link));
+    return [link](LinkController& connection) {
+      connection.message_.say(fmt::format("{} is in use now; s stores it for the next start", link));
     };
   });
 }
 
-void LinkDesk::store() {
+void LinkController::store() {
   const auto choice = chosen();
   if (!choice) return;
   const std::string link = to_text(*choice);
@@ -172,20 +175,20 @@ void LinkDesk::store() {
   if_yes_ = [this, link] { store_now(link); };
 }
 
-void LinkDesk::store_now(const std::string& link) {
+void LinkController::store_now(const std::string& link) {
   if (const auto done = store_link(link); !done) return message_.say(done.error());
   stored_ = link;
   message_.say(
       fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));
 }
 
-void LinkDesk::answer(bool yes) {
+void LinkController::answer(bool yes) {
   question_.reset();
   const auto act = std::move(if_yes_);
   if_yes_ = {};
   if (yes && act) act();
 }
 
-void LinkDesk::cancel() { job_.cancel(); }
+void LinkController::cancel() { job_.cancel(); }
 
 }  // namespace ecs::app

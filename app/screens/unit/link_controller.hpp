@@ -33,11 +33,11 @@ struct DoctorAnswer {
   std::optional<Diagnosis> diagnosis;  ///< at the end
 };
 
-class LinkDesk {
+class LinkController {
  public:
-  explicit LinkDesk(std::shared_ptr<UnitDesk> unit);
-  LinkDesk(const LinkDesk&) = delete;
-  LinkDesk& operator=(const LinkDesk&) = delete;
+  explicit LinkController(std::shared_ptr<UnitConnection> unit);
+  LinkController(const LinkController&) = delete;
+  LinkController& operator=(const LinkController&) = delete;
 
   /// @return whether anything changed
   [[nodiscard]] bool advance();
@@ -67,9 +67,9 @@ class LinkDesk {
   void cancel();
 
  private:
-  using Landing = std::function<void(LinkDesk&)>;
+  using Landing = std::function<void(LinkController&)>;
   /// What the doctor's thread tells.
-  struct Told {
+  struct RankedCandidate {
     std::mutex mutex;
     DoctorAnswer answer;
     std::uint64_t changes = 0;
@@ -80,13 +80,13 @@ class LinkDesk {
   void store_now(const std::string& link);
   void ended(const Diagnosis& diagnosis, bool cancelled);
 
-  std::shared_ptr<UnitDesk> unit_;
+  std::shared_ptr<UnitConnection> unit_;
   LinkForm form_;
   std::vector<FoundPort> ports_;
   bool ports_known_ = false;
   std::string stored_;
   std::string works_;  ///< a link that the doctor found to work
-  std::shared_ptr<Told> told_ = std::make_shared<Told>();
+  std::shared_ptr<RankedCandidate> told_ = std::make_shared<RankedCandidate>();
   std::uint64_t told_seen_ = 0;
   std::uint64_t unit_seen_ = 0;
   std::optional<Question> question_;

@@ -47,27 +47,28 @@ void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int colu
 void LinkScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows < 1 || area.columns < 10) return;
   draw_top(canvas, area.top(2));
-  const int told = std::max(2, desk_.message().rows(area.columns - 2, area.rows / 3));
+  const int told = std::max(2, controller_.message().rows(area.columns - 2, area.rows / 3));
   const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - told), area.columns - 2};
   if (page_ == Page::setting) draw_setting(canvas, body);
   if (page_ == Page::doctor) draw_doctor(canvas, body);
   if (page_ == Page::statistics) draw_statistics(canvas, body);
   const Area bottom{area.row + area.rows - told, area.column + 1, told, area.columns - 2};
   if (area.rows > 4) {
-    if (!desk_.working_on().empty() && desk_.message().text().empty())
-      canvas.text(bottom, 0, 0,
-                  fmt::format("{} ... {:.0f} s, Esc gives it up", desk_.working_on(), desk_.seconds_working()),
-                  Tone::warning);
-    else if (!desk_.message().text().empty())
-      desk_.message().draw(canvas, bottom);
+    if (!controller_.working_on().empty() && controller_.message().text().empty())
+      canvas.text(
+          bottom, 0, 0,
+          fmt::format("{} ... {:.0f} s, Esc gives it up", controller_.working_on(), controller_.seconds_working()),
+          Tone::warning);
+    else if (!controller_.message().text().empty())
+      controller_.message().draw(canvas, bottom);
     else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
       canvas.paragraph(bottom, 0, help_here(), Tone::faint);
   }
-  if (desk_.question()) draw_question(canvas, area, *desk_.question());
+  if (controller_.question()) draw_question(canvas, area, *controller_.question());
 }
 
 void LinkScreen::draw_top(Canvas& canvas, const Area& area) const {
-  const WatchedUnit unit = desk_.unit();
+  const WatchedUnit unit = controller_.unit();
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
   const std::string link = unit.link.empty() ? unit_->link() : unit.link;
   std::string state = "opening ...";
@@ -103,7 +104,7 @@ std::string LinkScreen::help_here() const {
 
 void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
   const auto rows = fields();
-  const auto ports = static_cast<int>(desk_.ports().size());
+  const auto ports = static_cast<int>(controller_.ports().size());
   first_row_ = area.row;
   const int selected = std::clamp(row_.selected, 0, static_cast<int>(rows.size()) + ports - 1);
   for (int r = 0; r < std::min(area.rows, static_cast<int>(rows.size())); ++r) {
@@ -123,26 +124,26 @@ void LinkScreen::draw_setting(Canvas& canvas, const Area& area) const {
   if (row + 1 >= area.rows) return;
   const Area text = area.right_of(2);
   row += canvas.paragraph(text, row, help_here(), Tone::faint);
-  const std::string made = desk_.form().text();
-  row += canvas.paragraph(text, row, fmt::format("makes {}{}", made, desk_.stored() == made ? " (stored)" : ""),
+  const std::string made = controller_.form().text();
+  row += canvas.paragraph(text, row, fmt::format("makes {}{}", made, controller_.stored() == made ? " (stored)" : ""),
                           Tone::strong);
   row += canvas.paragraph(text, row,
-                          desk_.stored().empty() ? "stored: none; without --link the bundled emulator is used"
-                                                 : "stored: " + desk_.stored(),
+                          controller_.stored().empty() ? "stored: none; without --link the bundled emulator is used"
+                                                       : "stored: " + controller_.stored(),
                           Tone::faint);
   if (row + 2 < area.rows) draw_ports(canvas, {area.row + row + 1, area.column, area.rows - row - 1, area.columns});
 }
 
 void LinkScreen::draw_ports(Canvas& canvas, const Area& area) const {
   canvas.text(area, 0, 2, "serial ports of this computer", Tone::faint);
-  if (desk_.ports().empty()) {
+  if (controller_.ports().empty()) {
     canvas.text(area, 1, 2,
-                desk_.ports_known() ? "none: plug the adapter in, then r looks again; `dmesg` tells what it sees"
-                                    : "looking ...");
+                controller_.ports_known() ? "none: plug the adapter in, then r looks again; `dmesg` tells what it sees"
+                                          : "looking ...");
     return;
   }
   std::vector<ListRow> rows;
-  for (const FoundPort& port : desk_.ports())
+  for (const FoundPort& port : controller_.ports())
     rows.push_back({port.trouble.empty() ? fmt::format("{:<24} can be opened", port.device)
                                          : fmt::format("{:<24} {}", port.device, port.trouble),
                     port.trouble.empty() ? Tone::good : Tone::warning});
@@ -151,7 +152,7 @@ void LinkScreen::draw_ports(Canvas& canvas, const Area& area) const {
   place.selected = std::max(0, row_.selected - before);
   const bool here = row_.selected >= before;
   const std::string action = here && place.selected < static_cast<int>(rows.size())
-                                 ? what_to_do(desk_.ports()[static_cast<std::size_t>(place.selected)])
+                                 ? what_to_do(controller_.ports()[static_cast<std::size_t>(place.selected)])
                                  : "";
   const int list = std::min(static_cast<int>(rows.size()), area.rows - 1 - (action.empty() ? 0 : 2));
   draw_list(canvas, {area.row + 1, area.column, std::max(1, list), area.columns}, rows, place, here);
@@ -161,7 +162,7 @@ void LinkScreen::draw_ports(Canvas& canvas, const Area& area) const {
 // --- doctor
 void LinkScreen::draw_doctor(Canvas& canvas, const Area& area) const {
   const int columns = area.columns - 1;  // the last one is for the scroll marks
-  const DoctorAnswer answer = desk_.doctor();
+  const DoctorAnswer answer = controller_.doctor();
   std::vector<ToneLine> lines;
   if (answer.link.empty()) {
     add_wrapped(lines,
@@ -191,7 +192,7 @@ void LinkScreen::draw_doctor(Canvas& canvas, const Area& area) const {
 
 // --- statistics
 void LinkScreen::draw_statistics(Canvas& canvas, const Area& area) const {
-  const WatchedUnit unit = desk_.unit();
+  const WatchedUnit unit = controller_.unit();
   const StatisticsRow verdict = judgement(unit);
   const int row =
       std::min(std::max(1, area.rows / 3), canvas.paragraph(area.top(area.rows / 3), 0, verdict.meaning, verdict.tone));
@@ -231,7 +232,7 @@ void LinkScreen::on_edit_key(const Key& key) {
   if (key.name == Key::Name::escape) {
     editing_ = false;
   } else if (key.name == Key::Name::enter || key.name == Key::Name::up || key.name == Key::Name::down) {
-    desk_.form().set(row_.selected, text_.text());
+    controller_.form().set(row_.selected, text_.text());
     editing_ = false;
   } else {
     (void)text_.on_key(key);
@@ -240,9 +241,9 @@ void LinkScreen::on_edit_key(const Key& key) {
 
 void LinkScreen::take_port() {
   const int at = row_.selected - static_cast<int>(fields().size());
-  if (at < 0 || at >= static_cast<int>(desk_.ports().size())) return;
-  if (desk_.form().kind() != LinkKind::serial) desk_.form().set(0, "serial line");
-  desk_.form().set(1, desk_.ports()[static_cast<std::size_t>(at)].device);
+  if (at < 0 || at >= static_cast<int>(controller_.ports().size())) return;
+  if (controller_.form().kind() != LinkKind::serial) controller_.form().set(0, "serial line");
+  controller_.form().set(1, controller_.ports()[static_cast<std::size_t>(at)].device);
   row_.selected = 1;
 }
 
@@ -251,16 +252,16 @@ void LinkScreen::on_setting_key(const Key& key) {
   const auto count = static_cast<int>(rows.size());
   if (key.name == Key::Name::mouse && key.row >= first_row_ && key.row < first_row_ + count)
     row_.selected = key.row - first_row_;
-  if (row_.on_key(key, count + static_cast<int>(desk_.ports().size()))) return;
+  if (row_.on_key(key, count + static_cast<int>(controller_.ports().size()))) return;
   if (row_.selected >= count) {
     if (key.name == Key::Name::enter) take_port();
     return;
   }
   const bool forward = key.name == Key::Name::right || is_letter(key, U' ');
   if (forward || key.name == Key::Name::left) {
-    desk_.form().step(row_.selected, forward ? 1 : -1, desk_.port_names());
+    controller_.form().step(row_.selected, forward ? 1 : -1, controller_.port_names());
   } else if (key.name == Key::Name::enter && row_.selected == 0) {
-    desk_.form().step(0, 1, desk_.port_names());
+    controller_.form().step(0, 1, controller_.port_names());
   } else if (key.name == Key::Name::enter) {
     text_.set(rows[static_cast<std::size_t>(row_.selected)].value);
     editing_ = true;
@@ -268,9 +269,9 @@ void LinkScreen::on_setting_key(const Key& key) {
 }
 
 Step LinkScreen::on_key(const Key& key) {
-  if (desk_.question()) {
+  if (controller_.question()) {
     const Reply reply = reply_to(key);
-    if (reply != Reply::none) desk_.answer(reply == Reply::yes);
+    if (reply != Reply::none) controller_.answer(reply == Reply::yes);
     return stay();
   }
   if (editing_) {
@@ -278,24 +279,24 @@ Step LinkScreen::on_key(const Key& key) {
     return stay();
   }
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!desk_.working_on().starts_with("trying")) return back();
-    desk_.cancel();
+    if (!controller_.working_on().starts_with("trying")) return back();
+    controller_.cancel();
     return stay();
   }
   if (key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::tab)
     to_page(static_cast<Page>((static_cast<int>(page_) + 1) % 3));
   else if (is_letter(key, U'1') || is_letter(key, U'2') || is_letter(key, U'3'))
     to_page(static_cast<Page>(key.letter - U'1'));
   else if (is_letter(key, U't')) {
-    if (desk_.try_it()) to_page(Page::doctor);
+    if (controller_.try_it()) to_page(Page::doctor);
   } else if (is_letter(key, U'u'))
-    desk_.use();
+    controller_.use();
   else if (is_letter(key, U's'))
-    desk_.store();
+    controller_.store();
   else if (is_letter(key, U'r'))
-    desk_.look_for_ports();
+    controller_.look_for_ports();
   else if (page_ == Page::setting)
     on_setting_key(key);
   else

@@ -13,14 +13,14 @@ namespace ecs::app {
 
 class LinkScreen final : public Screen {
  public:
-  explicit LinkScreen(std::shared_ptr<UnitDesk> unit) : unit_(unit), desk_(std::move(unit)) {}
+  explicit LinkScreen(std::shared_ptr<UnitConnection> unit) : unit_(unit), controller_(std::move(unit)) {}
 
   [[nodiscard]] std::string title() const override { return "LINK"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return editing_; }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
@@ -30,7 +30,7 @@ class LinkScreen final : public Screen {
   void on_setting_key(const Key& key);
   void on_edit_key(const Key& key);
   void take_port();
-  [[nodiscard]] std::vector<LinkField> fields() const { return desk_.form().fields(desk_.port_names()); }
+  [[nodiscard]] std::vector<LinkField> fields() const { return controller_.form().fields(controller_.port_names()); }
 
   void draw_top(Canvas& canvas, const Area& area) const;
   [[nodiscard]] std::string help_here() const;
@@ -39,15 +39,15 @@ class LinkScreen final : public Screen {
   void draw_doctor(Canvas& canvas, const Area& area) const;
   void draw_statistics(Canvas& canvas, const Area& area) const;
 
-  std::shared_ptr<UnitDesk> unit_;
-  LinkDesk desk_;
+  std::shared_ptr<UnitConnection> unit_;
+  LinkController controller_;
   Page page_ = Page::setting;
   ListPlace row_;              ///< of the fields, then of the ports
   mutable int first_row_ = 0;  ///< of the fields on the canvas
   bool editing_ = false;
   TextLine text_;
   ScrollPlace scroll_;
-  std::optional<UnitDesk::Watching> watching_;  ///< while the statistics are shown
+  std::optional<UnitConnection::Watching> watching_;  ///< while the statistics are shown
 };
 
 }  // namespace ecs::app

@@ -136,11 +136,11 @@ bool MonitorScreen::advance() {
   const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
   const bool weather = surroundings != surroundings_;
   surroundings_ = surroundings;
-  const std::uint64_t changes = desk_->changes();
+  const std::uint64_t changes = connection_->changes();
   const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
   if (changes == changes_ && (!old || frozen_)) return weather;
   changes_ = changes;
-  WatchedUnit now = desk_->now();
+  WatchedUnit now = connection_->now();
   record(now);
   if (frozen_) return recording_.has_value() || weather;
   seen_ = std::move(now);

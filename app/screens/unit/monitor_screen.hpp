@@ -17,7 +17,8 @@ namespace ecs::app {
 
 class MonitorScreen final : public Screen {
  public:
-  explicit MonitorScreen(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {}
+  explicit MonitorScreen(std::shared_ptr<UnitConnection> connection)
+      : connection_(connection), watching_(std::move(connection)) {}
 
   [[nodiscard]] std::string title() const override { return "ON LINE MONITOR"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -28,8 +29,8 @@ class MonitorScreen final : public Screen {
 
  private:
   enum class Strip { position, speed, compensation };
-  std::shared_ptr<UnitDesk> desk_;
-  UnitDesk::Watching watching_;
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
   WatchedUnit seen_;
   std::uint64_t changes_ = 0;
   bool frozen_ = false;
@@ -40,7 +41,7 @@ class MonitorScreen final : public Screen {
   std::string surroundings_;
   PictureExport picture_;
   std::optional<MonitorRecording> recording_;
-  std::uint64_t received_ = 0;     ///< samples that the desk had when it was looked at last
+  std::uint64_t received_ = 0;     ///< samples that the connection had when it was looked at last
   mutable PlotPanel strip_panel_;  ///< as drawn last
   mutable std::chrono::steady_clock::time_point strip_at_{};
 

@@ -10,21 +10,22 @@
 
 namespace ecs::app {
 
-std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitDesk>& desk) {
+std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection) {
   return {
       {"SET AXIS POSITION", "let the unit show another position; nothing moves",
-       [desk] { return std::make_unique<PositionScreen>(desk); }},
+       [connection] { return std::make_unique<PositionScreen>(connection); }},
       {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter; the relay",
-       [desk] { return std::make_unique<OutputScreen>(desk); }},
+       [connection] { return std::make_unique<OutputScreen>(connection); }},
       {"RECORD DATUM SEQUENCE", "ten seconds of an axis being referenced",
-       [desk] { return std::make_unique<DatumRecordScreen>(desk); }},
+       [connection] { return std::make_unique<DatumRecordScreen>(connection); }},
       {"DISPLAY DATUM SEQUENCE", "such a record as a graph; two over each other",
        [] { return std::make_unique<DatumViewScreen>(); }},
       {"TEST DATUM ROUTINE", "the unit's datum routine, stage by stage",
-       [desk] { return std::make_unique<DatumTestScreen>(desk); }},
+       [connection] { return std::make_unique<DatumTestScreen>(connection); }},
       {"DISPLAY ECS STATUS", "mode, fault and what to do, memory, pointers",
-       [desk] { return std::make_unique<StatusScreen>(desk); }},
-      {"RUN USER SOFTWARE", "machine code in the unit's memory", [desk] { return std::make_unique<RunScreen>(desk); }},
+       [connection] { return std::make_unique<StatusScreen>(connection); }},
+      {"RUN USER SOFTWARE", "machine code in the unit's memory",
+       [connection] { return std::make_unique<RunScreen>(connection); }},
   };
 }
 

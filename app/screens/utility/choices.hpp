@@ -9,6 +9,6 @@
 
 namespace ecs::app {
 
-[[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitDesk>& desk);
+[[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection);
 
 }  // namespace ecs::app

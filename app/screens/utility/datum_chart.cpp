@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kStretches = 400;  ///< of the time that is seen
 constexpr int kAxisColumns = 9;          ///< as app/ui/chart.cpp leaves them
-constexpr const char* kNames[] = {"first", "second"};
+constexpr const char* kRecordNames[] = {"first", "second"};
 
 std::size_t sample_at_or_after(const ShownRecord& record, double time_s) {
   const double k = (time_s - record.shift_s) * 1e6 / record.recording.sample_period_us;
@@ -37,9 +37,9 @@ std::vector<PlotPoint> thinned(const ShownRecord& record, double from_s, double 
 }
 
 PlotSeries series_of(const ShownRecord& record, int which, bool alone, double from_s, double to_s) {
-  const std::string name = alone
-                               ? fmt::format("axis {}", letter_of(record.recording.axis))
-                               : fmt::format("{}: {} {}", kNames[which], letter_of(record.recording.axis), record.name);
+  const std::string name =
+      alone ? fmt::format("axis {}", letter_of(record.recording.axis))
+            : fmt::format("{}: {} {}", kRecordNames[which], letter_of(record.recording.axis), record.name);
   return {name, which == 0 ? Mark::forward : Mark::reverse, thinned(record, from_s, to_s)};
 }
 

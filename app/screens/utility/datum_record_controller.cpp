@@ -28,11 +28,12 @@ Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live) {
 
 }  // namespace
 
-DatumRecordDesk::DatumRecordDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
-  (void)unit_.look(*desk_);
+DatumRecordController::DatumRecordController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
 }
 
-Question DatumRecordDesk::question(Axis axis) const {
+Question DatumRecordController::question(Axis axis) const {
   const std::string unsaved = unsaved_record_of();
   return {
       fmt::format("Record axis {} for {:.0f} seconds?", letter_of(axis), kDatumRecord_s),
@@ -44,17 +45,17 @@ Question DatumRecordDesk::question(Axis axis) const {
       "record", "not now"};
 }
 
-void DatumRecordDesk::start(Axis axis) {
+void DatumRecordController::start(Axis axis) {
   if (busy()) return;
   axis_ = axis;
   switch_seen_ = false;
   marker_seen_ = false;
-  job_.start([desk = desk_, live = live_, axis](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) { return recorded(line, axis, *live); });
+  job_.start([connection = connection_, live = live_, axis](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) { return recorded(line, axis, *live); });
   });
 }
 
-void DatumRecordDesk::reference() {
+void DatumRecordController::reference() {
   const auto seen = live_->now();
   if (!busy() || phase() != Phase::recording)
     message_.say("g references the emulated machine while the record runs: Enter first.", Tone::warning);
@@ -64,27 +65,27 @@ void DatumRecordDesk::reference() {
     reference_.start(seen.workshop, {axis_});
 }
 
-void DatumRecordDesk::cancel() {
+void DatumRecordController::cancel() {
   given_up_ = busy();
   job_.cancel();
   reference_.cancel();
 }
 
-DatumRecordDesk::Phase DatumRecordDesk::phase() const {
+DatumRecordController::Phase DatumRecordController::phase() const {
   if (!busy()) return Phase::ready;
   const auto seen = live_->now();
   if (seen.fetching) return Phase::fetching;
   return seen.running ? Phase::recording : Phase::starting;
 }
 
-double DatumRecordDesk::part() const { return live_->now().part; }
+double DatumRecordController::part() const { return live_->now().part; }
 
-double DatumRecordDesk::seconds_left() const {
+double DatumRecordController::seconds_left() const {
   const auto seen = live_->now();
   return seen.fetching ? seen.seconds_left : (1.0 - seen.part) * kDatumRecord_s;
 }
 
-void DatumRecordDesk::follow_live() {
+void DatumRecordController::follow_live() {
   const auto seen = live_->now();
   if (seen.changes == live_changes_ || !busy()) return;
   live_changes_ = seen.changes;
@@ -95,8 +96,8 @@ void DatumRecordDesk::follow_live() {
   marker_seen_ = marker_seen_ || axis.marker;
 }
 
-bool DatumRecordDesk::advance() {
-  bool changed = unit_.look(*desk_) || busy();
+bool DatumRecordController::advance() {
+  bool changed = unit_.look(*connection_) || busy();
   follow_live();
   changed = reference_.advance(message_) || changed;
   const auto result = job_.take();
@@ -108,7 +109,7 @@ bool DatumRecordDesk::advance() {
   return true;
 }
 
-std::optional<DatumRecording> DatumRecordDesk::take() {
+std::optional<DatumRecording> DatumRecordController::take() {
   std::optional<DatumRecording> record;
   record.swap(recorded_);
   return record;

@@ -12,10 +12,10 @@
 
 namespace ecs::app {
 
-class DatumRecordDesk {
+class DatumRecordController {
  public:
   enum class Phase { ready, starting, recording, fetching };
-  explicit DatumRecordDesk(std::shared_ptr<UnitDesk> desk);
+  explicit DatumRecordController(std::shared_ptr<UnitConnection> connection);
 
   [[nodiscard]] Question question(Axis axis) const;
   void start(Axis axis);
@@ -43,8 +43,8 @@ class DatumRecordDesk {
  private:
   void follow_live();
 
-  std::shared_ptr<UnitDesk> desk_;
-  UnitDesk::Watching watching_;
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
   UnitView unit_;
   std::shared_ptr<DatumLive> live_ = std::make_shared<DatumLive>();
   std::uint64_t live_changes_ = 0;

@@ -9,19 +9,19 @@ namespace ecs::app {
 
 class DatumRecordScreen final : public Screen {
  public:
-  explicit DatumRecordScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+  explicit DatumRecordScreen(std::shared_ptr<UnitConnection> controller) : controller_(std::move(controller)) {}
 
   [[nodiscard]] std::string title() const override { return "RECORD DATUM SEQUENCE"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override;
 
  private:
   [[nodiscard]] Axis chosen() const;
-  DatumRecordDesk desk_;
+  DatumRecordController controller_;
   ListPlace place_;
   Asking asking_;
 };

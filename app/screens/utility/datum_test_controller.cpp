@@ -11,31 +11,32 @@ constexpr std::chrono::milliseconds kLimit{620'000};  ///< the unit gives up by 
 
 }  // namespace
 
-DatumTestDesk::DatumTestDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
-  (void)unit_.look(*desk_);
+DatumTestController::DatumTestController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
   fill_rows();
 }
 
-void DatumTestDesk::fill_rows() {
+void DatumTestController::fill_rows() {
   const auto axes = unit_.axes();
   if (busy() || axes.size() == rows_.size()) return;
   rows_.clear();
   for (const Axis a : axes) rows_.push_back({a, Standing::chosen, DatumStage::waiting, {}});
 }
 
-DatumTestDesk::AxisRow* DatumTestDesk::row_of(Axis axis) {
+DatumTestController::AxisRow* DatumTestController::row_of(Axis axis) {
   const auto row = std::find_if(rows_.begin(), rows_.end(), [axis](const AxisRow& r) { return r.axis == axis; });
   return row == rows_.end() ? nullptr : &*row;
 }
 
-void DatumTestDesk::toggle(Axis axis) {
+void DatumTestController::toggle(Axis axis) {
   AxisRow* row = row_of(axis);
   if (row == nullptr || busy()) return;
   row->standing = row->standing == Standing::not_chosen ? Standing::chosen : Standing::not_chosen;
   row->message.clear();
 }
 
-Question DatumTestDesk::question() const {
+Question DatumTestController::question() const {
   std::string axes;
   for (const AxisRow& row : rows_)
     if (row.standing != Standing::not_chosen)
@@ -48,7 +49,7 @@ Question DatumTestDesk::question() const {
           "test", "not now"};
 }
 
-void DatumTestDesk::start() {
+void DatumTestController::start() {
   std::vector<Axis> axes;
   for (AxisRow& row : rows_) {
     if (row.standing == Standing::not_chosen) continue;
@@ -63,8 +64,8 @@ void DatumTestDesk::start() {
   tests_seen_ = 0;
   reference_each_ = false;
   referenced_for_.reset();
-  job_.start([desk = desk_, live = live_, told = told_, axes](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) -> Result<void> {
+  job_.start([connection = connection_, live = live_, told = told_, axes](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) -> Result<void> {
       for (const Axis axis : axes) {
         live->begin(line, axis);
         auto test = test_datum_of(line.client(), axis, kLimit,
@@ -78,7 +79,7 @@ void DatumTestDesk::start() {
   });
 }
 
-void DatumTestDesk::reference() {
+void DatumTestController::reference() {
   const auto seen = live_->now();
   if (!busy() || !under_test_) {
     message_.say("g references the emulated machine while the test runs: Enter first.", Tone::warning);
@@ -90,13 +91,13 @@ void DatumTestDesk::reference() {
   }
 }
 
-void DatumTestDesk::cancel() {
+void DatumTestController::cancel() {
   given_up_ = busy();
   job_.cancel();
   reference_.cancel();
 }
 
-void DatumTestDesk::follow_live() {
+void DatumTestController::follow_live() {
   const auto seen = live_->now();
   if (!busy() || seen.changes == live_changes_) return;
   live_changes_ = seen.changes;
@@ -108,7 +109,7 @@ void DatumTestDesk::follow_live() {
   if (seen.status) row->stage = seen.status->axes[index_of(row->axis)].datum_stage;
 }
 
-void DatumTestDesk::follow_tests() {
+void DatumTestController::follow_tests() {
   const std::lock_guard lock(told_->mutex);
   for (; tests_seen_ < told_->tests.size(); ++tests_seen_) {
     const AxisTest& test = told_->tests[tests_seen_];
@@ -122,8 +123,8 @@ void DatumTestDesk::follow_tests() {
   }
 }
 
-bool DatumTestDesk::advance() {
-  bool changed = unit_.look(*desk_) || busy();
+bool DatumTestController::advance() {
+  bool changed = unit_.look(*connection_) || busy();
   fill_rows();
   follow_live();
   follow_tests();

@@ -13,7 +13,7 @@
 
 namespace ecs::app {
 
-class DatumTestDesk {
+class DatumTestController {
  public:
   enum class Standing { not_chosen, chosen, under_way, passed, failed, given_up };
   struct AxisRow {
@@ -23,7 +23,7 @@ class DatumTestDesk {
     std::string message;                     ///< of one that failed
   };
 
-  explicit DatumTestDesk(std::shared_ptr<UnitDesk> desk);
+  explicit DatumTestController(std::shared_ptr<UnitConnection> connection);
 
   void toggle(Axis axis);  ///< whether it is tested
   [[nodiscard]] Question question() const;
@@ -44,7 +44,7 @@ class DatumTestDesk {
 
  private:
   /// What is told from the thread of the work.
-  struct Told {
+  struct RankedCandidate {
     std::mutex mutex;
     std::vector<AxisTest> tests;
   };
@@ -53,8 +53,8 @@ class DatumTestDesk {
   void follow_tests();
   AxisRow* row_of(Axis axis);
 
-  std::shared_ptr<UnitDesk> desk_;
-  UnitDesk::Watching watching_;
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
   UnitView unit_;
   std::vector<AxisRow> rows_;
   std::optional<Axis> under_test_;
@@ -63,7 +63,7 @@ class DatumTestDesk {
   bool given_up_ = false;
   std::shared_ptr<DatumLive> live_ = std::make_shared<DatumLive>();
   std::uint64_t live_changes_ = 0;
-  std::shared_ptr<Told> told_ = std::make_shared<Told>();
+  std::shared_ptr<RankedCandidate> told_ = std::make_shared<RankedCandidate>();
   std::size_t tests_seen_ = 0;
   MessageLine message_;
   MachineReference reference_;

@@ -7,15 +7,15 @@
 namespace ecs::app {
 namespace {
 
-using Standing = DatumTestDesk::Standing;
+using Standing = DatumTestController::Standing;
 constexpr int kRowsRow = 2;
 constexpr int kCallRow = 7;
-constexpr const char* kExplained =
+constexpr const char* kDatumTestExplained =
     "The unit goes through its datum routine, axis after axis, while the machine is referenced by its own control: it "
     "waits for the motion, looks for the switch, then for the marker. An axis that does not fit its datuming "
     "parameters fails with the reason and what to do.";
 
-std::string word_for(const DatumTestDesk::AxisRow& row) {
+std::string word_for(const DatumTestController::AxisRow& row) {
   switch (row.standing) {
     case Standing::not_chosen:
       return "not tested";
@@ -47,14 +47,14 @@ void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
                           "switch", "marker"),
               Tone::faint);
   int r = 0;
-  for (const auto& row : desk_.rows()) {
+  for (const auto& row : controller_.rows()) {
     ++r;
-    const auto* s = desk_.unit().axis(row.axis);
-    const bool here = r - 1 == place_.selected && !desk_.busy();
+    const auto* s = controller_.unit().axis(row.axis);
+    const bool here = r - 1 == place_.selected && !controller_.busy();
     if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
     const Tone tone = here ? Tone::selected : tone_for(row.standing);
     canvas.text(area, r, 0,
-                fmt::format("{} [{}] {:<6} {:<18}", here || desk_.under_test() == row.axis ? ">" : " ",
+                fmt::format("{} [{}] {:<6} {:<18}", here || controller_.under_test() == row.axis ? ">" : " ",
                             row.standing == Standing::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
                 tone);
     if (s != nullptr)
@@ -66,62 +66,63 @@ void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
 }
 
 std::string DatumTestScreen::call() const {
-  if (!desk_.busy()) return "Enter begins the test of the axes marked x.";
-  if (!desk_.under_test()) return "The unit is told ...";
-  if (desk_.referencing())
-    return fmt::format("The emulated machine references axis {} ...", letter_of(*desk_.under_test()));
-  return desk_.emulator()
-             ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.", letter_of(*desk_.under_test()))
-             : fmt::format("REFERENCE AXIS {} NOW, at the machine's own control.", letter_of(*desk_.under_test()));
+  if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
+  if (!controller_.under_test()) return "The unit is told ...";
+  if (controller_.referencing())
+    return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
+  return controller_.emulator() ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.",
+                                              letter_of(*controller_.under_test()))
+                                : fmt::format("REFERENCE AXIS {} NOW, at the machine's own control.",
+                                              letter_of(*controller_.under_test()));
 }
 
 void DatumTestScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, desk_.unit());
+  draw_unit_row(canvas, inside, 0, controller_.unit());
   draw_rows(canvas, inside.below(kRowsRow));
-  canvas.text(inside, kCallRow, 0, call(), desk_.busy() ? Tone::warning : Tone::plain);
+  canvas.text(inside, kCallRow, 0, call(), controller_.busy() ? Tone::warning : Tone::plain);
   int row = kCallRow + 2;
-  for (const auto& axis : desk_.rows())
+  for (const auto& axis : controller_.rows())
     if (!axis.message.empty())
       row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
-  if (row == kCallRow + 2) canvas.paragraph(inside, row, kExplained, Tone::faint);
-  desk_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  if (row == kCallRow + 2) canvas.paragraph(inside, row, kDatumTestExplained, Tone::faint);
+  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
   asking_.draw(canvas, inside);
 }
 
 Step DatumTestScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!desk_.busy()) return back();
-    desk_.cancel();
+    if (!controller_.busy()) return back();
+    controller_.cancel();
     return stay();
   }
-  if (is_letter(key, U'g')) desk_.reference();
-  if (desk_.busy()) return stay();
-  const auto& rows = desk_.rows();
+  if (is_letter(key, U'g')) controller_.reference();
+  if (controller_.busy()) return stay();
+  const auto& rows = controller_.rows();
   if (place_.on_key(key, static_cast<int>(rows.size()))) return stay();
-  if (const auto axis = axis_of_key(key)) desk_.toggle(*axis);
+  if (const auto axis = axis_of_key(key)) controller_.toggle(*axis);
   if (is_letter(key, U' ') && !rows.empty())
-    desk_.toggle(
+    controller_.toggle(
         rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
   if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
-  if (key.name == Key::Name::enter) asking_.ask(desk_.question(), [this] { desk_.start(); });
+  if (key.name == Key::Name::enter) asking_.ask(controller_.question(), [this] { controller_.start(); });
   return stay();
 }
 
 std::vector<KeyHelp> DatumTestScreen::keys() const {
   if (asking_.active()) return {{"y", "test"}, {"n", "not now"}};
-  if (desk_.busy()) {
+  if (controller_.busy()) {
     std::vector<KeyHelp> keys{{"Esc", "give up"}};
-    if (desk_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
+    if (controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
     return keys;
   }
   return {{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}};
 }
 
 std::string DatumTestScreen::help() const {
-  return std::string(kExplained) +
+  return std::string(kDatumTestExplained) +
          " With the bundled emulator g references its machine, the axis under test first and the others when their "
          "turn "
          "comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";

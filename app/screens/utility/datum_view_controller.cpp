@@ -86,9 +86,9 @@ std::string unsaved_record_of() {
   return draft ? draft->kept : "";
 }
 
-DatumViewDesk::DatumViewDesk() : draft_(draft_of(kDraft)) {}
+DatumViewController::DatumViewController() : draft_(draft_of(kDraft)) {}
 
-void DatumViewDesk::take(DatumRecording recording) {
+void DatumViewController::take(DatumRecording recording) {
   first_ = shown(std::move(recording), "just recorded");
   saved_ = false;
   draft_.reset();
@@ -96,11 +96,11 @@ void DatumViewDesk::take(DatumRecording recording) {
   keep_fresh_draft();
 }
 
-void DatumViewDesk::keep_fresh_draft() {
-  drafting_.start([recording = first_->recording](JobSigns&) { return keep_draft(kDraft, to_csv(recording)); });
+void DatumViewController::keep_fresh_draft() {
+  drafting_.start([recording = first_->recording](JobControl&) { return keep_draft(kDraft, to_csv(recording)); });
 }
 
-void DatumViewDesk::take_draft() {
+void DatumViewController::take_draft() {
   if (!draft_) return;
   auto recording = parse_recording(draft_->text, "draft");
   if (recording) {
@@ -113,29 +113,29 @@ void DatumViewDesk::take_draft() {
   draft_.reset();
 }
 
-void DatumViewDesk::drop_earlier_draft() {
+void DatumViewController::drop_earlier_draft() {
   drop_draft(kDraft);
   draft_.reset();
 }
 
-void DatumViewDesk::read(const std::string& path, bool as_overlay) {
+void DatumViewController::read(const std::string& path, bool as_overlay) {
   if (busy()) return;
-  reading_.start([path, as_overlay](JobSigns&) -> Result<Opened> {
+  reading_.start([path, as_overlay](JobControl&) -> Result<Opened> {
     auto recording = read_recording_file(path);
     if (!recording) return tl::unexpected(recording.error());
     return Opened{shown(std::move(*recording), std::filesystem::path(path).filename().string()), as_overlay};
   });
 }
 
-void DatumViewDesk::open(const std::string& path) { read(path, false); }
-void DatumViewDesk::overlay(const std::string& path) { read(path, true); }
+void DatumViewController::open(const std::string& path) { read(path, false); }
+void DatumViewController::overlay(const std::string& path) { read(path, true); }
 
-void DatumViewDesk::drop_overlay() {
+void DatumViewController::drop_overlay() {
   second_.reset();
   show_all();
 }
 
-void DatumViewDesk::align() {
+void DatumViewController::align() {
   if (!first_ || !second_) return;
   const auto a = first_switch_s(*first_), b = first_switch_s(*second_);
   if (!a || !b) {
@@ -150,28 +150,28 @@ void DatumViewDesk::align() {
   show_all();
 }
 
-void DatumViewDesk::save(const std::string& path) {
+void DatumViewController::save(const std::string& path) {
   if (!first_ || busy()) return;
-  writing_.start([recording = first_->recording, path](JobSigns&) -> Result<std::string> {
+  writing_.start([recording = first_->recording, path](JobControl&) -> Result<std::string> {
     if (const auto written = write_file(path, to_csv(recording)); !written) return tl::unexpected(written.error());
     return path;
   });
 }
 
-void DatumViewDesk::export_picture() {
+void DatumViewController::export_picture() {
   if (!first_) return;
   message_.say("The picture is being drawn ...");
   export_.start(datum_figure(*first_, second()),
                 fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)));
 }
 
-std::string DatumViewDesk::proposed_name() const {
+std::string DatumViewController::proposed_name() const {
   return first_
              ? file_name_now(fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), ".csv")
              : "";
 }
 
-void DatumViewDesk::show_all() {
+void DatumViewController::show_all() {
   if (!first_) return;
   from_s_ = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
   to_s_ = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
@@ -179,16 +179,16 @@ void DatumViewDesk::show_all() {
   redraw();
 }
 
-void DatumViewDesk::redraw() {
+void DatumViewController::redraw() {
   if (first_) panel_ = speed_panel(*first_, second(), from_s_, to_s_);
 }
 
-void DatumViewDesk::whole() {
+void DatumViewController::whole() {
   cursor_s_.reset();
   show_all();
 }
 
-void DatumViewDesk::go_to(double time_s) {
+void DatumViewController::go_to(double time_s) {
   cursor_s_ = time_s;
   if (time_s < from_s_ || time_s > to_s_) {
     const double half = 0.5 * (to_s_ - from_s_);
@@ -198,7 +198,7 @@ void DatumViewDesk::go_to(double time_s) {
   }
 }
 
-void DatumViewDesk::move_cursor(int direction, int columns) {
+void DatumViewController::move_cursor(int direction, int columns) {
   if (!first_) return;
   const double step_s = (to_s_ - from_s_) / std::max(1, columns);
   const double least_s = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
@@ -208,7 +208,7 @@ void DatumViewDesk::move_cursor(int direction, int columns) {
   go_to(std::clamp(std::round(moved / sample_s) * sample_s, least_s, most_s));
 }
 
-void DatumViewDesk::zoom(double factor) {
+void DatumViewController::zoom(double factor) {
   if (!first_) return;
   const double centre = cursor_s_.value_or(0.5 * (from_s_ + to_s_));
   const double width = std::max(kLeastSeen_s, (to_s_ - from_s_) * factor);
@@ -220,7 +220,7 @@ void DatumViewDesk::zoom(double factor) {
   redraw();
 }
 
-bool DatumViewDesk::advance() {
+bool DatumViewController::advance() {
   bool changed = export_.advance(message_);
   if (const auto opened = reading_.take()) {
     changed = true;

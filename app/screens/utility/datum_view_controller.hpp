@@ -20,9 +20,9 @@ namespace ecs::app {
 /// When the record was made that nobody has saved yet, local time; empty: there is none.
 [[nodiscard]] std::string unsaved_record_of();
 
-class DatumViewDesk {
+class DatumViewController {
  public:
-  DatumViewDesk();
+  DatumViewController();
 
   // --- records
   /// A fresh record: unsaved, kept as a draft.
@@ -35,7 +35,7 @@ class DatumViewDesk {
   void align();
   void save(const std::string& path);
   void export_picture();
-  [[nodiscard]] const std::optional<Draft>& draft() const { return draft_; }  ///< of an earlier session, not taken up
+  [[nodiscard]] const std::optional<Draft>& draft() const { return draft_; }  ///< of an earlier context, not taken up
   void take_draft();
   void drop_earlier_draft();
 

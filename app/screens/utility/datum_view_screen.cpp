@@ -18,27 +18,27 @@ Area body_of(const Area& area) {
 void DatumViewScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
   const Area body = body_of(inside);
-  if (desk_.first() == nullptr) {
+  if (controller_.first() == nullptr) {
     draw_empty(canvas, inside);
   } else {
     draw_heading(canvas, inside);
     if (page_ == Page::graph)
-      draw_datum_chart(canvas, body, desk_.panel(), *desk_.first(), desk_.second(), desk_.from_s(), desk_.to_s(),
-                       desk_.cursor_s());
+      draw_datum_chart(canvas, body, controller_.panel(), *controller_.first(), controller_.second(),
+                       controller_.from_s(), controller_.to_s(), controller_.cursor_s());
     else
       draw_events(canvas, body);
   }
   const Area last{inside.row + inside.rows - kMessageRows, inside.column, kMessageRows, inside.columns};
-  if (!desk_.message().text().empty())
-    desk_.message().draw(canvas, last);
-  else if (desk_.busy())
+  if (!controller_.message().text().empty())
+    controller_.message().draw(canvas, last);
+  else if (controller_.busy())
     canvas.text(last, 0, 0, "The file is being read or written ...");
   prompt_.draw(canvas, inside, inside.rows - 1);
   asking_.draw(canvas, inside);
 }
 
 void DatumViewScreen::draw_heading(Canvas& canvas, const Area& area) const {
-  const ShownRecord& record = *desk_.first();
+  const ShownRecord& record = *controller_.first();
   const DatumRecording& r = record.recording;
   const std::string taken =
       r.taken.size() < 16 ? r.taken : r.taken.substr(0, 10) + " " + r.taken.substr(11, 5) + " UTC";
@@ -47,7 +47,7 @@ void DatumViewScreen::draw_heading(Canvas& canvas, const Area& area) const {
       fmt::format("Axis {}, {}{}{}", letter_of(r.axis), record.name,
                   r.serial_number.empty() ? "" : ", unit " + r.serial_number, taken.empty() ? "" : ", " + taken),
       Tone::strong);
-  if (!desk_.saved()) canvas.text(area, 0, column, ", NOT SAVED", Tone::warning);
+  if (!controller_.saved()) canvas.text(area, 0, column, ", NOT SAVED", Tone::warning);
 }
 
 void DatumViewScreen::draw_empty(Canvas& canvas, const Area& area) const {
@@ -59,14 +59,15 @@ void DatumViewScreen::draw_empty(Canvas& canvas, const Area& area) const {
                               "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this one "
                               "makes a new record.",
                               Tone::strong);
-  if (desk_.draft())
-    canvas.paragraph(area, row + 2,
-                     fmt::format("Unsaved record of {} found: Enter takes it up, d drops it.", desk_.draft()->kept),
-                     Tone::warning);
+  if (controller_.draft())
+    canvas.paragraph(
+        area, row + 2,
+        fmt::format("Unsaved record of {} found: Enter takes it up, d drops it.", controller_.draft()->kept),
+        Tone::warning);
 }
 
 void DatumViewScreen::draw_events(Canvas& canvas, const Area& area) const {
-  const ShownRecord& record = *desk_.first();
+  const ShownRecord& record = *controller_.first();
   int row = 0;
   for (const std::string& hint : datuming_hints(record)) row += canvas.paragraph(area, row, hint);
   ++row;
@@ -82,26 +83,27 @@ void DatumViewScreen::draw_events(Canvas& canvas, const Area& area) const {
 }
 
 void DatumViewScreen::ask_save() {
-  prompt_.ask("Save as:", Prompt::Kind::path, desk_.proposed_name(), [this](const std::string& path) {
+  prompt_.ask("Save as:", Prompt::Kind::path, controller_.proposed_name(), [this](const std::string& path) {
     if (!file_is_there(path)) {
-      desk_.save(path);
+      controller_.save(path);
       return;
     }
     asking_.ask(
         {"Overwrite " + path + "?", "The file is there already; what it holds is lost.", "overwrite", "keep it"},
-        [this, path] { desk_.save(path); });
+        [this, path] { controller_.save(path); });
   });
 }
 
 void DatumViewScreen::ask_file(bool as_overlay) {
   if (as_overlay) {
-    prompt_.ask("Second record:", Prompt::Kind::path, "", [this](const std::string& path) { desk_.overlay(path); });
+    prompt_.ask("Second record:", Prompt::Kind::path, "",
+                [this](const std::string& path) { controller_.overlay(path); });
     return;
   }
   const auto ask = [this] {
-    prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { desk_.open(path); });
+    prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
   };
-  if (desk_.saved())
+  if (controller_.saved())
     ask();
   else
     asking_.ask({"Open another record?", "The record shown is not saved: it is lost when another is opened.",
@@ -112,19 +114,19 @@ void DatumViewScreen::ask_file(bool as_overlay) {
 bool DatumViewScreen::on_record_key(const Key& key) {
   if (is_letter(key, U'o')) {
     ask_file(false);
-  } else if (desk_.first() == nullptr) {
-    if (key.name == Key::Name::enter && desk_.draft()) desk_.take_draft();
-    if (is_letter(key, U'd') && desk_.draft()) desk_.drop_earlier_draft();
+  } else if (controller_.first() == nullptr) {
+    if (key.name == Key::Name::enter && controller_.draft()) controller_.take_draft();
+    if (is_letter(key, U'd') && controller_.draft()) controller_.drop_earlier_draft();
   } else if (is_letter(key, U's')) {
     ask_save();
   } else if (is_letter(key, U'v')) {
     ask_file(true);
   } else if (is_letter(key, U'x')) {
-    desk_.drop_overlay();
+    controller_.drop_overlay();
   } else if (is_letter(key, U'a')) {
-    desk_.align();
+    controller_.align();
   } else if (is_letter(key, U'e')) {
-    desk_.export_picture();
+    controller_.export_picture();
   } else {
     return false;
   }
@@ -132,26 +134,26 @@ bool DatumViewScreen::on_record_key(const Key& key) {
 }
 
 bool DatumViewScreen::on_view_key(const Key& key) {
-  if (desk_.first() == nullptr) return false;
+  if (controller_.first() == nullptr) return false;
   if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
     page_ = page_ == Page::graph ? Page::events : Page::graph;
   } else if (is_letter(key, U'1') || is_letter(key, U'2')) {
     page_ = is_letter(key, U'1') ? Page::graph : Page::events;
   } else if (page_ == Page::events) {
-    const auto& events = desk_.first()->events;
+    const auto& events = controller_.first()->events;
     if (event_.on_key(key, static_cast<int>(events.size()))) return true;
     if (key.name != Key::Name::enter || events.empty()) return false;
     const auto k = static_cast<std::size_t>(std::clamp(event_.selected, 0, static_cast<int>(events.size()) - 1));
-    desk_.go_to(events[k].time_s + desk_.first()->shift_s);
+    controller_.go_to(events[k].time_s + controller_.first()->shift_s);
     page_ = Page::graph;
   } else if (key.name == Key::Name::left || key.name == Key::Name::right) {
-    desk_.move_cursor(key.name == Key::Name::right ? 1 : -1, kStepColumns);
+    controller_.move_cursor(key.name == Key::Name::right ? 1 : -1, kStepColumns);
   } else if (key.name == Key::Name::page_up || key.name == Key::Name::page_down) {
-    desk_.move_cursor(key.name == Key::Name::page_down ? 10 : -10, kStepColumns);
+    controller_.move_cursor(key.name == Key::Name::page_down ? 10 : -10, kStepColumns);
   } else if (is_letter(key, U'+') || is_letter(key, U'-')) {
-    desk_.zoom(is_letter(key, U'+') ? 0.5 : 2.0);
+    controller_.zoom(is_letter(key, U'+') ? 0.5 : 2.0);
   } else if (is_letter(key, U'0')) {
-    desk_.whole();
+    controller_.whole();
   } else {
     return false;
   }
@@ -160,11 +162,11 @@ bool DatumViewScreen::on_view_key(const Key& key) {
 
 Step DatumViewScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (desk_.saved() || sure_to_leave_) return back();
+    if (controller_.saved() || sure_to_leave_) return back();
     sure_to_leave_ = true;
-    desk_.message().say(
+    controller_.message().say(
         "The record is not saved: s saves it; Esc again leaves, and it is offered when this screen opens "
         "again.",
         Tone::warning);
@@ -178,8 +180,8 @@ Step DatumViewScreen::on_key(const Key& key) {
 std::vector<KeyHelp> DatumViewScreen::keys() const {
   if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
   if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
-  if (desk_.first() == nullptr) {
-    if (desk_.draft())
+  if (controller_.first() == nullptr) {
+    if (controller_.draft())
       return {{"Enter", "take the record up"}, {"d", "drop it"}, {"o", "open a file"}, {"Esc", "back"}};
     return {{"o", "open a file"}, {"Esc", "back"}};
   }
@@ -187,7 +189,7 @@ std::vector<KeyHelp> DatumViewScreen::keys() const {
     return {{"Enter", "show it in the graph"}, {"up/down", "event"}, {"Tab", "graph"}, {"s", "save"}, {"Esc", "back"}};
   std::vector<KeyHelp> keys{{"left/right", "cursor"}, {"+ - 0", "zoom"}, {"Tab", "events"}, {"s", "save"},
                             {"v", "second"},          {"o", "open"},     {"e", "picture"}};
-  if (desk_.second() != nullptr) {
+  if (controller_.second() != nullptr) {
     keys.insert(keys.begin() + 3, {"a", "align"});
     keys.insert(keys.begin() + 4, {"x", "only the first"});
   }
@@ -209,9 +211,9 @@ Place DatumViewScreen::cursor(const Area& area) const {
 }
 
 std::string DatumViewScreen::unsaved() const {
-  return desk_.saved()
-             ? ""
-             : fmt::format("The datum sequence of axis {} is not saved.", letter_of(desk_.first()->recording.axis));
+  return controller_.saved() ? ""
+                             : fmt::format("The datum sequence of axis {} is not saved.",
+                                           letter_of(controller_.first()->recording.axis));
 }
 
 }  // namespace ecs::app

@@ -12,14 +12,14 @@ class DatumViewScreen final : public Screen {
  public:
   DatumViewScreen() = default;
   /// With a record that was just made.
-  explicit DatumViewScreen(DatumRecording recording) { desk_.take(std::move(recording)); }
+  explicit DatumViewScreen(DatumRecording recording) { controller_.take(std::move(recording)); }
 
   [[nodiscard]] std::string title() const override { return "DISPLAY DATUM SEQUENCE"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override;
@@ -34,7 +34,7 @@ class DatumViewScreen final : public Screen {
   [[nodiscard]] bool on_record_key(const Key& key);
   [[nodiscard]] bool on_view_key(const Key& key);
 
-  DatumViewDesk desk_;
+  DatumViewController controller_;
   Page page_ = Page::graph;
   ListPlace event_;
   Prompt prompt_;

@@ -46,22 +46,23 @@ Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double u
   return proposal;
 }
 
-OutputDesk::OutputDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
-  (void)unit_.look(*desk_);
+OutputController::OutputController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
   restarts_ = unit_.restarts;
   times_lost_ = unit_.standing.times_lost;
   setting_.axis = unit_.axes().empty() ? Axis::X : unit_.axes().front();
   follow_unit();
 }
 
-OutputDesk::~OutputDesk() {
+OutputController::~OutputController() {
   job_.cancel();
   while (job_.running() && !job_.take()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   if (setting_.at_rest()) return;
-  JobSigns signs;
+  JobControl control;
   const bool off =
-      desk_->standing().open &&
-      desk_->on_line_of_any_unit(signs, [](UnitLink& line) { return line.client().output_off(); }).has_value();
+      connection_->standing().open &&
+      connection_->on_line_of_any_unit(control, [](UnitLink& line) { return line.client().output_off(); }).has_value();
   if (!off && setting_.relay)
     leave_word(
         fmt::format("axis {}: the unit could not be told to open its relay. It opens it by itself 60 s after it "
@@ -70,7 +71,7 @@ OutputDesk::~OutputDesk() {
 }
 
 /// What another host, or this one before, left switched on; what the unit has ended by itself.
-void OutputDesk::follow_unit() {
+void OutputController::follow_unit() {
   if (busy() || !unit_.fresh || unit_.standing.newest_at < told_at_ + kSettling) return;
   if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {
     setting_ = {setting_.axis, 0.0, false};
@@ -85,7 +86,7 @@ void OutputDesk::follow_unit() {
 }
 
 /// The value that acts is the one shown, and the one that the next step starts from.
-void OutputDesk::follow_value() {
+void OutputController::follow_value() {
   const auto* s = unit_.axis(setting_.axis);
   if (s == nullptr || setting_.at_rest() || !unit_.integrating()) return;
   const double count_um = 1.0 / std::max(1e-9, std::abs(parameters().output_scale_counts_per_um));
@@ -96,19 +97,19 @@ void OutputDesk::follow_value() {
                Tone::bad);
 }
 
-double OutputDesk::step_um() const { return kSteps_um[static_cast<std::size_t>(step_)]; }
+double OutputController::step_um() const { return kSteps_um[static_cast<std::size_t>(step_)]; }
 
-void OutputDesk::resize_step(int direction) {
+void OutputController::resize_step(int direction) {
   step_ = std::clamp(step_ + direction, 0, static_cast<int>(kSteps_um.size()) - 1);
 }
 
-std::optional<double> OutputDesk::moved_um() const {
+std::optional<double> OutputController::moved_um() const {
   const auto* now = unit_.axis(setting_.axis);
   if (!rest_mm_ || now == nullptr) return std::nullopt;
   return 1e3 * (now->position_mm - *rest_mm_);
 }
 
-Result<double> OutputDesk::value_in(const std::string& typed) const {
+Result<double> OutputController::value_in(const std::string& typed) const {
   const auto number = number_in(typed);
   if (!number) return problem(ProblemKind::usage, fmt::format("expected a value in um, found \"{}\"", typed));
   const double limit = parameters().output_limit_um;
@@ -120,7 +121,7 @@ Result<double> OutputDesk::value_in(const std::string& typed) const {
   return *number;
 }
 
-Question OutputDesk::question(double um) const {
+Question OutputController::question(double um) const {
   const char axis = letter_of(setting_.axis);
   const double by = um - (setting_.relay ? setting_.um : 0.0);
   return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
@@ -136,13 +137,13 @@ Question OutputDesk::question(double um) const {
           "move it", "leave it"};
 }
 
-Result<ScaleProposal> OutputDesk::scale_from_measured(const std::string& typed_um) const {
+Result<ScaleProposal> OutputController::scale_from_measured(const std::string& typed_um) const {
   const auto measured_um = number_in(typed_um);
   if (!measured_um) return problem(ProblemKind::usage, fmt::format("expected a length in um, found \"{}\"", typed_um));
   return scale_from(parameters(), setting_.axis, setting_.um, *measured_um);
 }
 
-void OutputDesk::choose(Axis axis) {
+void OutputController::choose(Axis axis) {
   if (axis == setting_.axis || busy()) return;
   if (!setting_.at_rest()) {
     message_.say(fmt::format("Axis {} still puts out {}: press o first, one axis at a time.", letter_of(setting_.axis),
@@ -154,11 +155,11 @@ void OutputDesk::choose(Axis axis) {
   rest_mm_.reset();
 }
 
-void OutputDesk::set(double um, bool relay) {
+void OutputController::set(double um, bool relay) {
   if (busy()) return;
   const OutputSetting wanted{setting_.axis, um, relay};
-  job_.start([desk = desk_, wanted](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) -> Result<Taken> {
+  job_.start([connection = connection_, wanted](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) -> Result<Taken> {
       const auto before = line.client().monitor();
       if (!before) return tl::unexpected(before.error());
       if (const auto out = line.client().output_compensation(wanted.axis, wanted.um, wanted.relay); !out)
@@ -168,7 +169,7 @@ void OutputDesk::set(double um, bool relay) {
   });
 }
 
-void OutputDesk::step(int direction) {
+void OutputController::step(int direction) {
   const double limit = parameters().output_limit_um;
   const double wanted = std::round(1e3 * (setting_.um + direction * step_um())) / 1e3;
   if (std::abs(wanted) > limit)
@@ -180,14 +181,14 @@ void OutputDesk::step(int direction) {
     set(wanted, setting_.relay);
 }
 
-void OutputDesk::off() {
+void OutputController::off() {
   off_wanted_ = busy();
   if (busy()) {
     job_.cancel();
     return;
   }
-  job_.start([desk = desk_, axis = setting_.axis](JobSigns& signs) {
-    return desk->on_line_of_any_unit(signs, [&](UnitLink& line) -> Result<Taken> {
+  job_.start([connection = connection_, axis = setting_.axis](JobControl& control) {
+    return connection->on_line_of_any_unit(control, [&](UnitLink& line) -> Result<Taken> {
       if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
       const auto seen = line.client().monitor();
       if (!seen) return tl::unexpected(seen.error());
@@ -202,7 +203,7 @@ void OutputDesk::off() {
   });
 }
 
-void OutputDesk::take(const Result<Taken>& taken) {
+void OutputController::take(const Result<Taken>& taken) {
   if (!taken) {
     message_.say(taken.error());
     return;
@@ -218,16 +219,16 @@ void OutputDesk::take(const Result<Taken>& taken) {
                              now.relay ? "closed" : "open"));
 }
 
-void OutputDesk::start_reading_parameters() {
+void OutputController::start_reading_parameters() {
   if (reading_.running() || busy() || !unit_.standing.open || unit_.standing.opened_at == parameters_of_) return;
   parameters_of_ = unit_.standing.opened_at;
-  reading_.start([desk = desk_](JobSigns& signs) {
-    return desk->on_line(signs, [](UnitLink& line) { return receive_parameters(line.client()); });
+  reading_.start([connection = connection_](JobControl& control) {
+    return connection->on_line(control, [](UnitLink& line) { return receive_parameters(line.client()); });
   });
 }
 
-bool OutputDesk::advance() {
-  bool changed = unit_.look(*desk_);
+bool OutputController::advance() {
+  bool changed = unit_.look(*connection_);
   if (!setting_.at_rest() && unit_.standing.times_lost != times_lost_)
     message_.say(
         "The line is lost: nobody could tell the unit to open its relay. By itself it opens every relay when "

@@ -33,12 +33,12 @@ struct ScaleProposal {
 /// where no scale follows from them
 [[nodiscard]] Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um);
 
-class OutputDesk {
+class OutputController {
  public:
-  explicit OutputDesk(std::shared_ptr<UnitDesk> desk);
-  OutputDesk(const OutputDesk&) = delete;
-  OutputDesk& operator=(const OutputDesk&) = delete;
-  ~OutputDesk();  ///< waits until the unit has heard that everything is off, if there is a line
+  explicit OutputController(std::shared_ptr<UnitConnection> connection);
+  OutputController(const OutputController&) = delete;
+  OutputController& operator=(const OutputController&) = delete;
+  ~OutputController();  ///< waits until the unit has heard that everything is off, if there is a line
 
   /// A number within the output limit of the axis; a usage problem otherwise.
   [[nodiscard]] Result<double> value_in(const std::string& typed) const;
@@ -78,8 +78,8 @@ class OutputDesk {
   void follow_value();
   void start_reading_parameters();
 
-  std::shared_ptr<UnitDesk> desk_;
-  UnitDesk::Watching watching_;
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
   UnitView unit_;
   OutputSetting setting_;
   int step_ = 2;  ///< place in the row of steps

@@ -7,9 +7,9 @@
 namespace ecs::app {
 namespace {
 
-constexpr int kAxisRow = 2;
+constexpr int kOutputAxisRow = 2;
 constexpr int kBoxRow = 7;
-constexpr int kPromptRow = 13;  ///< a proposal or an explanation follows
+constexpr int kOutputPromptRow = 13;  ///< a proposal or an explanation follows
 constexpr const char* kScaleExplained =
     "To set the output scale: put a dial gauge on the axis and zero it, close the relay (r), step the value to the "
     "size of your "
@@ -17,11 +17,11 @@ constexpr const char* kScaleExplained =
     "The converter alone is tested with the relay open: measure its voltage.";
 
 /// What the box says, and how.
-ListRow relay_row(const OutputDesk& desk) {
-  const OutputSetting& now = desk.setting();
+ListRow relay_row(const OutputController& controller) {
+  const OutputSetting& now = controller.setting();
   const char axis = letter_of(now.axis);
   const std::string um = um_text(now.um);
-  if (!desk.unit().fresh)
+  if (!controller.unit().fresh)
     return {now.at_rest() ? std::string("RELAY NOT KNOWN  no answer: what the unit puts out is not known")
                           : fmt::format("RELAY NOT KNOWN  no answer; axis {} was told {}, relay {}", axis, um,
                                         now.relay ? "closed" : "open"),
@@ -32,8 +32,8 @@ ListRow relay_row(const OutputDesk& desk) {
   return {"RELAY OPEN       nothing is put out, nothing moves", Tone::good};
 }
 
-void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
-  const ListRow row = relay_row(desk);
+void draw_relay_box(Canvas& canvas, const Area& box, const OutputController& controller) {
+  const ListRow row = relay_row(controller);
   canvas.frame(box, {}, row.tone);
   canvas.text({box.row + 1, box.column + 2, 1, box.columns - 4}, 0, 0, row.text, row.tone);
 }
@@ -42,106 +42,107 @@ void draw_relay_box(Canvas& canvas, const Area& box, const OutputDesk& desk) {
 
 void OutputScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, desk_.unit());
-  draw_axis_rows(canvas, inside, kAxisRow, desk_.unit(), desk_.axis());
-  draw_relay_box(canvas, {inside.row + kBoxRow, inside.column, 3, inside.columns}, desk_);
-  const auto* seen = desk_.unit().axis(desk_.axis());
-  const auto moved = desk_.moved_um();
-  canvas.text(inside, kBoxRow + 3, 0,
-              fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(desk_.setting().um),
-                          seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), desk_.step_um()));
+  draw_unit_row(canvas, inside, 0, controller_.unit());
+  draw_axis_rows(canvas, inside, kOutputAxisRow, controller_.unit(), controller_.axis());
+  draw_relay_box(canvas, {inside.row + kBoxRow, inside.column, 3, inside.columns}, controller_);
+  const auto* seen = controller_.unit().axis(controller_.axis());
+  const auto moved = controller_.moved_um();
+  canvas.text(
+      inside, kBoxRow + 3, 0,
+      fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(controller_.setting().um),
+                  seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), controller_.step_um()));
   canvas.text(inside, kBoxRow + 4, 0,
               moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",
-                                  *moved, letter_of(desk_.axis()))
+                                  *moved, letter_of(controller_.axis()))
                     : std::string("moved              -      shown from the first value on"));
   canvas.text(inside, kBoxRow + 5, 0,
               fmt::format("at most    {:>9g} um  output scale {:g} counts/um, polarity {:+d}{}",
-                          desk_.parameters().output_limit_um, desk_.parameters().output_scale_counts_per_um,
-                          static_cast<int>(desk_.parameters().compensation_polarity),
-                          desk_.parameters_known() ? "" : " (default)"));
+                          controller_.parameters().output_limit_um, controller_.parameters().output_scale_counts_per_um,
+                          static_cast<int>(controller_.parameters().compensation_polarity),
+                          controller_.parameters_known() ? "" : " (default)"));
   if (prompt_.active())
-    prompt_.draw(canvas, inside, kPromptRow);
-  else if (desk_.busy())
-    canvas.text(inside, kPromptRow, 0, "The unit is told ...");
-  canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kPromptRow + 1,
+    prompt_.draw(canvas, inside, kOutputPromptRow);
+  else if (controller_.busy())
+    canvas.text(inside, kOutputPromptRow, 0, "The unit is told ...");
+  canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kOutputPromptRow + 1,
                    proposal_.empty() ? kScaleExplained : proposal_, proposal_.empty() ? Tone::faint : Tone::strong);
-  desk_.message().draw(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns});
+  controller_.message().draw(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns});
   asking_.draw(canvas, inside);
 }
 
 void OutputScreen::type_value() {
-  prompt_.ask(fmt::format("Value for {}, um:", letter_of(desk_.axis())), Prompt::Kind::number, "",
+  prompt_.ask(fmt::format("Value for {}, um:", letter_of(controller_.axis())), Prompt::Kind::number, "",
               [this](const std::string& typed) {
-                const auto um = desk_.value_in(typed);
+                const auto um = controller_.value_in(typed);
                 if (!um)
-                  desk_.message().say(um.error());
-                else if (desk_.setting().relay)
-                  asking_.ask(desk_.question(*um), [this, um = *um] { desk_.set(um, true); });
+                  controller_.message().say(um.error());
+                else if (controller_.setting().relay)
+                  asking_.ask(controller_.question(*um), [this, um = *um] { controller_.set(um, true); });
                 else
-                  desk_.set(*um, false);
+                  controller_.set(*um, false);
               });
 }
 
 void OutputScreen::type_measured() {
-  const auto moved = desk_.moved_um();
-  if (desk_.setting().um == 0.0 || !desk_.setting().relay) {
-    desk_.message().say("Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.",
-                        Tone::warning);
+  const auto moved = controller_.moved_um();
+  if (controller_.setting().um == 0.0 || !controller_.setting().relay) {
+    controller_.message().say(
+        "Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.", Tone::warning);
     return;
   }
-  prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(desk_.axis())), Prompt::Kind::number,
+  prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(controller_.axis())), Prompt::Kind::number,
               moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) {
-                const auto proposal = desk_.scale_from_measured(typed);
+                const auto proposal = controller_.scale_from_measured(typed);
                 if (proposal)
                   proposal_ = proposal->sentence;
                 else
-                  desk_.message().say(proposal.error());
+                  controller_.message().say(proposal.error());
               });
 }
 
 void OutputScreen::toggle_relay() {
-  const OutputSetting now = desk_.setting();
+  const OutputSetting now = controller_.setting();
   if (now.relay)
-    desk_.set(now.um, false);
+    controller_.set(now.um, false);
   else
-    asking_.ask(desk_.question(now.um), [this, um = now.um] { desk_.set(um, true); });
+    asking_.ask(controller_.question(now.um), [this, um = now.um] { controller_.set(um, true); });
 }
 
 void OutputScreen::choose_next(int by) {
-  const auto axes = desk_.unit().axes();
-  const auto at = std::find(axes.begin(), axes.end(), desk_.axis());
+  const auto axes = controller_.unit().axes();
+  const auto at = std::find(axes.begin(), axes.end(), controller_.axis());
   if (at == axes.end()) return;
   const auto k = std::clamp(static_cast<int>(at - axes.begin()) + by, 0, static_cast<int>(axes.size()) - 1);
-  desk_.choose(axes[static_cast<std::size_t>(k)]);
+  controller_.choose(axes[static_cast<std::size_t>(k)]);
 }
 
 Step OutputScreen::leave() {
-  if (!desk_.busy() && (desk_.setting().at_rest() || !desk_.unit().fresh)) return back();
-  desk_.off();
+  if (!controller_.busy() && (controller_.setting().at_rest() || !controller_.unit().fresh)) return back();
+  controller_.off();
   return stay();
 }
 
 void OutputScreen::on_command(const Key& key) {
   if (key.name == Key::Name::up || key.name == Key::Name::down) choose_next(key.name == Key::Name::down ? 1 : -1);
-  if (const auto axis = axis_of_key(key)) desk_.choose(*axis);
-  const auto axes = desk_.unit().axes();
-  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size())))
-    desk_.choose(axes[static_cast<std::size_t>(*k)]);
+  if (const auto axis = axis_of_key(key)) controller_.choose(*axis);
+  const auto axes = controller_.unit().axes();
+  if (const auto k = axis_clicked(key, kOutputAxisRow + 2, static_cast<int>(axes.size())))
+    controller_.choose(axes[static_cast<std::size_t>(*k)]);
   if (key.name == Key::Name::enter) type_value();
-  if (is_letter(key, U'+') || is_letter(key, U'=')) desk_.step(1);
-  if (is_letter(key, U'-')) desk_.step(-1);
-  if (is_letter(key, U'>') || is_letter(key, U'.')) desk_.resize_step(1);
-  if (is_letter(key, U'<') || is_letter(key, U',')) desk_.resize_step(-1);
+  if (is_letter(key, U'+') || is_letter(key, U'=')) controller_.step(1);
+  if (is_letter(key, U'-')) controller_.step(-1);
+  if (is_letter(key, U'>') || is_letter(key, U'.')) controller_.resize_step(1);
+  if (is_letter(key, U'<') || is_letter(key, U',')) controller_.resize_step(-1);
   if (is_letter(key, U'r')) toggle_relay();
   if (is_letter(key, U'm')) type_measured();
 }
 
 Step OutputScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape || is_letter(key, U'q')) return leave();
   if (is_letter(key, U'o') || is_letter(key, U' '))
-    desk_.off();
+    controller_.off();
   else
     on_command(key);
   return stay();
@@ -153,11 +154,11 @@ std::vector<KeyHelp> OutputScreen::keys() const {
   return {{"o", "ALL OFF"},
           {"Enter", "value"},
           {"+ -", "step"},
-          {"r", desk_.setting().relay ? "open relay" : "relay"},
+          {"r", controller_.setting().relay ? "open relay" : "relay"},
           {"x y z", "axis"},
           {"m", "measured"},
           {"< >", "step size"},
-          {"Esc", desk_.setting().at_rest() ? "back" : "all off"},
+          {"Esc", controller_.setting().at_rest() ? "back" : "all off"},
           {"Space", "ALL OFF as well"}};
 }
 
@@ -171,7 +172,7 @@ std::string OutputScreen::help() const {
 }
 
 Place OutputScreen::cursor(const Area& area) const {
-  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kPromptRow);
+  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kOutputPromptRow);
 }
 
 }  // namespace ecs::app

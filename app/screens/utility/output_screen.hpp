@@ -9,14 +9,14 @@ namespace ecs::app {
 
 class OutputScreen final : public Screen {
  public:
-  explicit OutputScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+  explicit OutputScreen(std::shared_ptr<UnitConnection> controller) : controller_(std::move(controller)) {}
 
   [[nodiscard]] std::string title() const override { return "OUTPUT COMPENSATION VALUE"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
@@ -28,7 +28,7 @@ class OutputScreen final : public Screen {
   void toggle_relay();
   void choose_next(int by);
 
-  OutputDesk desk_;
+  OutputController controller_;
   Prompt prompt_;
   Asking asking_;
   std::string proposal_;  ///< from the last measurement

@@ -14,20 +14,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point moment) { return std::chrono::duration<double>(Clock::now() - moment).count(); }
-
 /// Ages are shown in seconds, below one not at all.
 int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); }
 
 }  // namespace
 
-bool UnitView::look(const UnitDesk& desk) {
+double seconds_since(std::chrono::steady_clock::time_point moment) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
+}
+
+bool UnitView::look(const UnitConnection& connection) {
   const int age_before = shown_age(age_s);
   const bool fresh_before = fresh;
-  const std::uint64_t now = desk.changes();
+  const std::uint64_t now = connection.changes();
   if (now != changes || !sample) {
-    standing = desk.standing();
-    const auto newest = desk.newest();
+    standing = connection.standing();
+    const auto newest = connection.newest();
     fresh = newest.has_value();
     if (newest && standing.newest_at >= taken_at_) take(*newest, standing.newest_at);
   }

@@ -24,8 +24,8 @@ struct UnitView {
   std::uint64_t changes = 0;
 
   /// @return whether there is anything new to draw
-  bool look(const UnitDesk& desk);
-  /// A sample that came with a piece of work while the desk could not look.
+  bool look(const UnitConnection& connection);
+  /// A sample that came with a piece of work while the connection could not look.
   void take(const protocol::MonitorSample& seen);
   [[nodiscard]] std::vector<Axis> axes() const;  ///< that the unit has; all as long as none answered
   [[nodiscard]] const protocol::AxisSample* axis(Axis which) const;
@@ -42,6 +42,8 @@ struct UnitView {
 /// @param passed  from one sample to the other while the line was lost, else 0
 [[nodiscard]] bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after,
                               std::chrono::steady_clock::duration passed);
+
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point moment);
 
 /// "seen 4 s ago", coarse; empty below one second.
 [[nodiscard]] std::string age_text(double age_s);

@@ -8,12 +8,13 @@
 
 namespace ecs::app {
 
-PositionDesk::PositionDesk(std::shared_ptr<UnitDesk> desk) : desk_(desk), watching_(std::move(desk)) {
-  (void)unit_.look(*desk_);
+PositionController::PositionController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
   restarts_ = unit_.restarts;
 }
 
-Result<double> PositionDesk::position_in(const std::string& typed) {
+Result<double> PositionController::position_in(const std::string& typed) {
   const auto number = number_in(typed);
   if (!number) return problem(ProblemKind::usage, fmt::format("expected a position in mm, found \"{}\"", typed));
   if (std::abs(*number) > kLargest_mm)
@@ -22,7 +23,7 @@ Result<double> PositionDesk::position_in(const std::string& typed) {
   return *number;
 }
 
-Question PositionDesk::question(Axis axis, double position_mm) const {
+Question PositionController::question(Axis axis, double position_mm) const {
   const protocol::AxisSample* now = unit_.axis(axis);
   const std::string shown = now == nullptr ? "" : fmt::format(" It shows {:.4f} mm now.", now->position_mm);
   const std::string reference =
@@ -35,9 +36,9 @@ Question PositionDesk::question(Axis axis, double position_mm) const {
           "leave it"};
 }
 
-void PositionDesk::set(Axis axis, double position_mm) { start(axis, position_mm, false, 0.0); }
+void PositionController::set(Axis axis, double position_mm) { start(axis, position_mm, false, 0.0); }
 
-void PositionDesk::undo() {
+void PositionController::undo() {
   if (done_.empty()) {
     message_.say("Nothing to undo: no position was set here.", Tone::warning);
     return;
@@ -47,10 +48,10 @@ void PositionDesk::undo() {
 }
 
 /// @param shift_mm  of an undo: the axis may have moved since, so it is shifted from where it stands
-void PositionDesk::start(Axis axis, double position_mm, bool is_undo, double shift_mm) {
+void PositionController::start(Axis axis, double position_mm, bool is_undo, double shift_mm) {
   if (busy()) return;
-  job_.start([desk = desk_, axis, position_mm, is_undo, shift_mm](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) -> Result<Change> {
+  job_.start([connection = connection_, axis, position_mm, is_undo, shift_mm](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) -> Result<Change> {
       const auto before = line.client().monitor();
       if (!before) return tl::unexpected(before.error());
       const double shown_mm = before->axes[index_of(axis)].position_mm;
@@ -61,8 +62,8 @@ void PositionDesk::start(Axis axis, double position_mm, bool is_undo, double shi
   });
 }
 
-bool PositionDesk::advance() {
-  bool changed = unit_.look(*desk_);
+bool PositionController::advance() {
+  bool changed = unit_.look(*connection_);
   if (unit_.restarts != restarts_) {
     restarts_ = unit_.restarts;
     if (!done_.empty())

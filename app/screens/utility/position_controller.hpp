@@ -17,10 +17,10 @@ struct PresetPosition {
   double after_mm = 0.0;
 };
 
-class PositionDesk {
+class PositionController {
  public:
   static constexpr double kLargest_mm = 1e6;  ///< as the unit takes them
-  explicit PositionDesk(std::shared_ptr<UnitDesk> desk);
+  explicit PositionController(std::shared_ptr<UnitConnection> connection);
 
   /// A number within ±kLargest_mm; a usage problem otherwise.
   [[nodiscard]] static Result<double> position_in(const std::string& typed);
@@ -47,8 +47,8 @@ class PositionDesk {
   };
   void start(Axis axis, double position_mm, bool is_undo, double shift_mm);
 
-  std::shared_ptr<UnitDesk> desk_;
-  UnitDesk::Watching watching_;
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
   UnitView unit_;
   std::vector<PresetPosition> done_;
   int restarts_ = 0;

@@ -7,9 +7,9 @@
 namespace ecs::app {
 namespace {
 
-constexpr int kAxisRow = 2;
-constexpr int kPromptRow = 7;
-constexpr const char* kExplained =
+constexpr int kPositionAxisRow = 2;
+constexpr int kPositionPromptRow = 7;
+constexpr const char* kPositionExplained =
     "The unit adds up the counts of an axis's transducer. Here the number it shows for an axis is set to any value, "
     "and "
     "it counts on from there. Set an axis to 0, move it by a known distance and compare: a wrong sign is the wiring or "
@@ -19,29 +19,29 @@ constexpr const char* kExplained =
 }  // namespace
 
 Axis PositionScreen::chosen() const {
-  const auto axes = desk_.unit().axes();
+  const auto axes = controller_.unit().axes();
   if (axes.empty()) return Axis::X;
   return axes[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(axes.size()) - 1))];
 }
 
 void PositionScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, desk_.unit());
-  draw_axis_rows(canvas, inside, kAxisRow, desk_.unit(), chosen());
+  draw_unit_row(canvas, inside, 0, controller_.unit());
+  draw_axis_rows(canvas, inside, kPositionAxisRow, controller_.unit(), chosen());
   if (prompt_.active())
-    prompt_.draw(canvas, inside, kPromptRow);
+    prompt_.draw(canvas, inside, kPositionPromptRow);
   else
-    canvas.text(inside, kPromptRow, 0,
-                desk_.busy() ? "The unit is told ..."
-                             : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
-  int row = kPromptRow + 2;
-  row += canvas.paragraph(inside, row, kExplained, Tone::faint) + 1;
-  const auto& done = desk_.done();
+    canvas.text(inside, kPositionPromptRow, 0,
+                controller_.busy() ? "The unit is told ..."
+                                   : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
+  int row = kPositionPromptRow + 2;
+  row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
+  const auto& done = controller_.done();
   if (!done.empty()) canvas.text(inside, row++, 0, "Set here, newest first (u takes the first back):", Tone::faint);
   for (auto it = done.rbegin(); it != done.rend() && row < inside.rows - 3; ++it)
     canvas.text(inside, row++, 2,
                 fmt::format("{}  {:>13.4f} mm, was {:.4f} mm", letter_of(it->axis), it->after_mm, it->before_mm));
-  desk_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
   asking_.draw(canvas, inside);
 }
 
@@ -49,31 +49,32 @@ void PositionScreen::type() {
   const Axis axis = chosen();
   prompt_.ask(fmt::format("New position of {}, mm:", letter_of(axis)), Prompt::Kind::number, "",
               [this, axis](const std::string& typed) {
-                const auto position = PositionDesk::position_in(typed);
+                const auto position = PositionController::position_in(typed);
                 if (!position)
-                  desk_.message().say(position.error());
+                  controller_.message().say(position.error());
                 else
-                  asking_.ask(desk_.question(axis, *position), [this, axis, mm = *position] { desk_.set(axis, mm); });
+                  asking_.ask(controller_.question(axis, *position),
+                              [this, axis, mm = *position] { controller_.set(axis, mm); });
               });
 }
 
 Step PositionScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || prompt_.on_key(key)) return stay();
   if (key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!desk_.busy()) return back();
-    desk_.cancel();
+    if (!controller_.busy()) return back();
+    controller_.cancel();
     return stay();
   }
-  const auto axes = desk_.unit().axes();
+  const auto axes = controller_.unit().axes();
   if (place_.on_key(key, static_cast<int>(axes.size()))) return stay();
   if (const auto axis = axis_of_key(key))
     for (std::size_t k = 0; k < axes.size(); ++k)
       if (axes[k] == *axis) place_.selected = static_cast<int>(k);
-  if (const auto k = axis_clicked(key, kAxisRow + 2, static_cast<int>(axes.size()))) place_.selected = *k;
-  if (key.name == Key::Name::enter && !desk_.busy()) type();
-  if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) desk_.undo();
+  if (const auto k = axis_clicked(key, kPositionAxisRow + 2, static_cast<int>(axes.size()))) place_.selected = *k;
+  if (key.name == Key::Name::enter && !controller_.busy()) type();
+  if (is_letter(key, U'u') || (key.name == Key::Name::control && key.letter == U'z')) controller_.undo();
   return stay();
 }
 
@@ -84,13 +85,13 @@ std::vector<KeyHelp> PositionScreen::keys() const {
 }
 
 std::string PositionScreen::help() const {
-  return std::string(kExplained) +
+  return std::string(kPositionExplained) +
          " The unit takes it in integration mode only. u undoes what was set last: the axis is shifted back by the "
          "same amount, also if it has moved since.";
 }
 
 Place PositionScreen::cursor(const Area& area) const {
-  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kPromptRow);
+  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kPositionPromptRow);
 }
 
 }  // namespace ecs::app

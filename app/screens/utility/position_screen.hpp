@@ -9,14 +9,14 @@ namespace ecs::app {
 
 class PositionScreen final : public Screen {
  public:
-  explicit PositionScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+  explicit PositionScreen(std::shared_ptr<UnitConnection> controller) : controller_(std::move(controller)) {}
 
   [[nodiscard]] std::string title() const override { return "SET AXIS POSITION"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
@@ -24,7 +24,7 @@ class PositionScreen final : public Screen {
   [[nodiscard]] Axis chosen() const;
   void type();
 
-  PositionDesk desk_;
+  PositionController controller_;
   ListPlace place_;
   Prompt prompt_;
   Asking asking_;

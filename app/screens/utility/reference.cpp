@@ -62,7 +62,7 @@ Result<pid_t> spawned(const std::vector<std::string>& words, const Said& said) {
   return child;
 }
 
-Result<void> referenced(const std::string& workshop, const std::vector<Axis>& axes, const JobSigns& signs) {
+Result<void> referenced(const std::string& workshop, const std::vector<Axis>& axes, const JobControl& control) {
   const auto program = emulator_program();
   if (!program) return problem(ProblemKind::link, "`ecs-emulator` is not found beside `ecs` nor on PATH");
   std::vector<std::string> words{program->string(), "workshop", workshop, "reference"};
@@ -73,11 +73,11 @@ Result<void> referenced(const std::string& workshop, const std::vector<Axis>& ax
   int status = 0;
   bool told = false;
   while (::waitpid(*child, &status, WNOHANG) == 0) {
-    if (signs.cancelled && !told) ::kill(*child, SIGKILL);
-    told = signs.cancelled;
+    if (control.cancelled && !told) ::kill(*child, SIGKILL);
+    told = control.cancelled;
     std::this_thread::sleep_for(10ms);
   }
-  if (signs.cancelled || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) return {};
+  if (control.cancelled || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) return {};
   return problem(ProblemKind::link, fmt::format("the emulated machine was not referenced: {}", said.text()));
 }
 
@@ -85,7 +85,8 @@ Result<void> referenced(const std::string& workshop, const std::vector<Axis>& ax
 
 void MachineReference::start(const std::string& workshop, std::vector<Axis> axes) {
   if (running_.running()) return;
-  running_.start([workshop, axes = std::move(axes)](JobSigns& signs) { return referenced(workshop, axes, signs); });
+  running_.start(
+      [workshop, axes = std::move(axes)](JobControl& control) { return referenced(workshop, axes, control); });
 }
 
 bool MachineReference::advance(MessageLine& message) {

@@ -14,15 +14,13 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLongest_s = 3600.0;
 constexpr Address kLastStart = kSystemRam.first + kSystemRam.size - 2;
 
-double seconds_since(Clock::time_point moment) { return std::chrono::duration<double>(Clock::now() - moment).count(); }
-
-Result<RunDesk::Ended> run_in(UnitLink& line, const UserProgram& program) {
+Result<RunController::Ended> run_in(UnitLink& line, const UserProgram& program) {
   const auto since = Clock::now();
   const auto value = line.client().run_user_software(
       program.address, program.argument, std::chrono::milliseconds(static_cast<long long>(program.wait_s * 1000.0)));
   const bool line_holds = line.client().link().last_failure() == protocol::LinkFailure::none;
   if (!value && (!line_holds || line.client().link().cancelled())) return tl::unexpected(value.error());
-  RunDesk::Ended ended{program, std::nullopt, {}, {}, seconds_since(since)};
+  RunController::Ended ended{program, std::nullopt, {}, {}, seconds_since(since)};
   if (value)
     ended.returned = *value;
   else
@@ -82,42 +80,44 @@ std::vector<ProgramRegion> program_regions() {
           {kBankB, "error map and parameters", false}};
 }
 
-RunDesk::RunDesk(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) { (void)unit_.look(*desk_); }
+RunController::RunController(std::shared_ptr<UnitConnection> connection) : connection_(std::move(connection)) {
+  (void)unit_.look(*connection_);
+}
 
-void RunDesk::prepare(const UserProgram& program) {
+void RunController::prepare(const UserProgram& program) {
   if (busy()) return;
   program_ = program;
-  peeking_.start([desk = desk_, address = program.address](JobSigns& signs) {
+  peeking_.start([connection = connection_, address = program.address](JobControl& control) {
     const std::size_t bytes = std::min<std::size_t>(kPeekBytes, kSystemRam.first + kSystemRam.size - address);
-    return desk->on_line(signs, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
+    return connection->on_line(control, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
   });
 }
 
-std::optional<Question> RunDesk::take_question() {
+std::optional<Question> RunController::take_question() {
   std::optional<Question> question;
   question.swap(question_);
   return question;
 }
 
-void RunDesk::run() {
+void RunController::run() {
   if (busy()) return;
   ended_.reset();
   since_ = Clock::now();
-  running_.start([desk = desk_, program = program_](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) { return run_in(line, program); });
+  running_.start([connection = connection_, program = program_](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) { return run_in(line, program); });
   });
 }
 
-void RunDesk::cancel() {
+void RunController::cancel() {
   given_up_ = busy();
   peeking_.cancel();
   running_.cancel();
 }
 
-double RunDesk::running_s() const { return running() ? seconds_since(since_) : 0.0; }
+double RunController::running_s() const { return running() ? seconds_since(since_) : 0.0; }
 
-bool RunDesk::advance() {
-  bool changed = unit_.look(*desk_);
+bool RunController::advance() {
+  bool changed = unit_.look(*connection_);
   if (const auto bytes = peeking_.take()) {
     changed = true;
     if (!*bytes) {

@@ -33,7 +33,7 @@ struct ProgramRegion {
 };
 [[nodiscard]] std::vector<ProgramRegion> program_regions();
 
-class RunDesk {
+class RunController {
  public:
   static constexpr std::size_t kPeekBytes = 8;
   struct Ended {
@@ -43,7 +43,7 @@ class RunDesk {
     std::vector<KeptRegister> registers;  ///< empty: they could not be read
     double took_s = 0.0;
   };
-  explicit RunDesk(std::shared_ptr<UnitDesk> desk);
+  explicit RunController(std::shared_ptr<UnitConnection> connection);
 
   /// Reads the first bytes at the address; the question is there when they came.
   void prepare(const UserProgram& program);
@@ -64,7 +64,7 @@ class RunDesk {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  std::shared_ptr<UnitDesk> desk_;
+  std::shared_ptr<UnitConnection> connection_;
   UnitView unit_;
   UserProgram program_;
   std::optional<Question> question_;

@@ -13,13 +13,13 @@ constexpr int kFieldRow = 2;
 constexpr int kFieldColumn = 16;
 constexpr int kFieldColumns = 12;
 constexpr int kRegionRow = 6;
-constexpr const char* kNames[] = {"start address", "argument", "time limit, s"};
+constexpr const char* kFieldNames[] = {"start address", "argument", "time limit, s"};
 constexpr const char* kHelps[] = {"even, from 0x041000 to 0x04FFFE", "a number for the program, in D0: 7 or 0x043000",
                                   "the program is stopped then"};
 
 }  // namespace
 
-RunScreen::RunScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {
+RunScreen::RunScreen(std::shared_ptr<UnitConnection> controller) : controller_(std::move(controller)) {
   fields_[0].set(fmt::format("0x{:06X}", kUserPrograms));
   fields_[1].set("0");
   fields_[2].set("60");
@@ -27,7 +27,7 @@ RunScreen::RunScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {
 
 void RunScreen::draw_fields(Canvas& canvas, const Area& area) const {
   for (int k = 0; k < kFields; ++k) {
-    canvas.text(area, k, 0, fmt::format("{} {}", k == place_ ? ">" : " ", kNames[k]),
+    canvas.text(area, k, 0, fmt::format("{} {}", k == place_ ? ">" : " ", kFieldNames[k]),
                 k == place_ ? Tone::strong : Tone::plain);
     fields_[static_cast<std::size_t>(k)].draw(canvas, area, k, kFieldColumn, kFieldColumns, k == place_);
     canvas.text(area, k, kFieldColumn + kFieldColumns + 2, kHelps[k], Tone::faint);
@@ -50,13 +50,13 @@ void RunScreen::draw_regions(Canvas& canvas, const Area& area) const {
 }
 
 void RunScreen::draw_result(Canvas& canvas, const Area& area) const {
-  if (desk_.running()) {
-    const double limit_s = desk_.program().wait_s;
-    draw_progress(canvas, area, 0, fmt::format("running 0x{:06X}", desk_.program().address),
-                  desk_.running_s() / limit_s, limit_s - desk_.running_s());
+  if (controller_.running()) {
+    const double limit_s = controller_.program().wait_s;
+    draw_progress(canvas, area, 0, fmt::format("running 0x{:06X}", controller_.program().address),
+                  controller_.running_s() / limit_s, limit_s - controller_.running_s());
     return;
   }
-  const auto& ended = desk_.ended();
+  const auto& ended = controller_.ended();
   if (!ended) {
     canvas.paragraph(area, 0,
                      "A program ends with RTS and returns D0. MEMORY ACCESS writes programs and their data into system "
@@ -80,18 +80,18 @@ void RunScreen::draw_result(Canvas& canvas, const Area& area) const {
 
 void RunScreen::draw(Canvas& canvas, const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, desk_.unit());
+  draw_unit_row(canvas, inside, 0, controller_.unit());
   draw_fields(canvas, inside.below(kFieldRow));
   draw_regions(canvas, inside.below(kRegionRow));
   const int result_row = kRegionRow + static_cast<int>(regions_.size()) + 1;
   draw_result(canvas, inside.below(result_row));
-  desk_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
   asking_.draw(canvas, inside);
 }
 
 bool RunScreen::advance() {
-  const bool changed = desk_.advance();
-  if (auto question = desk_.take_question()) asking_.ask(std::move(*question), [this] { desk_.run(); });
+  const bool changed = controller_.advance();
+  if (auto question = controller_.take_question()) asking_.ask(std::move(*question), [this] { controller_.run(); });
   return changed;
 }
 
@@ -99,27 +99,27 @@ void RunScreen::enter() {
   if (!in_field()) {
     const ProgramRegion& chosen = regions_[static_cast<std::size_t>(place_ - kFields)];
     fields_[chosen.runs ? 0 : 1].set(fmt::format("0x{:06X}", chosen.region.first));
-    desk_.message().say(chosen.runs ? "Its first address is the start address now."
-                                    : "No program runs there; its first address is the argument now.");
+    controller_.message().say(chosen.runs ? "Its first address is the start address now."
+                                          : "No program runs there; its first address is the argument now.");
     place_ = chosen.runs ? 0 : 1;
     return;
   }
   const auto program = program_in(fields_[0].text(), fields_[1].text(), fields_[2].text());
   if (program)
-    desk_.prepare(*program);
+    controller_.prepare(*program);
   else
-    desk_.message().say(program.error());
+    controller_.message().say(program.error());
 }
 
 Step RunScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape) {
-    if (!desk_.busy()) return back();
-    desk_.cancel();
+    if (!controller_.busy()) return back();
+    controller_.cancel();
     return stay();
   }
-  if (desk_.busy()) return stay();
+  if (controller_.busy()) return stay();
   const int places = kFields + static_cast<int>(regions_.size());
   if (key.name == Key::Name::down || key.name == Key::Name::tab) {
     place_ = (place_ + 1) % places;
@@ -135,7 +135,7 @@ Step RunScreen::on_key(const Key& key) {
 
 std::vector<KeyHelp> RunScreen::keys() const {
   if (asking_.active()) return {{"y", "run it"}, {"n", "leave it"}};
-  if (desk_.busy()) return {{"Esc", "stop it"}};
+  if (controller_.busy()) return {{"Esc", "stop it"}};
   if (!in_field()) return {{"Enter", "take its address"}, {"up/down", "choose"}, {"Esc", "back"}};
   return {{"Enter", "run"}, {"up/down", "field, region"}, {"Esc", "back"}};
 }

@@ -9,7 +9,7 @@ namespace ecs::app {
 
 class RunScreen final : public Screen {
  public:
-  explicit RunScreen(std::shared_ptr<UnitDesk> desk);
+  explicit RunScreen(std::shared_ptr<UnitConnection> controller);
 
   [[nodiscard]] std::string title() const override { return "RUN USER SOFTWARE"; }
   void draw(Canvas& canvas, const Area& area) const override;
@@ -17,7 +17,7 @@ class RunScreen final : public Screen {
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
-  [[nodiscard]] bool typing() const override { return in_field() && !asking_.active() && !desk_.busy(); }
+  [[nodiscard]] bool typing() const override { return in_field() && !asking_.active() && !controller_.busy(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
  private:
@@ -28,7 +28,7 @@ class RunScreen final : public Screen {
   void draw_result(Canvas& canvas, const Area& area) const;
   void enter();
 
-  RunDesk desk_;
+  RunController controller_;
   std::vector<ProgramRegion> regions_ = program_regions();
   std::array<TextLine, kFields> fields_;
   int place_ = 0;  ///< a field, then a region

@@ -57,27 +57,28 @@ Result<StatusFile> read_status_file(const std::string& path) {
   return file;
 }
 
-StatusDesk::StatusDesk(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)), standing_(desk_->standing()) {}
+StatusController::StatusController(std::shared_ptr<UnitConnection> connection)
+    : connection_(std::move(connection)), standing_(connection_->standing()) {}
 
-const StatusSnapshot* StatusDesk::snapshot() const {
+const StatusSnapshot* StatusController::snapshot() const {
   if (file_) return file_->snapshot ? &*file_->snapshot : nullptr;
   return read_ ? &read_->snapshot : nullptr;
 }
 
-std::optional<double> StatusDesk::age_s() const {
+std::optional<double> StatusController::age_s() const {
   if (!read_) return std::nullopt;
   return std::chrono::duration<double>(Clock::now() - read_at_).count();
 }
 
-std::string StatusDesk::lack() const { return !standing_.problem.empty() ? standing_.problem : problem_; }
+std::string StatusController::lack() const { return !standing_.problem.empty() ? standing_.problem : problem_; }
 
-bool StatusDesk::integrating() const { return read_ && read_->snapshot.status.mode == UnitMode::integration; }
+bool StatusController::integrating() const { return read_ && read_->snapshot.status.mode == UnitMode::integration; }
 
-void StatusDesk::open(const std::string& path) {
-  if (!opening_.running()) opening_.start([path](JobSigns&) { return read_status_file(path); });
+void StatusController::open(const std::string& path) {
+  if (!opening_.running()) opening_.start([path](JobControl&) { return read_status_file(path); });
 }
 
-bool StatusDesk::may_act() {
+bool StatusController::may_act() {
   if (file_)
     message_.say("A file is shown: l goes back to the unit first.", Tone::warning);
   else if (!read_)
@@ -89,17 +90,17 @@ bool StatusDesk::may_act() {
   return false;
 }
 
-void StatusDesk::start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobSigns&)> work) {
+void StatusController::start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobControl&)> work) {
   working_on_ = std::move(working_on);
-  work_.start([desk = desk_, work = std::move(work)](JobSigns& signs) {
-    return desk->on_line(signs, [&](UnitLink& line) { return work(line, signs); });
+  work_.start([connection = connection_, work = std::move(work)](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) { return work(line, control); });
   });
 }
 
-void StatusDesk::test_memory() {
-  start("memory test", [](UnitLink& line, JobSigns& signs) -> Result<std::string> {
+void StatusController::test_memory() {
+  start("memory test", [](UnitLink& line, JobControl& control) -> Result<std::string> {
     const auto result = line.client().run_ram_test(
-        [&signs](const protocol::CommandResult& busy) { signs.part = busy.per_mille / 1000.0; });
+        [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; });
     if (!result) return tl::unexpected(result.error());
     if (result->value == protocol::kUnused)
       return std::string("Every location of the axis memory holds what is written to it.");
@@ -110,7 +111,7 @@ void StatusDesk::test_memory() {
   });
 }
 
-Question StatusDesk::clear_question() const {
+Question StatusController::clear_question() const {
   return {
       "Let the unit forget its fault?",
       "Fault, axis and address are lost: s saves them in a file first. The cause stays what it is; the unit does not "
@@ -118,14 +119,14 @@ Question StatusDesk::clear_question() const {
       "forget it", "keep it"};
 }
 
-void StatusDesk::clear_fault() {
-  start("clearing the fault", [](UnitLink& line, JobSigns&) -> Result<std::string> {
+void StatusController::clear_fault() {
+  start("clearing the fault", [](UnitLink& line, JobControl&) -> Result<std::string> {
     if (const auto cleared = line.client().clear_fault(); !cleared) return tl::unexpected(cleared.error());
     return std::string("The fault is cleared.");
   });
 }
 
-Question StatusDesk::mode_question() const {
+Question StatusController::mode_question() const {
   if (integrating())
     return {"Go to compensation mode?",
             "The unit tests its memory and its map and forgets where its axes are. Then the machine's control must "
@@ -133,7 +134,7 @@ Question StatusDesk::mode_question() const {
             "the compensation of each axis from then on. Keep clear of it.",
             "compensate", "stay"};
   std::string moved;
-  if (const auto sample = desk_->newest(); sample && sample->mode == UnitMode::compensating)
+  if (const auto sample = connection_->newest(); sample && sample->mode == UnitMode::compensating)
     for (const Axis a : kAllAxes)
       if (const auto& axis = sample->axes[index_of(a)]; axis.present)
         moved += fmt::format("{}{} {:+.1f} um", moved.empty() ? "" : ", ", letter_of(a), -axis.compensation_um);
@@ -144,22 +145,22 @@ Question StatusDesk::mode_question() const {
           "integrate", "stay"};
 }
 
-void StatusDesk::change_mode() {
+void StatusController::change_mode() {
   if (!integrating()) {
-    start("integration mode", [](UnitLink& line, JobSigns&) -> Result<std::string> {
+    start("integration mode", [](UnitLink& line, JobControl&) -> Result<std::string> {
       if (const auto entered = line.client().enter_integration(); !entered) return tl::unexpected(entered.error());
       return std::string("Integration mode: every relay is open.");
     });
     return;
   }
-  start("compensation mode", [](UnitLink& line, JobSigns&) -> Result<std::string> {
+  start("compensation mode", [](UnitLink& line, JobControl&) -> Result<std::string> {
     if (const auto begun = begin_compensation(line.client()); !begun) return tl::unexpected(begun.error());
     return fmt::format("Reference every axis of the machine now{}.",
                        line.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
   });
 }
 
-void StatusDesk::reference() {
+void StatusController::reference() {
   if (!read_ || read_->workshop.empty())
     message_.say("This is a real unit: reference the axes at the machine's own control.", Tone::warning);
   else if (!reference_.running()) {
@@ -168,30 +169,30 @@ void StatusDesk::reference() {
   }
 }
 
-void StatusDesk::save(const std::string& path) {
+void StatusController::save(const std::string& path) {
   if (snapshot() == nullptr || writing_.running()) return;
-  writing_.start([path, snapshot = *snapshot()](JobSigns&) -> Result<std::string> {
+  writing_.start([path, snapshot = *snapshot()](JobControl&) -> Result<std::string> {
     if (const auto written = write_snapshot(path, snapshot); !written) return tl::unexpected(written.error());
     return "written: " + path;
   });
 }
 
-std::string StatusDesk::proposed_name() { return file_name_now("status", ".json"); }
+std::string StatusController::proposed_name() { return file_name_now("status", ".json"); }
 
-void StatusDesk::cancel() {
+void StatusController::cancel() {
   given_up_ = busy();
   work_.cancel();
   reference_.cancel();
 }
 
-void StatusDesk::start_reading() {
+void StatusController::start_reading() {
   if (file_ || busy() || reading_.running()) return;
   const auto rest = std::max<Clock::duration>(kBetweenReadings, kRestPerReading * took_);
   if (!at_once_ && Clock::now() - std::max(read_at_, asked_at_) < rest) return;
   at_once_ = false;
   asked_at_ = Clock::now();
-  reading_.start([desk = desk_](JobSigns& signs) {
-    return desk->on_line(signs, [](UnitLink& line) -> Result<Read> {
+  reading_.start([connection = connection_](JobControl& control) {
+    return connection->on_line(control, [](UnitLink& line) -> Result<Read> {
       auto snapshot = take_snapshot(line.client(), line.name());
       if (!snapshot) return tl::unexpected(snapshot.error());
       return Read{std::move(*snapshot), line.workshop()};
@@ -199,10 +200,10 @@ void StatusDesk::start_reading() {
   });
 }
 
-bool StatusDesk::advance() {
-  bool changed = desk_->changes() != changes_ && desk_->standing().problem != standing_.problem;
-  changes_ = desk_->changes();
-  standing_ = desk_->standing();
+bool StatusController::advance() {
+  bool changed = connection_->changes() != changes_ && connection_->standing().problem != standing_.problem;
+  changes_ = connection_->changes();
+  standing_ = connection_->standing();
   start_reading();
   if (auto read = reading_.take()) {
     changed = true;

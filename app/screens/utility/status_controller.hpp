@@ -27,9 +27,9 @@ struct StatusFile {
 /// By its first bytes: a status file (JSON), else a memory dump.
 [[nodiscard]] Result<StatusFile> read_status_file(const std::string& path);
 
-class StatusDesk {
+class StatusController {
  public:
-  explicit StatusDesk(std::shared_ptr<UnitDesk> desk);
+  explicit StatusController(std::shared_ptr<UnitConnection> connection);
 
   // --- what is shown
   [[nodiscard]] const StatusSnapshot* snapshot() const;  ///< of the file while one is open, else of the unit
@@ -66,11 +66,11 @@ class StatusDesk {
     StatusSnapshot snapshot;
     std::string workshop;
   };
-  void start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobSigns&)> work);
+  void start(std::string working_on, std::function<Result<std::string>(UnitLink&, JobControl&)> work);
   void start_reading();
   [[nodiscard]] bool integrating() const;
 
-  std::shared_ptr<UnitDesk> desk_;
+  std::shared_ptr<UnitConnection> connection_;
   WatchedUnit standing_;
   std::uint64_t changes_ = 0;
   std::optional<Read> read_;

@@ -13,12 +13,6 @@ namespace {
 constexpr const char* kTitles[] = {"State", "Address pointers", "Axes", "Memory of the dump"};
 constexpr int kNameColumns = 13;
 
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
-  return lines;
-}
-
 std::string duration_text(std::uint32_t seconds) {
   if (seconds < 60) return fmt::format("{} s", seconds);
   if (seconds < 3600) return fmt::format("{} min {} s", seconds / 60, seconds % 60);
@@ -34,25 +28,25 @@ int draw_entry(Canvas& canvas, const Area& area, int row, const std::string& nam
 
 }  // namespace
 
-int StatusScreen::pages() const { return desk_.file() != nullptr && !desk_.file()->memory.empty() ? 4 : 3; }
+int StatusScreen::pages() const { return controller_.file() != nullptr && !controller_.file()->memory.empty() ? 4 : 3; }
 
 StatusScreen::Page StatusScreen::page() const {
-  if (desk_.file() != nullptr && desk_.snapshot() == nullptr) return Page::memory;
+  if (controller_.file() != nullptr && controller_.snapshot() == nullptr) return Page::memory;
   return static_cast<int>(page_) < pages() ? page_ : Page::state;
 }
 
 void StatusScreen::draw_source(Canvas& canvas, const Area& area) const {
-  const StatusSnapshot* s = desk_.snapshot();
-  if (desk_.file() != nullptr) {
+  const StatusSnapshot* s = controller_.snapshot();
+  if (controller_.file() != nullptr) {
     canvas.text(area, 0, 0,
-                s == nullptr
-                    ? "FILE " + desk_.file()->name
-                    : fmt::format("FILE {}: unit {}, {}", desk_.file()->name, s->identity.serial_number, s->taken),
+                s == nullptr ? "FILE " + controller_.file()->name
+                             : fmt::format("FILE {}: unit {}, {}", controller_.file()->name, s->identity.serial_number,
+                                           s->taken),
                 Tone::warning);
     return;
   }
-  const auto age_s = desk_.age_s();
-  if (!desk_.lack().empty())
+  const auto age_s = controller_.age_s();
+  if (!controller_.lack().empty())
     canvas.text(area, 0, 0, age_s ? fmt::format("NO ANSWER, what is shown is {:.0f} s old", *age_s) : "NO ANSWER",
                 Tone::bad);
   else if (s == nullptr)
@@ -60,7 +54,7 @@ void StatusScreen::draw_source(Canvas& canvas, const Area& area) const {
   else
     canvas.text(area, 0, 0, fmt::format("unit {} ({})", s->identity.serial_number, s->identity.unit_name),
                 Tone::strong);
-  if (age_s && desk_.lack().empty())
+  if (age_s && controller_.lack().empty())
     canvas.text_right(area, 0, *age_s < 3.0 ? "live" : fmt::format("read {:.0f} s ago", *age_s),
                       *age_s < 3.0 ? Tone::good : Tone::warning);
 }
@@ -76,19 +70,19 @@ void StatusScreen::draw_tabs(Canvas& canvas, const Area& area) const {
 }
 
 void StatusScreen::draw_state(Canvas& canvas, const Area& area) const {
-  const protocol::UnitStatus& s = desk_.snapshot()->status;
+  const protocol::UnitStatus& s = controller_.snapshot()->status;
   int row = draw_entry(canvas, area, 0, "mode", fmt::format("{}: {}", ecs::name_of(s.mode), meaning_of(s.mode)),
                        s.mode == UnitMode::halted ? Tone::bad : Tone::strong);
   if (s.mode == UnitMode::datuming)
     for (const Axis a : kAllAxes)
-      if (desk_.snapshot()->identity.axis_present[index_of(a)])
+      if (controller_.snapshot()->identity.axis_present[index_of(a)])
         row +=
             draw_entry(canvas, area, row, "",
                        fmt::format("{}: {}", letter_of(a), ecs::name_of(s.axes[index_of(a)].datum_stage)), Tone::plain);
   row += s.fault == Fault::none ? draw_entry(canvas, area, row, "fault", "none", Tone::good)
                                 : draw_entry(canvas, area, row, "fault", fault_sentence(s), Tone::bad);
   ++row;
-  for (const std::string& line : lines_in(memory_text(s))) {
+  for (const std::string& line : owned_lines_of(memory_text(s))) {
     const bool wrong = line.find("failed") != std::string::npos || line.find("differ") != std::string::npos;
     row += draw_entry(canvas, area, row, line.substr(0, kNameColumns),
                       line.substr(std::min<std::size_t>(kNameColumns, line.size())), wrong ? Tone::bad : Tone::plain);
@@ -105,7 +99,7 @@ void StatusScreen::draw_state(Canvas& canvas, const Area& area) const {
       canvas, area, row, "watchdog",
       s.watchdog_trips == 0 ? std::string("never tripped") : fmt::format("tripped {} times", s.watchdog_trips),
       s.watchdog_trips == 0 ? Tone::plain : Tone::bad);
-  const protocol::Identity& unit = desk_.snapshot()->identity;
+  const protocol::Identity& unit = controller_.snapshot()->identity;
   draw_entry(canvas, area, row, "up for",
              fmt::format("{}; firmware {}.{}, {} memory module{}", duration_text(s.uptime_s), unit.firmware_major,
                          unit.firmware_minor, unit.memory_modules, unit.memory_modules == 1 ? "" : "s"),
@@ -117,9 +111,9 @@ void StatusScreen::draw(Canvas& canvas, const Area& area) const {
   draw_source(canvas, inside);
   draw_tabs(canvas, inside.below(1));
   const Area body{inside.row + 3, inside.column, std::max(0, inside.rows - 6), inside.columns};
-  const StatusSnapshot* s = desk_.snapshot();
+  const StatusSnapshot* s = controller_.snapshot();
   if (page() == Page::memory)
-    draw_scrolled(canvas, body, desk_.file()->memory, scroll_);
+    draw_scrolled(canvas, body, controller_.file()->memory, scroll_);
   else if (s == nullptr)
     canvas.paragraph(
         body, 0,
@@ -129,52 +123,54 @@ void StatusScreen::draw(Canvas& canvas, const Area& area) const {
   else if (page() == Page::state)
     draw_state(canvas, body);
   else
-    draw_scrolled(canvas, body, lines_in(page() == Page::pointers ? pointers_text(*s) : axes_text(*s)), scroll_);
+    draw_scrolled(canvas, body, owned_lines_of(page() == Page::pointers ? pointers_text(*s) : axes_text(*s)), scroll_);
   const Area last{inside.row + inside.rows - 3, inside.column, 3, inside.columns};
-  if (desk_.busy())
-    draw_progress(canvas, last, 2, desk_.working_on(), desk_.part());
-  else if (desk_.message().text().empty() && desk_.file() == nullptr)
-    canvas.paragraph(last, 0, desk_.lack(), Tone::bad);
+  if (controller_.busy())
+    draw_progress(canvas, last, 2, controller_.working_on(), controller_.part());
+  else if (controller_.message().text().empty() && controller_.file() == nullptr)
+    canvas.paragraph(last, 0, controller_.lack(), Tone::bad);
   else
-    desk_.message().draw(canvas, last);
+    controller_.message().draw(canvas, last);
   prompt_.draw(canvas, inside, inside.rows - 1);
   asking_.draw(canvas, inside);
 }
 
 void StatusScreen::ask_save() {
-  if (desk_.snapshot() == nullptr) {
-    desk_.message().say("There is nothing to save yet.", Tone::warning);
+  if (controller_.snapshot() == nullptr) {
+    controller_.message().say("There is nothing to save yet.", Tone::warning);
     return;
   }
-  prompt_.ask("Save as:", Prompt::Kind::path, StatusDesk::proposed_name(), [this](const std::string& path) {
+  prompt_.ask("Save as:", Prompt::Kind::path, StatusController::proposed_name(), [this](const std::string& path) {
     if (!file_is_there(path))
-      desk_.save(path);
+      controller_.save(path);
     else
       asking_.ask(
           {"Overwrite " + path + "?", "The file is there already; what it holds is lost.", "overwrite", "keep it"},
-          [this, path] { desk_.save(path); });
+          [this, path] { controller_.save(path); });
   });
 }
 
 void StatusScreen::on_command(const Key& key) {
-  if (is_letter(key, U't') && desk_.may_act()) desk_.test_memory();
-  if (is_letter(key, U'c') && desk_.may_act()) asking_.ask(desk_.clear_question(), [this] { desk_.clear_fault(); });
-  if (is_letter(key, U'm') && desk_.may_act()) asking_.ask(desk_.mode_question(), [this] { desk_.change_mode(); });
-  if (is_letter(key, U'g') && desk_.may_act()) desk_.reference();
+  if (is_letter(key, U't') && controller_.may_act()) controller_.test_memory();
+  if (is_letter(key, U'c') && controller_.may_act())
+    asking_.ask(controller_.clear_question(), [this] { controller_.clear_fault(); });
+  if (is_letter(key, U'm') && controller_.may_act())
+    asking_.ask(controller_.mode_question(), [this] { controller_.change_mode(); });
+  if (is_letter(key, U'g') && controller_.may_act()) controller_.reference();
   if (is_letter(key, U's')) ask_save();
-  if (is_letter(key, U'l')) desk_.close_file();
+  if (is_letter(key, U'l')) controller_.close_file();
   if (is_letter(key, U'o'))
-    prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { desk_.open(path); });
+    prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
 }
 
 Step StatusScreen::on_key(const Key& key) {
   if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
-  desk_.message().clear();
+  controller_.message().clear();
   if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (desk_.busy()) {
-      desk_.cancel();
-    } else if (desk_.file() != nullptr) {
-      desk_.close_file();
+    if (controller_.busy()) {
+      controller_.cancel();
+    } else if (controller_.file() != nullptr) {
+      controller_.close_file();
     } else {
       return back();
     }
@@ -196,8 +192,8 @@ Step StatusScreen::on_key(const Key& key) {
 std::vector<KeyHelp> StatusScreen::keys() const {
   if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
   if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
-  if (desk_.busy()) return {{"Esc", "give up"}};
-  if (desk_.file() != nullptr)
+  if (controller_.busy()) return {{"Esc", "give up"}};
+  if (controller_.file() != nullptr)
     return {{"Tab 1 2 3", "page"},
             {"l", "back to the unit"},
             {"up/down", "scroll"},
@@ -205,7 +201,8 @@ std::vector<KeyHelp> StatusScreen::keys() const {
             {"Esc", "close the file"}};
   std::vector<KeyHelp> keys{{"Tab", "page"}, {"m", "mode"}, {"t", "memory test"}, {"c", "clear fault"},
                             {"s", "save"},   {"o", "open"}, {"Esc", "back"}};
-  if (const auto* s = desk_.snapshot(); desk_.emulator() && s != nullptr && s->status.mode == UnitMode::datuming)
+  if (const auto* s = controller_.snapshot();
+      controller_.emulator() && s != nullptr && s->status.mode == UnitMode::datuming)
     keys.insert(keys.begin(), {"g", "reference"});
   return keys;
 }

@@ -10,14 +10,14 @@ namespace ecs::app {
 
 class StatusScreen final : public Screen {
  public:
-  explicit StatusScreen(std::shared_ptr<UnitDesk> desk) : desk_(std::move(desk)) {}
+  explicit StatusScreen(std::shared_ptr<UnitConnection> controller) : controller_(std::move(controller)) {}
 
   [[nodiscard]] std::string title() const override { return "DISPLAY ECS STATUS"; }
   void draw(Canvas& canvas, const Area& area) const override;
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return desk_.advance(); }
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
   [[nodiscard]] Place cursor(const Area& area) const override;
 
@@ -31,7 +31,7 @@ class StatusScreen final : public Screen {
   void on_command(const Key& key);
   void ask_save();
 
-  StatusDesk desk_;
+  StatusController controller_;
   Page page_ = Page::state;
   ScrollPlace scroll_;
   Prompt prompt_;

@@ -71,11 +71,11 @@ std::string VerbEntry::name() const {
 
 std::vector<MenuEntry> verb_catalogue() {
   std::ostringstream nowhere;
-  Face face(nowhere, nowhere);
-  Session session{face, {}, {}};
+  Console console(nowhere, nowhere);
+  VerbContext context{console, {}, {}};
   Action chosen;
   CLI::App root("", "ecs");
-  Menu menu(root, session, chosen);
+  Menu menu(root, context, chosen);
   add_all_menus(menu);
   std::vector<MenuEntry> menus;
   MenuEntry other{"OTHER", {}};

@@ -19,12 +19,6 @@ namespace {
 constexpr std::string_view kNext = "next: ";
 constexpr const char* kLeave = "q";
 
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
-  return lines;
-}
-
 }  // namespace
 
 /// Between the verb, which runs beside the screen, and the screen: what it says, what is typed to it.
@@ -56,7 +50,7 @@ struct LiveScreen::Wire {
 
   class Keys final : public Keyboard {
    public:
-    Keys(Wire& wire, JobSigns& signs) : wire_(&wire), signs_(&signs) {}
+    Keys(Wire& wire, JobControl& control) : wire_(&wire), signs_(&control) {}
     std::optional<std::string> line() override {
       if (signs_->cancelled) return kLeave;
       const std::lock_guard lock(wire_->mutex);
@@ -69,7 +63,7 @@ struct LiveScreen::Wire {
 
    private:
     Wire* wire_;
-    JobSigns* signs_;
+    JobControl* signs_;
   };
 
   void type(const std::string& line) {
@@ -82,14 +76,14 @@ bool runs_live(const std::string& verb) { return verb == "laser capture" || verb
 
 LiveScreen::LiveScreen(std::string name, const std::vector<std::string>& words)
     : name_(std::move(name)), wire_(std::make_shared<Wire>()) {
-  job_.start([words, wire = wire_](JobSigns& signs) {
+  job_.start([words, wire = wire_](JobControl& control) {
     Wire::Mouth mouth(*wire);
     std::ostream messages(&mouth);
     std::ostringstream out;
-    FaceOptions options;
-    options.keyboard = std::make_shared<Wire::Keys>(*wire, signs);
+    ConsoleOptions options;
+    options.keyboard = std::make_shared<Wire::Keys>(*wire, control);
     const int code = run_program(words, out, messages, options);
-    return Answer{lines_in(out.str()), code};
+    return Answer{owned_lines_of(out.str()), code};
   });
 }
 
@@ -161,7 +155,7 @@ bool LiveScreen::advance() {
     }
   }
   if (!text.empty())
-    for (std::string& line : lines_in(text)) said_.push_back(std::move(line));
+    for (std::string& line : owned_lines_of(text)) said_.push_back(std::move(line));
   auto answer = job_.take();
   if (answer) answer_ = std::move(*answer);
   return job_.running() || answer.has_value() || !text.empty();

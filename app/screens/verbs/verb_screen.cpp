@@ -13,20 +13,12 @@
 #include "commissioning/link/event_log.hpp"
 
 namespace ecs::app {
-namespace {
+namespace {}  // namespace
 
-std::vector<std::string> lines_in(const std::string& text) {
-  std::vector<std::string> lines;
-  for (const std::string_view line : lines_of(text)) lines.emplace_back(line);
-  return lines;
-}
-
-}  // namespace
-
-VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk)
-    : verb_(std::move(verb)), desk_(std::move(desk)) {
+VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitConnection> connection)
+    : verb_(std::move(verb)), connection_(std::move(connection)) {
   for (const VerbOption& option : verb_.options)
-    values_.emplace_back(option.name == "--link" ? desk_->link() : option.value);
+    values_.emplace_back(option.name == "--link" ? connection_->link() : option.value);
 }
 
 VerbScreen::~VerbScreen() {
@@ -164,13 +156,13 @@ Step VerbScreen::run() {
   reading_ = false;
   scroll_ = {};
   since_ = std::chrono::steady_clock::now();
-  job_.start([words = words(), desk = uses_line() ? desk_ : nullptr](JobSigns&) {
-    std::optional<UnitDesk::Lent> lent;
-    if (desk) lent.emplace(*desk);
+  job_.start([words = words(), connection = uses_line() ? connection_ : nullptr](JobControl&) {
+    std::optional<UnitConnection::Lent> lent;
+    if (connection) lent.emplace(*connection);
     std::ostringstream out, messages;
     const int code = run_program(words, out, messages);
-    Answer answer{lines_in(messages.str()), code};
-    for (std::string& line : lines_in(out.str())) answer.lines.push_back(std::move(line));
+    Answer answer{owned_lines_of(messages.str()), code};
+    for (std::string& line : owned_lines_of(out.str())) answer.lines.push_back(std::move(line));
     return answer;
   });
   return stay();

@@ -16,8 +16,8 @@ namespace ecs::app {
 
 class VerbScreen final : public Screen {
  public:
-  /// The desk's link is filled in where the verb takes one; the desk lends the line while it runs.
-  VerbScreen(VerbEntry verb, std::shared_ptr<UnitDesk> desk);
+  /// The connection's link is filled in where the verb takes one; the connection lends the line while it runs.
+  VerbScreen(VerbEntry verb, std::shared_ptr<UnitConnection> connection);
   ~VerbScreen() override;
 
   [[nodiscard]] std::string title() const override { return verb_.name(); }
@@ -49,7 +49,7 @@ class VerbScreen final : public Screen {
   void next_choice(int by);
 
   VerbEntry verb_;
-  std::shared_ptr<UnitDesk> desk_;
+  std::shared_ptr<UnitConnection> connection_;
   std::chrono::steady_clock::time_point since_{};
   std::vector<TextLine> values_;
   ListPlace field_;

@@ -24,7 +24,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct ReadArguments {
   std::vector<std::string> files;
   std::string output;
   std::string format = "auto";
@@ -75,7 +75,7 @@ std::optional<Axis> axis_in_name(const std::string& file) {
 }
 
 /// What --axis says; nothing if it was not given.
-Result<std::optional<Axis>> axis_given(const Arguments& arguments) {
+Result<std::optional<Axis>> axis_given(const ReadArguments& arguments) {
   if (arguments.axis.empty()) return std::nullopt;
   if (arguments.files.size() > 1)
     return problem(ProblemKind::usage, "--axis names the axis of one file; several are told apart by what they say");
@@ -84,7 +84,7 @@ Result<std::optional<Axis>> axis_given(const Arguments& arguments) {
   return *axis;
 }
 
-Result<laser::ControllerTables> read_twincat(const Arguments& arguments, const std::string& file,
+Result<laser::ControllerTables> read_twincat(const ReadArguments& arguments, const std::string& file,
                                              const std::string& text) {
   const auto options = twincat_options(arguments.twincat, arguments.siemens.axes);
   if (!options) return tl::unexpected(options.error());
@@ -93,7 +93,7 @@ Result<laser::ControllerTables> read_twincat(const Arguments& arguments, const s
   return laser::parse_twincat(text, file, *options, *axis);
 }
 
-Result<laser::ControllerTables> read_linuxcnc(const Arguments& arguments, const std::string& file,
+Result<laser::ControllerTables> read_linuxcnc(const ReadArguments& arguments, const std::string& file,
                                               const std::string& bytes) {
   laser::LinuxCncReadOptions options;
   const auto given = axis_given(arguments);
@@ -118,7 +118,7 @@ struct ReadFiles {
   std::string format;
 };
 
-Result<ReadFiles> read_files(const Arguments& arguments) {
+Result<ReadFiles> read_files(const ReadArguments& arguments) {
   const auto siemens = siemens_options(arguments.siemens);
   if (!siemens) return tl::unexpected(siemens.error());
   ReadFiles all;
@@ -175,7 +175,7 @@ std::string lines_in_words(const UnitParameters& parameters) {
 }
 
 /// Where the lever arms of an Etalon file count from: as --levers says, else its head, else the machine zero.
-Result<bool> levers_from_lines(const Arguments& arguments, const ReadFiles& files) {
+Result<bool> levers_from_lines(const ReadArguments& arguments, const ReadFiles& files) {
   const auto& said = files.tables.levers_from_lines;
   if (arguments.levers.empty()) return said.value_or(false);
   const bool lines = arguments.levers == "lines";
@@ -187,7 +187,7 @@ Result<bool> levers_from_lines(const Arguments& arguments, const ReadFiles& file
 }
 
 /// Etalon curves onto the lines of the parameters, and a word on it whatever was done.
-Result<void> bring_to_lines(const Arguments& arguments, const ReadFiles& files, Taken& made) {
+Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& files, Taken& made) {
   const auto lines = levers_from_lines(arguments, files);
   if (!lines) return tl::unexpected(lines.error());
   const std::string by = !arguments.levers.empty()        ? "as --levers says"
@@ -217,7 +217,7 @@ Result<void> bring_to_lines(const Arguments& arguments, const ReadFiles& files, 
   return {};
 }
 
-Result<Taken> taken(const Arguments& arguments, const ReadFiles& files) {
+Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
   Taken made;
   made.read = laser::map_of(files.tables);
   made.notes = files.tables.notes;
@@ -240,7 +240,7 @@ Result<Taken> taken(const Arguments& arguments, const ReadFiles& files) {
 }
 
 /// The map and the parameters, as far as they were asked for.
-std::vector<OutputFile> outputs_of(const Arguments& arguments, const Taken& made) {
+std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& made) {
   std::vector<OutputFile> files;
   if (!arguments.output.empty()) files.push_back({arguments.output, laser::to_map_csv(made.read.map)});
   if (arguments.params_out.empty()) return files;
@@ -255,7 +255,7 @@ std::vector<OutputFile> outputs_of(const Arguments& arguments, const Taken& made
   return files;
 }
 
-std::string text_of(const Arguments& arguments, const ReadFiles& files, const Taken& made) {
+std::string text_of(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
   std::string text = fmt::format("{}\n\n", files.format) + tables_text(made.read.map.tables);
   for (const Component square : made.read.squareness_found)
     text += fmt::format("compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(square),
@@ -268,7 +268,7 @@ std::string text_of(const Arguments& arguments, const ReadFiles& files, const Ta
   return text + (arguments.output.empty() ? "no map written: give -o map.csv to keep it\n" : "");
 }
 
-Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Taken& made,
+Json json_of_read(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
                   const std::vector<WrittenFile>& written) {
   Json tables = Json::array(), squareness = Json::object(), warnings = Json::array(), replaced = Json::array();
   for (const WrittenFile& file : written)
@@ -288,22 +288,22 @@ Json json_of_read(const Arguments& arguments, const ReadFiles& files, const Take
           {"notes", made.notes}};
 }
 
-Result<Outcome> read(Session& session, const Arguments& arguments) {
+Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   if (!arguments.params_out.empty() && arguments.params.empty())
     return problem(ProblemKind::usage, "--params-out needs --params: the rest of the parameters is taken from there");
   std::vector<std::string> inputs = arguments.files;
   inputs.push_back(arguments.params);
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = spares_inputs(output, inputs); !spared) return tl::unexpected(spared.error());
+    if (const auto spared = check_output_not_input(output, inputs); !spared) return tl::unexpected(spared.error());
   if (!arguments.params_out.empty())
-    if (const auto spared = spares_inputs(arguments.params_out, {arguments.output}); !spared)
+    if (const auto spared = check_output_not_input(arguments.params_out, {arguments.output}); !spared)
       return tl::unexpected(spared.error());
   auto files = read_files(arguments);
   if (!files) return tl::unexpected(files.error());
   const std::vector<Problem> warnings = files->tables.warnings;
   const auto made = taken(arguments, *files);
   if (!made) return tl::unexpected(made.error());
-  for (const Problem& warning : warnings) session.face.warn(to_text(warning));
+  for (const Problem& warning : warnings) context.console.warn(to_text(warning));
   const auto written = write_together(outputs_of(arguments, *made));
   if (!written) return tl::unexpected(written.error());
   return Outcome{text_of(arguments, *files, *made) + to_text(*written),
@@ -313,7 +313,7 @@ Result<Outcome> read(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_export_read(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ReadArguments>();
   Verb verb = menu.verb("read", "the compensation tables of a control as a map CSV",
                         "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
                         "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv");
@@ -331,7 +331,7 @@ void add_export_read(Menu& menu) {
       .text("--params-out", arguments->params_out, "the same with the squareness that was read");
   take_siemens_arguments(verb, arguments->siemens);
   take_twincat_arguments(verb, arguments->twincat);
-  verb.runs([arguments](Session& session) { return read(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return read(context, *arguments); });
 }
 
 }  // namespace ecs::app

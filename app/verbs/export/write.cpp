@@ -38,7 +38,7 @@ Result<std::vector<WrittenFile>> write_all(const laser::ControllerExport& made, 
   for (const laser::ExportFile& file : made.files)
     files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
   for (const OutputFile& file : files)
-    if (const auto spared = spares_inputs(file.path, inputs); !spared) return tl::unexpected(spared.error());
+    if (const auto spared = check_output_not_input(file.path, inputs); !spared) return tl::unexpected(spared.error());
   if (folder)
     if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
   return write_together(files);
@@ -69,10 +69,11 @@ void note_left_from_before(ExportWork& work, const std::string& folder, const st
     work.notes.push_back(fmt::format("left from before, not of this export: {}", fmt::join(left, ", ")));
 }
 
-Result<Outcome> exported(Session& session, const ExportArguments& arguments, const Target& target, const Maker& make) {
-  auto work = export_work(session, arguments);
+Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments, const Target& target,
+                         const Maker& make) {
+  auto work = export_work(context, arguments);
   if (!work) return tl::unexpected(work.error());
-  const auto errors = errors_for(session, arguments, *work);
+  const auto errors = errors_for(context, arguments, *work);
   if (!errors) return tl::unexpected(errors.error());
   auto made = make(work->source);
   if (!made) {
@@ -89,18 +90,18 @@ Result<Outcome> exported(Session& session, const ExportArguments& arguments, con
   auto written = write_all(*made, arguments.output, folder, work->inputs);
   if (!written) return tl::unexpected(written.error());
   if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, target);
-  const ToldExport told{
+  const ExportReport told{
       target.control, *work, *made, *residuals, std::move(*written), folder ? "-o FOLDER" : "-o FILE"};
   return Outcome{export_text(told), one_line(json_of(told)), kDone};
 }
 
 void add_linuxcnc(Menu& menu) {
-  struct Arguments : ExportArguments {
+  struct WriteArguments : ExportArguments {
     std::string type = "1";
     std::string units = "mm";
     int points = static_cast<int>(laser::kLinuxCncMostPoints);
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WriteArguments>();
   Verb verb = menu.verb("linuxcnc", "a screw compensation file for each joint: positioning, both approaches",
                         "ecs export linuxcnc map.csv --params mill.toml -o linuxcnc/");
   take_export_arguments(verb, *arguments, "folder for x.comp, y.comp, z.comp");
@@ -108,23 +109,23 @@ void add_linuxcnc(Menu& menu) {
       .choice("--units", arguments->units, {"mm", "inch"}, "LINEAR_UNITS of the control; default mm")
       .integer("--points", arguments->points, "most points of a file; LinuxCNC takes 256", 2,
                static_cast<int>(laser::kLinuxCncMostPoints))
-      .runs([arguments](Session& session) {
+      .runs([arguments](VerbContext& context) {
         const laser::LinuxCncOptions options{
             arguments->type == "0" ? 0 : 1,
             arguments->units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm,
             static_cast<std::size_t>(arguments->points)};
-        return exported(session, *arguments, {"LinuxCNC", laser::is_linuxcnc_file, false},
+        return exported(context, *arguments, {"LinuxCNC", laser::is_linuxcnc_file, false},
                         [&](const laser::ExportSource& source) { return laser::linuxcnc_export(source, options); });
       });
 }
 
 void add_siemens(Menu& menu) {
-  struct Arguments : ExportArguments {
+  struct WriteArguments : ExportArguments {
     SiemensArguments siemens;
     int points = 1000;
     int tables = 62;
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WriteArguments>();
   Verb verb = menu.verb("siemens",
                         "SINUMERIK 840D: encoder error tables, and cross tables for straightness, "
                         "squareness and reversal",
@@ -133,43 +134,43 @@ void add_siemens(Menu& menu) {
   take_siemens_arguments(verb, arguments->siemens);
   verb.integer("--points", arguments->points, "most points of a table; default 1000, 828D has 200", 2, 5000)
       .integer("--tables", arguments->tables, "most cross tables; default 62, 828D has 8", 0, 200)
-      .runs([arguments](Session& session) -> Result<Outcome> {
+      .runs([arguments](VerbContext& context) -> Result<Outcome> {
         auto options = siemens_options(arguments->siemens);
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
         options->most_tables = static_cast<std::size_t>(arguments->tables);
-        return exported(session, *arguments, {"SINUMERIK 840D", laser::is_siemens_file, false},
+        return exported(context, *arguments, {"SINUMERIK 840D", laser::is_siemens_file, false},
                         [&](const laser::ExportSource& source) { return laser::siemens_export(source, *options); });
       });
 }
 
 void add_etalon(Menu& menu) {
-  struct Arguments : ExportArguments {
+  struct WriteArguments : ExportArguments {
     std::string levers = "zero";
     int points = 0;
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WriteArguments>();
   Verb verb = menu.verb("etalon", "the whole volumetric model in the Etalon exchange format (TwinCAT, ISG)",
                         "ecs export etalon map.csv --params mill.toml -o mill_errors.txt");
   take_export_arguments(verb, *arguments, "file to write");
   verb.choice("--levers", arguments->levers, {"zero", "lines"},
               "where the control counts lever arms from: the machine zero (default), or the measurement lines")
       .integer("--points", arguments->points, "most grid points of a function; default: all of the map", 2, 1'000'000)
-      .runs([arguments](Session& session) {
+      .runs([arguments](VerbContext& context) {
         const laser::EtalonOptions options{"errors.txt", arguments->levers == "zero",
                                            static_cast<std::size_t>(arguments->points)};
-        return exported(session, *arguments, {"Etalon exchange format", nullptr, arguments->levers == "lines"},
+        return exported(context, *arguments, {"Etalon exchange format", nullptr, arguments->levers == "lines"},
                         [&](const laser::ExportSource& source) { return laser::etalon_export(source, options); });
       });
 }
 
 void add_twincat(Menu& menu) {
-  struct Arguments : ExportArguments {
+  struct WriteArguments : ExportArguments {
     std::string axes;
     TwinCatArguments twincat;
     int points = static_cast<int>(laser::kTwinCatMostPoints);
   };
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WriteArguments>();
   Verb verb =
       menu.verb("twincat", "TwinCAT CNC and ISG kernels: a leadscrew compensation list for each axis, both directions",
                 "ecs export twincat map.csv --params mill.toml -o twincat/");
@@ -178,11 +179,11 @@ void add_twincat(Menu& menu) {
   verb.text("--axes", arguments->axes, "logical axis numbers of the control; default X=1,Y=2,Z=3")
       .integer("--points", arguments->points, "most points of a list; default 1499", 2,
                static_cast<int>(laser::kTwinCatMostPoints))
-      .runs([arguments](Session& session) -> Result<Outcome> {
+      .runs([arguments](VerbContext& context) -> Result<Outcome> {
         auto options = twincat_options(arguments->twincat, arguments->axes);
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
-        return exported(session, *arguments, {"TwinCAT CNC, leadscrew compensation", laser::is_twincat_file, false},
+        return exported(context, *arguments, {"TwinCAT CNC, leadscrew compensation", laser::is_twincat_file, false},
                         [&](const laser::ExportSource& source) { return laser::twincat_export(source, *options); });
       });
 }

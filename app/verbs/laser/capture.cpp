@@ -23,10 +23,10 @@ namespace {
 
 using laser::DeviceKind;
 
-constexpr std::chrono::milliseconds kStep{20};
+constexpr std::chrono::milliseconds kCaptureStep{20};
 constexpr double kNeverMissed = 1e9;
 
-struct Arguments {
+struct CaptureArguments {
   TargetArguments target;
   std::string output;
   std::string resume;
@@ -50,8 +50,6 @@ struct Begun {
   double begun_s = 0.0;
 };
 
-double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 /// Seconds since a time that now_utc() wrote; nothing if it is none.
 std::optional<double> age_s(const std::string& utc) {
   std::tm parts{};
@@ -67,7 +65,7 @@ bool exists(const std::string& path) {
   return std::filesystem::exists(path, error);
 }
 
-Result<void> output_is_free(const Arguments& arguments, const std::string& output, const std::string& part) {
+Result<void> output_is_free(const CaptureArguments& arguments, const std::string& output, const std::string& part) {
   if (exists(part) && arguments.resume.empty())
     return problem(ProblemKind::usage,
                    fmt::format("{} holds an unfinished capture: go on with `ecs laser capture --resume "
@@ -83,7 +81,7 @@ Result<void> output_is_free(const Arguments& arguments, const std::string& outpu
   return {};
 }
 
-Result<laser::CaptureRules> rules_of(const Arguments& arguments, bool each) {
+Result<laser::CaptureRules> rules_of(const CaptureArguments& arguments, bool each) {
   laser::CaptureRules rules;
   rules.shows = arguments.shows == "position" ? laser::Shows::position : laser::Shows::error;
   rules.scale = arguments.scale.value_or(1.0);
@@ -94,7 +92,7 @@ Result<laser::CaptureRules> rules_of(const Arguments& arguments, bool each) {
   return rules;
 }
 
-Result<Begun> begun_anew(const Arguments& arguments, bool each) {
+Result<Begun> begun_anew(const CaptureArguments& arguments, bool each) {
   if (arguments.output.empty())
     return problem(ProblemKind::usage, "-o OUT.csv is missing: where the readings are kept");
   auto plan = capture_plan(arguments.target);
@@ -112,7 +110,7 @@ Result<Begun> begun_anew(const Arguments& arguments, bool each) {
   return begun;
 }
 
-Result<Begun> resumed(const Arguments& arguments) {
+Result<Begun> resumed(const CaptureArguments& arguments) {
   const TargetArguments& target = arguments.target;
   if (!target.axis.empty() || !target.sense.empty() || target.from_mm || target.to_mm || target.step_mm ||
       !target.targets.empty() || !target.plan.empty())
@@ -135,7 +133,7 @@ Result<Begun> resumed(const Arguments& arguments) {
   return begun;
 }
 
-Result<std::unique_ptr<ReadingSource>> source_of(const Arguments& arguments) {
+Result<std::unique_ptr<ReadingSource>> source_of(const CaptureArguments& arguments) {
   const int given = static_cast<int>(!arguments.gauge.empty()) + static_cast<int>(!arguments.readings.empty()) +
                     static_cast<int>(!arguments.follow.empty()) + static_cast<int>(!arguments.display.empty());
   if (given > 1)
@@ -149,30 +147,30 @@ Result<std::unique_ptr<ReadingSource>> source_of(const Arguments& arguments) {
   return gauge_source(std::move(*port));
 }
 
-TriggerKind trigger_kind(const Arguments& arguments, bool typed) {
+TriggerKind trigger_kind(const CaptureArguments& arguments, bool typed) {
   if (arguments.trigger == "each") return TriggerKind::each;
   if (arguments.trigger.empty()) return typed ? TriggerKind::typed : TriggerKind::enter;
   return arguments.trigger == "enter" ? TriggerKind::enter : TriggerKind::device;
 }
 
-Result<void> check_keyboard(const Session& session, TriggerKind kind, bool typed) {
+Result<void> check_keyboard(const VerbContext& context, TriggerKind kind, bool typed) {
   if (typed && kind != TriggerKind::typed)
     return problem(ProblemKind::usage,
                    "a trigger says when: say where the reading comes from as well (--gauge, --readings, "
                    "--follow or --display); without a trigger, values are typed");
-  if (session.face.keyboard() == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
+  if (context.console.keyboard() == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
     return problem(ProblemKind::usage,
                    "nobody can type here: give --trigger DEVICE.toml, or --trigger each with --readings");
   return {};
 }
 
-Result<CaptureSetup> setup_of(Session& session, const Arguments& arguments) {
+Result<CaptureSetup> setup_of(VerbContext& context, const CaptureArguments& arguments) {
   CaptureSetup setup;
   auto source = source_of(arguments);
   if (!source) return tl::unexpected(source.error());
   setup.source = std::move(*source);
   setup.trigger_kind = trigger_kind(arguments, setup.source == nullptr);
-  if (const auto can = check_keyboard(session, setup.trigger_kind, setup.source == nullptr); !can)
+  if (const auto can = check_keyboard(context, setup.trigger_kind, setup.source == nullptr); !can)
     return tl::unexpected(can.error());
   if (setup.trigger_kind == TriggerKind::device) {
     auto port = opened_device(arguments.trigger, DeviceKind::trigger);
@@ -196,40 +194,40 @@ void note_devices(const CaptureSetup& setup, laser::CaptureRecord& record) {
     record.note("environment described by", setup.environment->port().device().source);
 }
 
-void show_news(Session& session, CaptureRun& run) {
+void show_news(VerbContext& context, CaptureRun& run) {
   for (const CaptureNews& news : run.take_news())
     if (news.kind == CaptureNews::Kind::warning)
-      session.face.warn(news.text);
+      context.console.warn(news.text);
     else
-      session.face.note(news.text);
+      context.console.note(news.text);
 }
 
 /// The first temperatures, before the first reading needs them.
-void wait_for_environment(Session& session, CaptureRun& run, bool has_environment) {
+void wait_for_environment(VerbContext& context, CaptureRun& run, bool has_environment) {
   constexpr int kMostSteps = 150;
   if (!has_environment) return;
   for (int k = 0; k < kMostSteps && run.around(steady_s()).empty() && !interrupted(); ++k) {
     run.warm_up(steady_s());
-    show_news(session, run);
-    std::this_thread::sleep_for(kStep);
+    show_news(context, run);
+    std::this_thread::sleep_for(kCaptureStep);
   }
 }
 
-void go_through(Session& session, CaptureRun& run, bool needs_keyboard) {
-  Keyboard* keyboard = session.face.keyboard();
+void go_through(VerbContext& context, CaptureRun& run, bool needs_keyboard) {
+  Keyboard* keyboard = context.console.keyboard();
   while (!run.done() && !run.left() && run.stuck().empty() && !interrupted()) {
-    run.step(kStep, steady_s());
+    run.step(kCaptureStep, steady_s());
     if (keyboard != nullptr) {
       while (!run.done() && !run.left()) {
         const auto line = keyboard->line();
         if (!line) break;
         run.typed(*line, steady_s());
-        show_news(session, run);
+        show_news(context, run);
       }
       if (keyboard->ended() && needs_keyboard && !run.left())
         run.strand("stdin has ended, and nothing else can trigger");
     }
-    show_news(session, run);
+    show_news(context, run);
   }
 }
 
@@ -282,11 +280,11 @@ Result<Outcome> ended(CaptureRun& run, const std::string& output) {
   return Outcome{text, one_line(json_of_run(run, output, true)), kDone};
 }
 
-Result<Outcome> capture(Session& session, const Arguments& arguments) {
+Result<Outcome> capture(VerbContext& context, const CaptureArguments& arguments) {
   const bool each = arguments.trigger == "each";
   auto begun = arguments.resume.empty() ? begun_anew(arguments, each) : resumed(arguments);
   if (!begun) return tl::unexpected(begun.error());
-  auto setup = setup_of(session, arguments);
+  auto setup = setup_of(context, arguments);
   if (!setup) return tl::unexpected(setup.error());
   note_devices(*setup, begun->record);
   const bool needs_keyboard = setup->trigger_kind == TriggerKind::typed || setup->trigger_kind == TriggerKind::enter;
@@ -294,16 +292,16 @@ Result<Outcome> capture(Session& session, const Arguments& arguments) {
   setup->part = begun->part;
   setup->begun_s = begun->begun_s;
   CaptureRun run(std::move(begun->record), std::move(*setup), steady_s());
-  session.face.note(run.help());
-  wait_for_environment(session, run, has_environment);
-  go_through(session, run, needs_keyboard);
+  context.console.note(run.help());
+  wait_for_environment(context, run, has_environment);
+  go_through(context, run, needs_keyboard);
   return ended(run, begun->output);
 }
 
 }  // namespace
 
 void add_laser_capture(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CaptureArguments>();
   Verb verb =
       menu.verb("capture", "leads through the targets of a measurement, forward and back, and takes its readings",
                 "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
@@ -328,7 +326,7 @@ void add_laser_capture(Menu& menu) {
       .number("--min-interval", arguments->min_interval_s,
               "a trigger sooner after a reading is a doubled one [s] (0.5)")
       .flag("--force", arguments->force, "replaces an output file that is there")
-      .runs([arguments](Session& session) { return capture(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return capture(context, *arguments); });
 }
 
 }  // namespace ecs::app

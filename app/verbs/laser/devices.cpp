@@ -8,6 +8,7 @@
 
 #include "app/verbs/laser/devices_learn.hpp"
 #include "app/verbs/laser/menu.hpp"
+#include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
@@ -21,9 +22,9 @@
 namespace ecs::app {
 namespace {
 
-constexpr std::chrono::milliseconds kStep{20};
+constexpr std::chrono::milliseconds kWatchStep{20};
 
-struct Arguments {
+struct DevicesArguments {
   bool udev = false;
   bool learn = false;
   LearnChoice choice;
@@ -34,8 +35,6 @@ struct Arguments {
   std::vector<std::string> descriptions;
   bool force = false;
 };
-
-double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string hex(std::uint16_t value) { return fmt::format("0x{:04x}", value); }
 
@@ -51,7 +50,7 @@ Json lengths(const std::map<std::uint8_t, std::size_t>& reports) {
   return out;
 }
 
-Json json_of(const laser::HidIdentity& one) {
+Json device_json(const laser::HidIdentity& one) {
   const auto opened = laser::HidDevice::open(one);
   return Json{{"path", one.path},
               {"vendor_id", hex(one.vendor_id)},
@@ -88,14 +87,14 @@ Result<Outcome> list() {
   Json devices = Json::array();
   std::string text;
   for (const laser::HidIdentity& one : *present) {
-    devices.push_back(json_of(one));
+    devices.push_back(device_json(one));
     text += text_of(one);
   }
   if (text.empty()) text = "no HID device is plugged in (or the kernel has no hidraw)\n";
   return Outcome{text, one_line(Json{{"devices", devices}}), kDone};
 }
 
-Result<Outcome> rules(const Arguments& arguments) {
+Result<Outcome> rules(const DevicesArguments& arguments) {
   std::vector<laser::DeviceDescription> devices = laser::builtin_devices();
   for (const std::string& file : arguments.descriptions) {
     const auto more = described(file);
@@ -106,14 +105,14 @@ Result<Outcome> rules(const Arguments& arguments) {
   return Outcome{text, one_line(Json{{"rules", text}, {"file", "/etc/udev/rules.d/70-ecs.rules"}}), kDone};
 }
 
-Result<Outcome> learn(Session& session, const Arguments& arguments) {
+Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (arguments.output.empty())
     return problem(ProblemKind::usage, "-o FILE.toml is missing: where the description goes");
   std::error_code error;
   if (std::filesystem::exists(arguments.output, error) && !arguments.force)
     return problem(ProblemKind::usage,
                    fmt::format("{} is there already: give another -o, or --force", arguments.output));
-  const auto found = learn_device(session, arguments.choice);
+  const auto found = learn_device(context, arguments.choice);
   if (!found) return tl::unexpected(found.error());
   const std::string toml = laser::to_toml(found->description);
   if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
@@ -130,15 +129,15 @@ Result<Outcome> learn(Session& session, const Arguments& arguments) {
       kDone};
 }
 
-Result<Outcome> try_trigger(Session& session, const Arguments& arguments, laser::DevicePort port) {
+Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& arguments, laser::DevicePort port) {
   laser::Trigger trigger(std::move(port));
-  session.face.note(fmt::format("press {} {} time{}", trigger.port().device().name, arguments.count,
-                                arguments.count == 1 ? "" : "s"));
+  context.console.note(fmt::format("press {} {} time{}", trigger.port().device().name, arguments.count,
+                                   arguments.count == 1 ? "" : "s"));
   const double begin_s = steady_s();
   int seen = 0;
   while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
-    if (trigger.pressed(kStep, steady_s()))
-      session.face.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
+    if (trigger.pressed(kWatchStep, steady_s()))
+      context.console.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
     if (trigger.look(steady_s()) == laser::PortChange::lost)
       return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(trigger.port())));
   }
@@ -150,13 +149,13 @@ Result<Outcome> try_trigger(Session& session, const Arguments& arguments, laser:
   return Outcome{fmt::format("{} presses\n", seen), one_line(Json{{"presses", seen}}), kDone};
 }
 
-Json json_of(const laser::Values& values) {
+Json values_json(const laser::Values& values) {
   Json out = Json::object();
   for (const auto& [quantity, value] : values) out[std::string(laser::name_of(quantity))] = number_or_null(value);
   return out;
 }
 
-Result<Outcome> try_sensor(Session& session, const Arguments& arguments, laser::DevicePort port) {
+Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& arguments, laser::DevicePort port) {
   constexpr double kPause_s = 1.0;
   laser::Sensor sensor(std::move(port), kPause_s);
   const double begin_s = steady_s();
@@ -170,11 +169,11 @@ Result<Outcome> try_sensor(Session& session, const Arguments& arguments, laser::
     if (sensor.answers() > seen) {
       seen = sensor.answers();
       const laser::Values values = sensor.values(steady_s(), kPause_s);
-      answers.push_back(json_of(values));
+      answers.push_back(values_json(values));
       text += around_text(values) + "\n";
-      session.face.note(around_text(values));
+      context.console.note(around_text(values));
     }
-    std::this_thread::sleep_for(kStep);
+    std::this_thread::sleep_for(kWatchStep);
   }
   if (seen < arguments.count)
     return problem(ProblemKind::refused,
@@ -184,17 +183,17 @@ Result<Outcome> try_sensor(Session& session, const Arguments& arguments, laser::
   return Outcome{text, one_line(Json{{"answers", answers}}), kDone};
 }
 
-Result<Outcome> try_device(Session& session, const Arguments& arguments) {
+Result<Outcome> try_device(VerbContext& context, const DevicesArguments& arguments) {
   const auto devices = described(arguments.trying);
   if (!devices) return tl::unexpected(devices.error());
   const laser::DeviceKind kind = devices->front().kind;
   auto port = opened_device(arguments.trying, kind);
   if (!port) return tl::unexpected(port.error());
-  return kind == laser::DeviceKind::trigger ? try_trigger(session, arguments, std::move(*port))
-                                            : try_sensor(session, arguments, std::move(*port));
+  return kind == laser::DeviceKind::trigger ? try_trigger(context, arguments, std::move(*port))
+                                            : try_sensor(context, arguments, std::move(*port));
 }
 
-Result<Outcome> describe(const Arguments& arguments) {
+Result<Outcome> describe(const DevicesArguments& arguments) {
   const auto devices = laser::builtin_named(arguments.describe);
   if (devices.empty()) {
     std::string names;
@@ -213,10 +212,10 @@ Result<Outcome> describe(const Arguments& arguments) {
   return Outcome{text, one_line(Json{{"toml", text}}), kDone};
 }
 
-Result<Outcome> devices(Session& session, const Arguments& arguments) {
+Result<Outcome> devices(VerbContext& context, const DevicesArguments& arguments) {
   if (arguments.udev) return rules(arguments);
-  if (arguments.learn) return learn(session, arguments);
-  if (!arguments.trying.empty()) return try_device(session, arguments);
+  if (arguments.learn) return learn(context, arguments);
+  if (!arguments.trying.empty()) return try_device(context, arguments);
   if (!arguments.describe.empty()) return describe(arguments);
   return list();
 }
@@ -224,7 +223,7 @@ Result<Outcome> devices(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_laser_devices(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DevicesArguments>();
   menu.verb("devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
             "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
             "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml")
@@ -240,7 +239,7 @@ void add_laser_devices(Menu& menu) {
       .text("--describe", arguments->describe, "a description that comes with the program, as TOML")
       .flag("--udev", arguments->udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules")
       .flag("--force", arguments->force, "replaces an output file that is there")
-      .runs([arguments](Session& session) { return devices(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return devices(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -29,8 +29,6 @@ struct Watched {
   }
 };
 
-double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 bool is_meant(const laser::HidIdentity& one, const std::string& device) {
   return device.empty() || one.path == device || one.serial == device ||
          lower(device) == fmt::format("{:04x}:{:04x}", one.vendor_id, one.product_id);
@@ -81,13 +79,13 @@ double last_report_s(const std::vector<Watched>& watched) {
   return last;
 }
 
-bool user_left(const Session& session) {
-  Keyboard* keyboard = session.face.keyboard();
+bool user_left(const VerbContext& context) {
+  Keyboard* keyboard = context.console.keyboard();
   const auto line = keyboard == nullptr ? std::nullopt : keyboard->line();
   return line && lower(trimmed(*line)) == "q";
 }
 
-Result<void> watch(Session& session, const LearnChoice& choice, std::vector<Watched>& watched) {
+Result<void> watch(VerbContext& context, const LearnChoice& choice, std::vector<Watched>& watched) {
   const double begin_s = steady_s();
   int told = 0;
   while (!interrupted() && steady_s() - begin_s < choice.timeout_s) {
@@ -96,9 +94,9 @@ Result<void> watch(Session& session, const LearnChoice& choice, std::vector<Watc
         return problem(ProblemKind::link,
                        fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
                                    laser::to_text(one.identity)));
-    if (user_left(session)) return problem(ProblemKind::refused, "left: nothing was learned");
+    if (user_left(context)) return problem(ProblemKind::refused, "left: nothing was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
-    if (seen > told) session.face.note(fmt::format("{} of {}", told = seen, choice.presses));
+    if (seen > told) context.console.note(fmt::format("{} of {}", told = seen, choice.presses));
     if (seen >= choice.presses && steady_s() - last_report_s(watched) > kQuiet_s) return {};
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
@@ -133,12 +131,12 @@ bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {
 
 }  // namespace
 
-Result<LearnedDevice> learn_device(Session& session, const LearnChoice& choice) {
+Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choice) {
   auto watched = opened(choice);
   if (!watched) return tl::unexpected(watched.error());
-  session.face.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
-                                choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
-  if (const auto done = watch(session, choice, *watched); !done) return tl::unexpected(done.error());
+  context.console.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
+                                   choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
+  if (const auto done = watch(context, choice, *watched); !done) return tl::unexpected(done.error());
   if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
   const auto one = pressed_one(*watched);
   if (!one) return tl::unexpected(one.error());

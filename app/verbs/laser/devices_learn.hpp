@@ -23,6 +23,6 @@ struct LearnedDevice {
 
 /// Ends a second after the last release, or at the time limit. `refused` with the reason where nothing or too much
 /// changed; `link` where no device can be watched.
-[[nodiscard]] Result<LearnedDevice> learn_device(Session& session, const LearnChoice& choice);
+[[nodiscard]] Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choice);
 
 }  // namespace ecs::app

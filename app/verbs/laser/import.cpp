@@ -19,7 +19,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct FileImportArguments {
   std::vector<std::string> files;
   std::string output;
   std::string save_profile;
@@ -84,8 +84,8 @@ Result<void> write_set(const std::string& output, const laser::MeasurementSet& s
   return write_file(output, *content);
 }
 
-Result<Outcome> import(Session&, const Arguments& arguments) {
-  if (const auto spared = spares_inputs(arguments.output, arguments.files); !spared)
+Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
+  if (const auto spared = check_output_not_input(arguments.output, arguments.files); !spared)
     return tl::unexpected(spared.error());
   std::vector<laser::MeasurementSet> sets;
   std::vector<Json> files;
@@ -119,7 +119,7 @@ Result<Outcome> import(Session&, const Arguments& arguments) {
 }  // namespace
 
 void add_laser_import(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FileImportArguments>();
   Verb verb = menu.verb("import", "any instrument's file as a measurement set (CSV); says what it took it for",
                         "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
                         "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
@@ -128,7 +128,7 @@ void add_laser_import(Menu& menu) {
       .text("-o,--output", arguments->output, "the file to write: CSV, or .rtl .rta .rts .rtx .ren .pos .dat")
       .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return import(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return import(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -41,14 +41,14 @@ Result<Outcome> taken_back(const NormaliseArguments& arguments, const laser::Mea
                  one_line(object), kDone};
 }
 
-Result<Outcome> normalise(Session& session, const NormaliseArguments& arguments) {
+Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& arguments) {
   if (arguments.back == arguments.coefficient.has_value())
     return problem(
         ProblemKind::usage,
         "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
-  if (const auto spared = spares_inputs(arguments.output, {arguments.file}); !spared)
+  if (const auto spared = check_output_not_input(arguments.output, {arguments.file}); !spared)
     return tl::unexpected(spared.error());
-  const auto imported = read_said(session, arguments.file, arguments.import);
+  const auto imported = read_said(context, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   if (arguments.back) return taken_back(arguments, imported->set);
   laser::Normalisation how;
@@ -125,7 +125,7 @@ void add_laser_normalise(Menu& menu) {
       .flag("--back", arguments->back, "take it back, to the last digit")
       .text("-o,--output", arguments->output, "the CSV to write");
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return normalise(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return normalise(context, *arguments); });
 }
 
 void add_laser_air(Menu& menu) {
@@ -137,7 +137,7 @@ void add_laser_air(Menu& menu) {
       .number("--humidity", arguments->air.humidity_pct, "relative [%]")
       .number("--co2", arguments->air.co2_ppm, "carbon dioxide [ppm]")
       .number("--wavelength", arguments->wavelength_nm, "in vacuum [nm]");
-  verb.runs([arguments](Session&) { return air(*arguments); });
+  verb.runs([arguments](VerbContext&) { return air(*arguments); });
 }
 
 }  // namespace ecs::app

@@ -8,6 +8,7 @@
 #include "app/plot/curves.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/laser/menu.hpp"
+#include "base/numbers.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/measurements/levelling.hpp"
@@ -17,7 +18,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct ProcessArguments {
   std::string file;
   std::string slope;
   double smooth_mm = 0.0;
@@ -36,12 +37,13 @@ struct Processed {
   [[nodiscard]] const laser::Curve& curve() const { return smooth ? smooth->curve : readings.level.curve; }
 };
 
-laser::SlopeMethod method_for(const Arguments& arguments, const laser::Group& group) {
+laser::SlopeMethod method_for(const ProcessArguments& arguments, const laser::Group& group) {
   const auto chosen = laser::slope_method_named(arguments.slope);
   return chosen ? *chosen : laser::default_slope(curve_of(group.sense, group.axis));
 }
 
-Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group, const Arguments& arguments) {
+Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group,
+                            const ProcessArguments& arguments) {
   auto readings = levelled_readings(set, group, method_for(arguments, group));
   if (!readings) return tl::unexpected(readings.error());
   Processed out{group, std::move(*readings), std::nullopt};
@@ -61,8 +63,6 @@ std::string_view word_for(laser::Taken taken) {
 }
 
 // --- as text
-
-std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
 
 std::string smoothing_text(const laser::Smoothed& smooth, std::string_view unit) {
   std::string text = fmt::format("  smoothing took away {:.3f} {} rms, at most {:.3f} at {:.6g} mm", smooth.removed_rms,
@@ -91,8 +91,8 @@ std::string text_of(const Processed& p) {
   const auto& before = p.readings.before_curve.points;
   for (std::size_t i = 0; i < before.size() && i < p.curve().points.size(); ++i) {
     const laser::CurvePoint& after = p.curve().points[i];
-    text += fmt::format("{:>12.4f} {:>14} {:>14} {:>14} {:>14}\n", before[i].position_mm, cell(before[i].forward),
-                        cell(before[i].reverse), cell(after.forward), cell(after.reverse));
+    text += fmt::format("{:>12.4f} {:>14} {:>14} {:>14} {:>14}\n", before[i].position_mm, cell_text(before[i].forward),
+                        cell_text(before[i].reverse), cell_text(after.forward), cell_text(after.reverse));
   }
   return text;
 }
@@ -110,7 +110,7 @@ Json smoothing_json(const laser::Smoothed& smooth, double window_mm) {
           {"taken", word_for(smooth.taken)}};
 }
 
-Json json_of(const Processed& p, double window_mm) {
+Json processed_json(const Processed& p, double window_mm) {
   Json object = json_of_line(p.group.axis, p.group.sense, p.group.parked_mm, p.group.compensated);
   const laser::Levelled& level = p.readings.level;
   object["slope"] = {{"method", laser::name_of(level.method)},
@@ -171,7 +171,7 @@ laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::M
   return set;
 }
 
-Result<void> write_before_after(const std::vector<Processed>& lines, const Arguments& arguments) {
+Result<void> write_before_after(const std::vector<Processed>& lines, const ProcessArguments& arguments) {
   if (lines.size() != 1)
     return problem(ProblemKind::usage, fmt::format("--plot: expected one measurement line in {}, found {}: split the "
                                                    "file",
@@ -185,7 +185,7 @@ Result<void> write_before_after(const std::vector<Processed>& lines, const Argum
 }
 
 Result<std::string> write_files(const std::vector<Processed>& lines, const laser::MeasurementSet& from,
-                                const Arguments& arguments) {
+                                const ProcessArguments& arguments) {
   std::string text;
   if (!arguments.output.empty()) {
     const auto written = laser::write_measurement_set(arguments.output, as_set(lines, from, arguments.smooth_mm));
@@ -222,14 +222,15 @@ Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const lase
   return tl::unexpected(folded(std::move(problems)));
 }
 
-Result<Outcome> process(Session& session, const Arguments& arguments) {
+Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
   for (const std::string& output : {arguments.output, arguments.plot})
-    if (const auto spared = spares_inputs(output, {arguments.file}); !spared) return tl::unexpected(spared.error());
+    if (const auto spared = check_output_not_input(output, {arguments.file}); !spared)
+      return tl::unexpected(spared.error());
   const auto exclusions = exclusions_of(arguments.exclude_runs, arguments.exclude_rows);
   if (!exclusions) return tl::unexpected(exclusions.error());
-  const auto imported = read_said(session, arguments.file, arguments.import);
+  const auto imported = read_said(context, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::Selection selection = laser::selected(imported->set, *exclusions);
   if (const auto fits = all_fit(*exclusions, selection, imported->set, arguments.file); !fits)
@@ -251,7 +252,7 @@ Result<Outcome> process(Session& session, const Arguments& arguments) {
   std::string text;
   for (const Processed& line : lines) {
     text += text_of(line);
-    object["lines"].push_back(json_of(line, arguments.smooth_mm));
+    object["lines"].push_back(processed_json(line, arguments.smooth_mm));
   }
   object["readings"] = imported->set.readings.size();
   object["excluded"] = imported->set.readings.size() - selection.chosen.readings.size();
@@ -265,7 +266,7 @@ Result<Outcome> process(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_laser_process(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ProcessArguments>();
   Verb verb = menu.verb("process", "slope removal, smoothing and exclusion of runs; before and after",
                         "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg");
   verb.text("FILE", arguments->file, "measurement file", Need::required)
@@ -277,7 +278,7 @@ void add_laser_process(Menu& menu) {
       .text("-o,--output", arguments->output, "CSV of the processed means")
       .text("--plot", arguments->plot, "before and after on the same scale: OUT.svg or OUT.png");
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return process(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return process(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -4,18 +4,17 @@
 #include <fmt/format.h>
 
 #include "app/verbs/laser/menu.hpp"
+#include "base/numbers.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct ShowArguments {
   std::string file;
   ImportArguments import;
 };
-
-std::string cell(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
 
 std::optional<double> reversal(const laser::TargetReadings& target) {
   const auto forward = laser::mean_of(target.forward), reverse = laser::mean_of(target.reverse);
@@ -31,8 +30,9 @@ std::string targets_text(const laser::MeasurementSet& set, const laser::Group& g
       laser::unit_of(group.sense), "target [mm]", "forward", "n", "reverse", "n", "unknown", "n", "reversal");
   for (const laser::TargetReadings& t : laser::targets_of(set, group, laser::target_tolerance_mm(set, group)))
     text += fmt::format("{:>12.4f} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n", t.position_mm,
-                        cell(laser::mean_of(t.forward)), t.forward.size(), cell(laser::mean_of(t.reverse)),
-                        t.reverse.size(), cell(laser::mean_of(t.undirected)), t.undirected.size(), cell(reversal(t)));
+                        cell_text(laser::mean_of(t.forward)), t.forward.size(), cell_text(laser::mean_of(t.reverse)),
+                        t.reverse.size(), cell_text(laser::mean_of(t.undirected)), t.undirected.size(),
+                        cell_text(reversal(t)));
   return text;
 }
 
@@ -59,7 +59,7 @@ std::string heading(const laser::MeasurementSet& set, const std::string& file, s
   return text + "\n";
 }
 
-Result<Outcome> show(Session&, const Arguments& arguments) {
+Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const auto imported = read_measurements(arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::MeasurementSet& set = imported->set;
@@ -83,12 +83,12 @@ Result<Outcome> show(Session&, const Arguments& arguments) {
 }  // namespace
 
 void add_laser_show(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ShowArguments>();
   Verb verb = menu.verb("show", "conditions, lines, sensors and the means at every target of a measurement file",
                         "ecs laser show x_axis.csv");
   verb.text("FILE", arguments->file, "measurement file", Need::required);
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return show(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return show(context, *arguments); });
 }
 
 }  // namespace ecs::app

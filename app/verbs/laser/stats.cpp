@@ -12,7 +12,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct StatsArguments {
   std::vector<std::string> files;
   ImportArguments import;
 };
@@ -61,11 +61,11 @@ Json json_of(const laser::Iso230& iso, const std::string& file) {
   return object;
 }
 
-Result<Outcome> stats(Session& session, const Arguments& arguments) {
+Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
   std::string text;
   Json lines = Json::array();
   for (const std::string& file : arguments.files) {
-    const auto imported = read_said(session, file, arguments.import);
+    const auto imported = read_said(context, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
     if (imported->set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
@@ -82,12 +82,12 @@ Result<Outcome> stats(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_laser_stats(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<StatsArguments>();
   Verb verb = menu.verb("stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
                         "ecs laser stats x_axis.csv y_axis.rtl --json");
   verb.texts("FILE", arguments->files, "measurement files", Need::required);
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return stats(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return stats(context, *arguments); });
 }
 
 }  // namespace ecs::app

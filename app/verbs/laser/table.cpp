@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBadFile = 3;
 
-struct Arguments {
+struct TableArguments {
   std::string plan;
   std::string before;
   std::string after;
@@ -41,7 +41,7 @@ Json json_of(const std::optional<MeasuredPhase>& phase) {
 Json json_of(const TableRow& row) {
   const PlannedMeasurement& p = row.planned;
   Json problems = Json::array();
-  for (const Problem& one : row.problems) problems.push_back(app::json_of(one));
+  for (const Problem& one : row.problems) problems.push_back(ecs::json_of(one));
   return {{"name", p.name},
           {"title", p.title},
           {"axis", std::string(1, letter_of(p.axis))},
@@ -72,7 +72,7 @@ PlotFigure figure_of(const TableRow& row) {
   return figure;
 }
 
-Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, const Arguments& arguments) {
+Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, const TableArguments& arguments) {
   std::vector<std::string> written;
   if (arguments.plots.empty()) return written;
   std::error_code error;
@@ -107,7 +107,7 @@ std::optional<Problem> unfit_files(const std::vector<TableRow>& rows) {
   return folded(std::move(all));
 }
 
-Result<Outcome> table(Session&, const Arguments& arguments) {
+Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
   const auto plan = read_plan(arguments.plan);
   if (!plan) return tl::unexpected(plan.error());
   const auto rows = table_of(*plan, arguments.before, arguments.after);
@@ -119,14 +119,14 @@ Result<Outcome> table(Session&, const Arguments& arguments) {
   Json object{{"plan", arguments.plan}, {"band", kBandDefinition}, {"rows", Json::array()}};
   for (const TableRow& row : rows) object["rows"].push_back(json_of(row));
   object["plots"] = *plots;
-  if (const auto unfit = unfit_files(rows)) object["error"] = app::json_of(*unfit);
+  if (const auto unfit = unfit_files(rows)) object["error"] = ecs::json_of(*unfit);
   return Outcome{text, one_line(object), exit_code_of(rows)};
 }
 
 }  // namespace
 
 void add_laser_table(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TableArguments>();
   menu.verb("table", "a commissioning: error bands before and after beside the published ones",
             "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/")
       .text("PLAN", arguments->plan, "plan with a [[measure]] for each measurement", Need::required)
@@ -134,7 +134,7 @@ void add_laser_table(Menu& menu) {
       .text("--after", arguments->after, "folder of NAME.csv, measured with compensation", Need::required)
       .text("--plots", arguments->plots, "folder for a plot NAME.svg of each row")
       .flag("--png", arguments->png, "with --plots: NAME.png as well")
-      .runs([arguments](Session& session) { return table(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return table(context, *arguments); });
 }
 
 }  // namespace ecs::app

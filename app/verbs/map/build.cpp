@@ -23,7 +23,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct BuildArguments {
   std::vector<std::string> files;
   std::string params;
   std::string output;
@@ -43,7 +43,7 @@ struct Recipe {
   std::vector<std::string> unused;
 };
 
-Result<Recipe> recipe_of(const Arguments& arguments, const UnitParameters& parameters) {
+Result<Recipe> recipe_of(const BuildArguments& arguments, const UnitParameters& parameters) {
   const bool by_recipe = lower(arguments.files.front()).ends_with(".toml");
   if (by_recipe && arguments.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
@@ -71,7 +71,7 @@ Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::strin
   return {};
 }
 
-Result<void> complete(laser::MapRecipe& recipe, const Arguments& arguments) {
+Result<void> complete(laser::MapRecipe& recipe, const BuildArguments& arguments) {
   if (!arguments.customer.empty()) recipe.customer = arguments.customer;
   if (!arguments.engineer.empty()) recipe.engineer = arguments.engineer;
   if (!arguments.date.empty()) recipe.date = arguments.date;
@@ -109,21 +109,21 @@ struct Built {
 };
 
 /// A file that does not say its axis or sense can be made to, by importing it.
-Problem with_way_out(Problem why) {
+Problem with_hint(Problem why) {
   if (why.kind == ProblemKind::usage && !why.file.empty())
     why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
-  for (Problem& other : why.also) other = with_way_out(std::move(other));
+  for (Problem& other : why.also) other = with_hint(std::move(other));
   return why;
 }
 
-Result<Built> built(const Arguments& arguments) {
+Result<Built> built(const BuildArguments& arguments) {
   const auto parameters = params::read_parameters(arguments.params);
   if (!parameters) return tl::unexpected(parameters.error());
   auto recipe = recipe_of(arguments, parameters->parameters);
-  if (!recipe) return tl::unexpected(with_way_out(recipe.error()));
+  if (!recipe) return tl::unexpected(with_hint(recipe.error()));
   if (const auto done = complete(recipe->recipe, arguments); !done) return tl::unexpected(done.error());
   auto map = laser::build_map(recipe->recipe, parameters->parameters);
-  if (!map) return tl::unexpected(with_way_out(map.error()));
+  if (!map) return tl::unexpected(with_hint(map.error()));
   laser::MapHeader& header = map->map.header;
   if (header.machine.empty()) header.machine = parameters->identity.machine;
   if (header.serial_number.empty()) header.serial_number = parameters->identity.serial_number;
@@ -153,7 +153,7 @@ std::string outcomes_text(const Built& b) {
   return text;
 }
 
-std::string squareness_text(const Built& b, const Arguments& arguments) {
+std::string squareness_text(const Built& b, const BuildArguments& arguments) {
   std::string text;
   for (const Component c : b.squares())
     text +=
@@ -163,7 +163,7 @@ std::string squareness_text(const Built& b, const Arguments& arguments) {
   return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
 }
 
-std::string text_of(const Built& b, const Arguments& arguments) {
+std::string text_of(const Built& b, const BuildArguments& arguments) {
   std::string text = outcomes_text(b);
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
     text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
@@ -199,7 +199,7 @@ Json outcomes_json(const Built& b) {
   return out;
 }
 
-Json json_of_built(const Built& b, const Arguments& arguments) {
+Json json_of_built(const Built& b, const BuildArguments& arguments) {
   Json squareness = Json::object();
   for (const Component c : b.squares())
     squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_in(b.map.parameters, c));
@@ -219,7 +219,7 @@ Json json_of_built(const Built& b, const Arguments& arguments) {
           {"header", json_of(b.map.map.header)}};
 }
 
-Result<void> write(const Built& b, const Arguments& arguments) {
+Result<void> write(const Built& b, const BuildArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
   if (!arguments.params_out.empty())
@@ -227,13 +227,14 @@ Result<void> write(const Built& b, const Arguments& arguments) {
   return {};
 }
 
-void say_what_is_odd(Session& session, const Built& b) {
-  for (const std::string& objection : made_for_two_machines(b.map.map.header, b.identity)) session.face.warn(objection);
+void warn_about_header(VerbContext& context, const Built& b) {
+  for (const std::string& objection : made_for_two_machines(b.map.map.header, b.identity))
+    context.console.warn(objection);
   const laser::MapHeader& header = b.map.map.header;
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
     if (value.empty())
-      session.face.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
+      context.console.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
 }
 
 Problem nothing_built(const Built& b) {
@@ -244,14 +245,14 @@ Problem nothing_built(const Built& b) {
   return folded(std::move(problems));
 }
 
-Result<Outcome> from_model(Session& session, const Arguments& a) {
+Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (!a.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
-  return map_from_model(session, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out, a.zero,
+  return map_from_model(context, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out, a.zero,
                                   a.customer, a.engineer, a.date});
 }
 
-Result<void> enough_given(const Arguments& arguments) {
+Result<void> enough_given(const BuildArguments& arguments) {
   if (arguments.files.empty())
     return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
   if (arguments.params.empty())
@@ -261,24 +262,25 @@ Result<void> enough_given(const Arguments& arguments) {
   return {};
 }
 
-Result<Outcome> build(Session& session, const Arguments& arguments) {
+Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (const auto wrong = wrong_date(arguments.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
-  if (!arguments.from_model.empty()) return from_model(session, arguments);
+  if (!arguments.from_model.empty()) return from_model(context, arguments);
   if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = spares_inputs(output, arguments.files); !spared) return tl::unexpected(spared.error());
+    if (const auto spared = check_output_not_input(output, arguments.files); !spared)
+      return tl::unexpected(spared.error());
   const auto b = built(arguments);
   if (!b) return tl::unexpected(b.error());
   if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
   if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
-  say_what_is_odd(session, *b);
+  warn_about_header(context, *b);
   return Outcome{text_of(*b, arguments), one_line(json_of_built(*b, arguments)), kDone};
 }
 
 }  // namespace
 
 void add_map_build(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BuildArguments>();
   menu.verb("build", "the error map from measured files, by a recipe or as the files suggest",
             "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
             "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv")
@@ -295,7 +297,7 @@ void add_map_build(Menu& menu) {
       .text("--customer", arguments->customer, "for the header")
       .text("--engineer", arguments->engineer, "for the header")
       .text("--date", arguments->date, "for the header, as in 2026-03-12")
-      .runs([arguments](Session& session) { return build(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return build(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -16,25 +16,25 @@ namespace {
 constexpr std::string_view kBeforeFirstCompensation =
     "check polarity and scale of every axis with `ecs utility output` before the first compensation";
 
-struct Arguments {
+struct SendArguments {
   std::string file;
   std::string params;
   bool other_machine = false;
 };
 
-Result<Outcome> send(Session& session, const Arguments& arguments) {
+Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   const auto ready = prepared_map(arguments.file, arguments.params, arguments.other_machine);
   if (!ready) return tl::unexpected(ready.error());
-  for (const std::string& note : ready->image.notes) session.face.note(note);
-  for (const std::string& remark : ready->remarks) session.face.warn(remark);
-  auto unit = open_unit(session, Access::writes);
+  for (const std::string& note : ready->image.notes) context.console.note(note);
+  for (const std::string& remark : ready->remarks) context.console.warn(remark);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto sent =
-      send_map(unit->client(), *ready, arguments.file, arguments.other_machine, {}, progress_bar(session, "map"));
-  session.face.end_progress();
+      send_map(unit->client(), *ready, arguments.file, arguments.other_machine, {}, progress_bar(context, "map"));
+  context.console.end_progress();
   if (!sent) return tl::unexpected(sent.error());
   const std::string check = fmt::format("{:08X}", sent->check);
-  if (sent->check_before != sent->check && !session.face.json) session.face.note(kBeforeFirstCompensation);
+  if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
   const Json object{{"map", arguments.file},
                     {"bytes", sent->report.bytes},
                     {"seconds", number_or_null(sent->seconds)},
@@ -52,14 +52,14 @@ Result<Outcome> send(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_map_send(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SendArguments>();
   menu.verb("send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
             "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200")
       .text("FILE", arguments->file, "map CSV", Need::required)
       .text("--params", arguments->params, "parameters of the unit, sent with the map", Need::required)
       .flag("--other-machine", arguments->other_machine, "send although map, parameters and unit name other machines")
       .writes_to_unit()
-      .runs([arguments](Session& session) { return send(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return send(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -14,7 +14,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct ShowArguments {
   std::string file;
   bool unit = false;
   std::string component;
@@ -36,7 +36,7 @@ Result<std::optional<Component>> chosen(const std::string& name) {
 using Judged = std::optional<std::vector<laser::MapFinding>>;
 
 /// By --params, else by the parameters of the unit; nothing if neither. Travels: of --machine, else beside --params.
-Result<Judged> judged(const Arguments& arguments, const FoundMap& found) {
+Result<Judged> judged(const ShowArguments& arguments, const FoundMap& found) {
   params::ParametersFile by;
   if (!arguments.params.empty()) {
     auto file = params::read_parameters(arguments.params);
@@ -53,12 +53,12 @@ Result<Judged> judged(const Arguments& arguments, const FoundMap& found) {
   return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine->machine)));
 }
 
-Result<Outcome> show(Session& session, const Arguments& arguments) {
+Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   const auto only = chosen(arguments.component);
   if (!only) return tl::unexpected(only.error());
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto found = found_map(session, arguments.file, arguments.unit);
+  const auto found = found_map(context, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
   const auto findings = judged(arguments, *found);
   if (!findings) return tl::unexpected(findings.error());
@@ -88,8 +88,8 @@ Result<Outcome> show(Session& session, const Arguments& arguments) {
   return Outcome{text, one_line(object), kDone};
 }
 
-Result<Outcome> header(Session& session, const Arguments& arguments) {
-  const auto found = found_map(session, arguments.file, arguments.unit);
+Result<Outcome> header(VerbContext& context, const ShowArguments& arguments) {
+  const auto found = found_map(context, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
   Json object{{"map", found->name}};
   object.update(json_of(found->map.header));
@@ -99,7 +99,7 @@ Result<Outcome> header(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_map_show(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ShowArguments>();
   menu.verb("show", "header, tables and findings of a map file or of the map in the unit",
             "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg")
       .text("FILE", arguments->file, "map CSV; or give --unit")
@@ -110,16 +110,16 @@ void add_map_show(Menu& menu) {
             "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
       .text("--plot", arguments->plot, "OUT.svg or OUT.png")
       .uses_link()
-      .runs([arguments](Session& session) { return show(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return show(context, *arguments); });
 }
 
 void add_map_header(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ShowArguments>();
   menu.verb("header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit")
       .text("FILE", arguments->file, "map CSV; or give --unit")
       .flag("--unit", arguments->unit, "the map in the unit")
       .uses_link()
-      .runs([arguments](Session& session) { return header(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return header(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -19,8 +19,8 @@ struct ReceiveArguments {
   std::string output;
 };
 
-Result<Outcome> receive(Session& session, const ReceiveArguments& arguments) {
-  const auto found = found_map(session, {}, true);
+Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
+  const auto found = found_map(context, {}, true);
   if (!found) return tl::unexpected(found.error());
   if (found->map.tables.empty() && found->map.header.declared_zero.empty())
     return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
@@ -56,9 +56,9 @@ std::string text_of(const std::vector<MapDifference>& differences) {
   return text;
 }
 
-Result<Outcome> verify(Session& session, const VerifyArguments& arguments) {
+Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
   if (const auto readable = laser::read_map_csv(arguments.file); !readable) return tl::unexpected(readable.error());
-  const auto found = found_map(session, {}, true);
+  const auto found = found_map(context, {}, true);
   if (!found) return tl::unexpected(found.error());
   const auto verdict = verdict_on(*found, arguments.file, arguments.params);
   if (!verdict) return tl::unexpected(verdict.error());
@@ -84,7 +84,7 @@ void add_map_receive(Menu& menu) {
             "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502")
       .text("-o,--output", arguments->output, "file to write; without it the CSV goes to stdout")
       .uses_link()
-      .runs([arguments](Session& session) { return receive(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return receive(context, *arguments); });
 }
 
 void add_map_verify(Menu& menu) {
@@ -94,7 +94,7 @@ void add_map_verify(Menu& menu) {
       .text("FILE", arguments->file, "map CSV", Need::required)
       .text("--params", arguments->params, "parameter file to compare as well")
       .uses_link()
-      .runs([arguments](Session& session) { return verify(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return verify(context, *arguments); });
 }
 
 }  // namespace ecs::app

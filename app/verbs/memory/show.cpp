@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::string_view kUnitWord = "unit";
 
-Result<MemoryDump> dump_of_unit(Session& session, DumpScope scope) {
-  auto unit = open_unit(session, Access::reads);
+Result<MemoryDump> dump_of_unit(VerbContext& context, DumpScope scope) {
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
-  return take_dump(unit->client(), unit->name(), scope, progress_bar(session, "memory"));
+  return take_dump(unit->client(), unit->name(), scope, progress_bar(context, "memory"));
 }
 
 struct ShowArguments {
@@ -25,10 +25,10 @@ struct ShowArguments {
   bool bytes = false;
 };
 
-Result<Outcome> show(Session& session, const ShowArguments& arguments) {
+Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   if (arguments.unit == !arguments.file.empty())
     return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
-  const auto dump = arguments.unit ? dump_of_unit(session, DumpScope::active) : read_dump(arguments.file);
+  const auto dump = arguments.unit ? dump_of_unit(context, DumpScope::active) : read_dump(arguments.file);
   if (!dump) return tl::unexpected(dump.error());
   const DecodedMemory memory = decoded(*dump);
   return Outcome{text_of(*dump, memory, arguments.bytes), one_line(json_of(*dump, memory)), kDone};
@@ -39,8 +39,8 @@ struct CompareArguments {
   std::string b;
 };
 
-Result<MemoryDump> dump_from(Session& session, const std::string& file_or_unit) {
-  return file_or_unit == kUnitWord ? dump_of_unit(session, DumpScope::all) : read_dump(file_or_unit);
+Result<MemoryDump> dump_from(VerbContext& context, const std::string& file_or_unit) {
+  return file_or_unit == kUnitWord ? dump_of_unit(context, DumpScope::all) : read_dump(file_or_unit);
 }
 
 /// What is wrong with one of the two by itself: its file, or the image that its unit would use.
@@ -59,10 +59,10 @@ std::string damage_text(std::string_view side, const std::string& file, const st
   return text;
 }
 
-Result<Outcome> compare(Session& session, const CompareArguments& arguments) {
-  const auto a = dump_from(session, arguments.a);
+Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
+  const auto a = dump_from(context, arguments.a);
   if (!a) return tl::unexpected(a.error());
-  const auto b = dump_from(session, arguments.b);
+  const auto b = dump_from(context, arguments.b);
   if (!b) return tl::unexpected(b.error());
   Json list = Json::array();
   std::string text;
@@ -92,14 +92,14 @@ void add_memory_decoding(Menu& menu) {
       .flag("--unit", shown->unit, "the active image of the unit")
       .flag("--bytes", shown->bytes, "names and meaning beside the bytes")
       .uses_link()
-      .runs([shown](Session& session) { return show(session, *shown); });
+      .runs([shown](VerbContext& context) { return show(context, *shown); });
   const auto compared = std::make_shared<CompareArguments>();
   menu.verb("compare", "the fields that differ between two dumps; `unit` stands for the unit",
             "ecs memory compare before.ecsdump after.ecsdump")
       .text("A", compared->a, "dump, memory image, or `unit`", Need::required)
       .text("B", compared->b, "dump, memory image, or `unit`", Need::required)
       .uses_link()
-      .runs([compared](Session& session) { return compare(session, *compared); });
+      .runs([compared](VerbContext& context) { return compare(context, *compared); });
 }
 
 }  // namespace ecs::app

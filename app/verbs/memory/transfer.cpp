@@ -45,20 +45,20 @@ std::string plain_hex(ByteView bytes) {
   return text;
 }
 
-Result<Outcome> read_bytes(Session& session, const ReadArguments& arguments) {
+Result<Outcome> read_bytes(VerbContext& context, const ReadArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
   const auto length = whole_number(arguments.length, "LENGTH");
   if (!length) return tl::unexpected(length.error());
   if (const auto fits = within_space(*address, *length); !fits) return tl::unexpected(fits.error());
   if (const auto there = memory_there(*address, *length); !there) return tl::unexpected(there.error());
-  auto unit = open_unit(session, Access::reads);
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
   if (const auto there = memory_there(*address, *length, identity->memory_modules); !there)
     return tl::unexpected(there.error());
-  const auto bytes = unit->client().read_memory(*address, *length, progress_bar(session, "memory"));
+  const auto bytes = unit->client().read_memory(*address, *length, progress_bar(context, "memory"));
   if (!bytes) return tl::unexpected(bytes.error());
   Json object{{"address", hex_address(*address)}, {"length", *length}, {"file", text_or_null(arguments.output)}};
   if (!arguments.output.empty()) {
@@ -88,7 +88,7 @@ Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments
   return std::vector<std::uint8_t>(content->begin(), content->end());
 }
 
-Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
+Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
   const auto bytes = bytes_to_write(arguments);
@@ -99,13 +99,13 @@ Result<Outcome> write_bytes(Session& session, const WriteArguments& arguments) {
           arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto status = unit->client().status();
   if (!status) return tl::unexpected(status.error());
   const bool spoils_map = touches_active_map(*status, *address, bytes->size());
-  if (spoils_map) session.face.warn(kSpoilsMap);
-  if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(session, "memory")); !written)
+  if (spoils_map) context.console.warn(kSpoilsMap);
+  if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(context, "memory")); !written)
     return tl::unexpected(written.error());
   return Outcome{
       fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
@@ -119,11 +119,11 @@ struct DumpArguments {
   bool active = false;
 };
 
-Result<Outcome> dump_memory(Session& session, const DumpArguments& arguments) {
-  auto unit = open_unit(session, Access::reads);
+Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments) {
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
   const auto dump = take_dump(unit->client(), unit->name(), arguments.active ? DumpScope::active : DumpScope::all,
-                              progress_bar(session, "memory"));
+                              progress_bar(context, "memory"));
   if (!dump) return tl::unexpected(dump.error());
   if (auto written = write_file(arguments.output, to_bytes(*dump)); !written) return tl::unexpected(written.error());
   std::size_t bytes = 0;
@@ -157,23 +157,23 @@ Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std:
   return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
 }
 
-Result<Outcome> load(Session& session, const LoadArguments& arguments) {
+Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
   const auto dump = read_dump(arguments.file);
   if (!dump) return tl::unexpected(dump.error());
-  for (const std::string& damage : dump->damage) session.face.warn(damage);
+  for (const std::string& damage : dump->damage) context.console.warn(damage);
   const auto image = sound_image(*dump, arguments.file);
   if (!image) return tl::unexpected(image.error());
   if (const auto sure = confirmed(arguments.yes, "parameters and map of the unit are replaced by those of the dump");
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
   if (!arguments.other_machine)
     if (auto refused = refused_map(other_unit(dump->serial_number, *image, identity->serial_number), arguments.file))
       return tl::unexpected(std::move(*refused));
-  const auto report = send_image(unit->client(), *image, progress_bar(session, "image"));
+  const auto report = send_image(unit->client(), *image, progress_bar(context, "image"));
   if (!report) return tl::unexpected(report.error());
   return Outcome{fmt::format("parameters and map of {} sent and verified: {} bytes, commit {}", arguments.file,
                              report->bytes, report->commit_sequence),
@@ -194,7 +194,7 @@ void add_memory_transfer(Menu& menu) {
       .text("-o,--output", read->output, "file for the bytes as they are")
       .flag("--hex", read->hex, "hexadecimal digits only")
       .uses_link()
-      .runs([read](Session& session) { return read_bytes(session, *read); });
+      .runs([read](VerbContext& context) { return read_bytes(context, *read); });
   const auto write = std::make_shared<WriteArguments>();
   menu.verb("write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes")
       .text("ADDRESS", write->address, "first address, decimal or 0x…", Need::required)
@@ -202,13 +202,13 @@ void add_memory_transfer(Menu& menu) {
       .text("--file", write->file, "write the bytes of this file")
       .flag("--yes", write->yes, "overwrite")
       .writes_to_unit()
-      .runs([write](Session& session) { return write_bytes(session, *write); });
+      .runs([write](VerbContext& context) { return write_bytes(context, *write); });
   const auto dump = std::make_shared<DumpArguments>();
   menu.verb("dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump")
       .text("-o,--output", dump->output, "file to write", Need::required)
       .flag("--active", dump->active, "only the commit records and the active image")
       .uses_link()
-      .runs([dump](Session& session) { return dump_memory(session, *dump); });
+      .runs([dump](VerbContext& context) { return dump_memory(context, *dump); });
   const auto loaded = std::make_shared<LoadArguments>();
   menu.verb("load", "restore parameters and map of a dump into the unit (needs --yes)",
             "ecs memory load unit.ecsdump --yes")
@@ -216,7 +216,7 @@ void add_memory_transfer(Menu& menu) {
       .flag("--yes", loaded->yes, "replace what the unit holds")
       .flag("--other-machine", loaded->other_machine, "load although dump or map name another unit")
       .writes_to_unit()
-      .runs([loaded](Session& session) { return load(session, *loaded); });
+      .runs([loaded](VerbContext& context) { return load(context, *loaded); });
 }
 
 }  // namespace ecs::app

@@ -14,7 +14,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct AddArguments {
   ModelArguments common;
   std::string effect;
   std::string approach;
@@ -24,7 +24,7 @@ struct Arguments {
   std::string output;
 };
 
-Result<model::AddRequest> request_of(const Arguments& arguments) {
+Result<model::AddRequest> request_of(const AddArguments& arguments) {
   auto request = model::parse_add_request(arguments.effect);
   if (!request) return request;
   if (!arguments.approach.empty()) request->approach = model::approach_mode_named(arguments.approach);
@@ -40,7 +40,7 @@ Result<model::AddRequest> request_of(const Arguments& arguments) {
 }
 
 /// A measurement that does not say its axis or sense is made to with `laser import`: --sense means the effect's here.
-Problem with_way_out(Problem why) {
+Problem with_hint(Problem why) {
   if (why.kind == ProblemKind::usage && !why.file.empty())
     why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
   return why;
@@ -69,11 +69,11 @@ Json json_of_added(const model::Added& added, const std::string& output) {
           {"model", text_or_null(output)}};
 }
 
-Result<Outcome> add(Session& session, const Arguments& arguments) {
+Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   const auto request = request_of(arguments);
   if (!request) return tl::unexpected(request.error());
-  const auto work = model_work(session, arguments.common);
-  if (!work) return tl::unexpected(with_way_out(work.error()));
+  const auto work = model_work(context, arguments.common);
+  if (!work) return tl::unexpected(with_hint(work.error()));
   const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.common.model));
   if (!arguments.output.empty())
@@ -112,7 +112,7 @@ Result<Outcome> undo(const UndoArguments& arguments) {
 }  // namespace
 
 void add_model_add(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<AddArguments>();
   Verb verb = menu.verb("add", "an effect more, in the place that fits best; shows how far the error falls",
                         "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml");
   verb.text("MODEL", arguments->common.model, "model file (.toml)", Need::required)
@@ -125,7 +125,7 @@ void add_model_add(Menu& menu) {
       .choice("--sense", arguments->sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
       .text("--code", arguments->code, "component of angular, squareness or map faults, such as ECX");
   take_machine(verb, arguments->common.machine);
-  verb.runs([arguments](Session& session) { return add(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return add(context, *arguments); });
 }
 
 void add_model_undo(Menu& menu) {
@@ -134,7 +134,7 @@ void add_model_undo(Menu& menu) {
   verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
       .text("-o,--output", arguments->output, "the model to write; MODEL itself if not given");
   take_machine(verb, arguments->machine);
-  verb.runs([arguments](Session&) { return undo(*arguments); });
+  verb.runs([arguments](VerbContext&) { return undo(*arguments); });
 }
 
 }  // namespace ecs::app

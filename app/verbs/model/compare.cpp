@@ -16,7 +16,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   ModelArguments common;
   int worst = 10;
   std::string at;
@@ -25,7 +25,7 @@ struct Arguments {
   std::string plot;
 };
 
-Result<void> sound(const Arguments& arguments) {
+Result<void> sound(const CompareArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
   if (arguments.output.empty()) return {};
@@ -33,39 +33,41 @@ Result<void> sound(const Arguments& arguments) {
   std::vector<std::string> inputs = arguments.common.data;
   inputs.push_back(arguments.common.model);
   inputs.push_back(arguments.common.machine);
-  return spares_inputs(arguments.output, inputs);
+  return check_output_not_input(arguments.output, inputs);
 }
 
 /// Text and JSON of one answer, growing together.
-struct Told {
+struct Answer {
   std::string text;
   Json json;
 };
 
-Result<void> tell_place(Told& told, const ModelWork& work, const model::Model& fitted, const Arguments& arguments) {
+Result<void> tell_place(Answer& answer, const ModelWork& work, const model::Model& fitted,
+                        const CompareArguments& arguments) {
   if (arguments.at.empty()) return {};
   const auto shares = shares_at(fitted, work.machine, arguments.at);
   if (!shares) return tl::unexpected(shares.error());
-  told.text += shares_text(*shares);
-  told.json["at"] = json_of(*shares);
+  answer.text += shares_text(*shares);
+  answer.json["at"] = json_of(*shares);
   return {};
 }
 
-Result<void> tell_volume(Told& told, const ModelWork& work, const model::Model& fitted, const Arguments& arguments) {
+Result<void> tell_volume(Answer& answer, const ModelWork& work, const model::Model& fitted,
+                         const CompareArguments& arguments) {
   if (arguments.volume == 0) return {};
   const auto volume = volume_of(fitted, work.machine, static_cast<std::size_t>(arguments.volume));
   if (!volume) return tl::unexpected(volume.error());
-  told.text += volume_text(*volume);
-  told.json["volume"] = json_of(*volume);
+  answer.text += volume_text(*volume);
+  answer.json["volume"] = json_of(*volume);
   if (arguments.output.empty()) return {};
-  told.text += "  written to " + arguments.output + "\n";
-  told.json["volume"]["output"] = arguments.output;
+  answer.text += "  written to " + arguments.output + "\n";
+  answer.json["volume"]["output"] = arguments.output;
   return write_file(arguments.output, to_csv(*volume));
 }
 
-Result<void> draw(Told& told, const ModelWork& work, const model::Fit& fit, const Arguments& arguments) {
+Result<void> draw(Answer& answer, const ModelWork& work, const model::Fit& fit, const CompareArguments& arguments) {
   if (arguments.plot.empty()) return {};
-  told.text += "\nplot written to " + arguments.plot + "\n";
+  answer.text += "\nplot written to " + arguments.plot + "\n";
   return write_plot(arguments.plot, fit_figure(fit, work.data, "model against measurement"));
 }
 
@@ -74,7 +76,7 @@ bool any_trace(const std::vector<std::string>& files) {
 }
 
 /// A recorded step has no places, no volume and no company.
-Result<Outcome> compare_step(const Arguments& arguments) {
+Result<Outcome> compare_step(const CompareArguments& arguments) {
   if (arguments.common.data.size() != 1)
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
   if (!arguments.at.empty() || arguments.volume != 0)
@@ -82,29 +84,29 @@ Result<Outcome> compare_step(const Arguments& arguments) {
   return compare_trace(arguments.common.model, arguments.common.data.front(), arguments.plot);
 }
 
-Result<Outcome> compare(Session& session, const Arguments& arguments) {
+Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
   if (const auto good = sound(arguments); !good) return tl::unexpected(good.error());
   if (any_trace(arguments.common.data)) return compare_step(arguments);
-  const auto work = model_work(session, arguments.common);
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto fit = model::fit(work->model, work->data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
   const model::Comparison comparison = model::compare(*fit, work->data, static_cast<std::size_t>(arguments.worst));
-  Told told{comparison_text(comparison, work->data.size()), {{"observations", work->data.size()}}};
-  told.json.update(json_of(comparison));
-  told.json["notes"] = fit->notes;
-  if (!fit->notes.empty()) told.text += "\n" + notes_text(fit->notes);
+  Answer answer{comparison_text(comparison, work->data.size()), {{"observations", work->data.size()}}};
+  answer.json.update(json_of(comparison));
+  answer.json["notes"] = fit->notes;
+  if (!fit->notes.empty()) answer.text += "\n" + notes_text(fit->notes);
   const model::Model fitted = with_values(work->model, *fit);
-  if (const auto done = tell_place(told, *work, fitted, arguments); !done) return tl::unexpected(done.error());
-  if (const auto done = tell_volume(told, *work, fitted, arguments); !done) return tl::unexpected(done.error());
-  if (const auto done = draw(told, *work, *fit, arguments); !done) return tl::unexpected(done.error());
-  return Outcome{told.text, one_line(told.json), kDone};
+  if (const auto done = tell_place(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
+  if (const auto done = tell_volume(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
+  if (const auto done = draw(answer, *work, *fit, arguments); !done) return tl::unexpected(done.error());
+  return Outcome{answer.text, one_line(answer.json), kDone};
 }
 
 }  // namespace
 
 void add_model_compare(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   Verb verb = menu.verb("compare", "where a model fails: residuals by direction and by every variable",
                         "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
                         "ecs model compare drive_as_printed.toml step_recorded.csv");
@@ -114,7 +116,7 @@ void add_model_compare(Menu& menu) {
       .integer("--volume", arguments->volume, "predicted error over the volume, so many places along each axis", 2, 60)
       .text("-o,--output", arguments->output, "CSV of the volume to write")
       .text("--plot", arguments->plot, "measured against model, as .svg or .png");
-  verb.runs([arguments](Session& session) { return compare(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return compare(context, *arguments); });
 }
 
 }  // namespace ecs::app

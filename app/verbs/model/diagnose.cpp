@@ -12,23 +12,23 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct DiagnoseArguments {
   ModelArguments common;
   int blanks = static_cast<int>(model::DiagnoseOptions{}.blanks);
   bool plain = false;
   std::string plot;
 };
 
-Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const Arguments& arguments) {
+Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseArguments& arguments) {
   const auto figure = diagnosis_figure(work.model, work.data, diagnosis, arguments.plain);
   if (!figure) return tl::unexpected(figure.error());
   return write_plot(arguments.plot, *figure);
 }
 
-Result<Outcome> diagnose(Session& session, const Arguments& arguments) {
+Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto work = model_work(session, arguments.common);
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
   options.blanks = static_cast<std::size_t>(arguments.blanks);
@@ -47,14 +47,14 @@ Result<Outcome> diagnose(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_diagnose(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DiagnoseArguments>();
   Verb verb = menu.verb("diagnose", "which effect is missing from a model, with proof, rivals and doubts",
                         "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg");
   take_model_and_data(verb, arguments->common);
   verb.integer("--blanks", arguments->blanks, "simulated data sets of noise alone that a finding must beat", 50, 20'000)
       .flag("--plain", arguments->plain, "ordinary least squares: no reading counts as an outlier")
       .text("--plot", arguments->plot, "measured against model, and what is left, as .svg or .png");
-  verb.runs([arguments](Session& session) { return diagnose(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return diagnose(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -98,7 +98,7 @@ Result<Outcome> effects(const std::string& name) {
   return Outcome{list_text(), one_line(Json{{"effects", std::move(all)}}), kDone};
 }
 
-struct Arguments {
+struct EffectsArguments {
   std::string name;
   std::string machine;
 };
@@ -106,12 +106,12 @@ struct Arguments {
 }  // namespace
 
 void add_model_effects(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<EffectsArguments>();
   Verb verb = menu.verb("effects", "the library of effects: cause, formula, what tells each from its neighbours",
                         "ecs model effects cyclic");
   verb.text("EFFECT", arguments->name, "explain this one")
       .text("--machine", arguments->machine, "taken as by every verb of MODEL; the library is the same for all");
-  verb.runs([arguments](Session&) { return effects(arguments->name); });
+  verb.runs([arguments](VerbContext&) { return effects(arguments->name); });
 }
 
 }  // namespace ecs::app

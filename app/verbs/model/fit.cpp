@@ -23,7 +23,7 @@ using model::ParameterEstimate;
 
 constexpr double kStrongCorrelation = 0.9;
 
-struct Arguments {
+struct FitArguments {
   ModelArguments common;
   bool plain = false;
   std::string output;
@@ -156,7 +156,7 @@ model::Model with_start(const ModelWork& work, const Fit& fit) {
   return fitted;
 }
 
-Result<void> write(const ModelWork& work, const Fit& fit, const Arguments& arguments) {
+Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto kept = keep_model(arguments.output, with_start(work, fit), arguments.common.model); !kept)
       return kept;
@@ -166,10 +166,10 @@ Result<void> write(const ModelWork& work, const Fit& fit, const Arguments& argum
       fit_figure(fit, work.data, fmt::format("rms {:.2f} µm, noise {:.2f} µm", fit.rms_um, fit.noise.noise_um)));
 }
 
-Result<Outcome> fit(Session& session, const Arguments& arguments) {
+Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto work = model_work(session, arguments.common);
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto result = model::fit(work->model, work->data, {arguments.plain});
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
@@ -183,14 +183,14 @@ Result<Outcome> fit(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_fit(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<FitArguments>();
   Verb verb = menu.verb("fit", "the parameters of a model from measured data, with sigmas and correlations",
                         "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml");
   take_model_and_data(verb, arguments->common);
   verb.flag("--plain", arguments->plain, "ordinary least squares: every reading counts the same")
       .text("-o,--output", arguments->output, "the model with its values; may be MODEL itself")
       .text("--plot", arguments->plot, "measured against model, as .svg or .png");
-  verb.runs([arguments](Session& session) { return fit(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return fit(context, *arguments); });
 }
 
 }  // namespace ecs::app

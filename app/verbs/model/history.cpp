@@ -11,13 +11,13 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct HistoryArguments {
   std::string model;
   std::string machine;
   std::string plot;
 };
 
-Result<Outcome> history(const Arguments& arguments) {
+Result<Outcome> history(const HistoryArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   std::string text = ladder_text(model->history);
@@ -32,13 +32,13 @@ Result<Outcome> history(const Arguments& arguments) {
 }  // namespace
 
 void add_model_history(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<HistoryArguments>();
   Verb verb = menu.verb("history", "the ladder: how far the error fell with every effect",
                         "ecs model history model.toml --plot ladder.svg");
   verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
       .text("--plot", arguments->plot, "bars falling towards the noise, as .svg or .png");
   take_machine(verb, arguments->machine);
-  verb.runs([arguments](Session&) { return history(*arguments); });
+  verb.runs([arguments](VerbContext&) { return history(*arguments); });
 }
 
 }  // namespace ecs::app

@@ -11,8 +11,8 @@
 namespace ecs::app {
 namespace {
 
-Result<Outcome> begin(Session& session, const ModelArguments& arguments) {
-  const auto work = begun_model(session, arguments);
+Result<Outcome> begin(VerbContext& context, const ModelArguments& arguments) {
+  const auto work = begun_model(context, arguments);
   if (!work) return tl::unexpected(work.error());
   std::string text = fmt::format("begun in {}: offset, slope and backlash of what was measured\n", arguments.model);
   Json effects = Json::array();
@@ -31,7 +31,7 @@ void add_model_new(Menu& menu) {
   Verb verb = menu.verb("new", "a model to begin with: offset, slope and backlash of what was measured",
                         "ecs model new model.toml data.csv --machine machine.toml");
   take_model_and_data(verb, *arguments);
-  verb.runs([arguments](Session& session) { return begin(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return begin(context, *arguments); });
 }
 
 }  // namespace ecs::app

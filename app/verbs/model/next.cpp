@@ -21,7 +21,7 @@ namespace {
 using model::MeasurementProposal;
 using model::PlanCheck;
 
-struct Arguments {
+struct NextArguments {
   ModelArguments common;
   std::string check;
   double noise_um = 0.5;
@@ -80,7 +80,7 @@ Json proposal_json(const MeasurementProposal& one) {
 
 /// Part program and target list of the chosen proposal; says what was written.
 Result<std::string> written_for(const model::NextMeasurement& next, const std::optional<params::Machine>& machine,
-                                const Arguments& arguments) {
+                                const NextArguments& arguments) {
   std::string text;
   if (arguments.program.empty() && arguments.targets.empty()) return text;
   if (!arguments.program.empty() && !machine)
@@ -106,14 +106,14 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
   return text + "\n";
 }
 
-Result<Outcome> propose(Session& session, const Arguments& arguments) {
+Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   if (arguments.common.data.empty())
     return problem(ProblemKind::usage, "expected DATA to propose from, or --check PLAN to judge a plan");
   std::vector<std::string> inputs = arguments.common.data;
   inputs.insert(inputs.end(), {arguments.common.model, arguments.common.machine});
   for (const std::string& output : {arguments.program, arguments.targets})
-    if (const auto spared = spares_inputs(output, inputs); !spared) return tl::unexpected(spared.error());
-  const auto work = model_work(session, arguments.common);
+    if (const auto spared = check_output_not_input(output, inputs); !spared) return tl::unexpected(spared.error());
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto diagnosis = model::diagnose(work->model, work->data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
@@ -135,9 +135,9 @@ Result<Outcome> propose(Session& session, const Arguments& arguments) {
 // --- the check of a plan
 
 /// Of one reading: from the data where there are any, else as given.
-Result<double> noise_to_expect(Session& session, const Arguments& arguments) {
+Result<double> noise_to_expect(VerbContext& context, const NextArguments& arguments) {
   if (arguments.common.data.empty()) return arguments.noise_um;
-  const auto work = model_work(session, arguments.common);
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto fit = model::fit(work->model, work->data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
@@ -177,14 +177,14 @@ Json check_json(const PlanCheck& check, double noise_um, std::size_t readings) {
           {"undetermined", check.undetermined},   {"effects", std::move(effects)}};
 }
 
-Result<Outcome> check(Session& session, const Arguments& arguments) {
+Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
   const auto model = model::read_model(arguments.common.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(session, arguments.common.machine);
+  const auto machine = machine_in(context, arguments.common.machine);
   if (!machine) return tl::unexpected(machine.error());
   const auto plan = plan_in(arguments.check, arguments.common.import);
   if (!plan) return tl::unexpected(plan.error());
-  const auto noise_um = noise_to_expect(session, arguments);
+  const auto noise_um = noise_to_expect(context, arguments);
   if (!noise_um) return tl::unexpected(noise_um.error());
   const model::Observations rows = model::observations_of(plan->set, *model, *machine);
   const auto result = model::check_plan(*model, rows, *noise_um);
@@ -196,7 +196,7 @@ Result<Outcome> check(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_next(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<NextArguments>();
   Verb verb = menu.verb("next", "the measurement that tells rivals apart best per minute; --check judges a plan",
                         "ecs model next model.toml data.csv --machine machine.toml\n"
                         "  ecs model next model.toml --check plan.csv --machine machine.toml");
@@ -208,8 +208,8 @@ void add_model_next(Menu& menu) {
       .text("--targets", arguments->targets, "target list of the proposal to write, a measurement set without readings")
       .number("--noise", arguments->noise_um, "of one reading, for --check without DATA [um]", Need::optional, 1e-6,
               1e6);
-  verb.runs([arguments](Session& session) {
-    return arguments->check.empty() ? propose(session, *arguments) : check(session, *arguments);
+  verb.runs([arguments](VerbContext& context) {
+    return arguments->check.empty() ? propose(context, *arguments) : check(context, *arguments);
   });
 }
 

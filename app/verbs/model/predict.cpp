@@ -13,7 +13,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct PredictArguments {
   std::string model;
   std::string points;
   std::string machine;
@@ -75,13 +75,14 @@ Json json_of_predicted(const Predicted& p, const std::string& output) {
   return {{"points", p.set.readings.size()}, {"output", text_or_null(output)}, {"predictions", std::move(rows)}};
 }
 
-Result<Outcome> predict(Session& session, const Arguments& arguments) {
-  if (const auto spared = spares_inputs(arguments.output, {arguments.points, arguments.model, arguments.machine});
+Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments) {
+  if (const auto spared =
+          check_output_not_input(arguments.output, {arguments.points, arguments.model, arguments.machine});
       !spared)
     return tl::unexpected(spared.error());
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(session, arguments.machine);
+  const auto machine = machine_in(context, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   auto plan = plan_in(arguments.points, arguments.import);
   if (!plan) return tl::unexpected(plan.error());
@@ -99,7 +100,7 @@ Result<Outcome> predict(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_predict(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PredictArguments>();
   Verb verb = menu.verb("predict", "what a fitted model says at given places",
                         "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv");
   verb.text("MODEL", arguments->model, "model file (.toml) with values: given, or from `model fit -o`", Need::required)
@@ -108,7 +109,7 @@ void add_model_predict(Menu& menu) {
       .text("-o,--output", arguments->output, "measurement set to write, predictions in the column reading");
   take_machine(verb, arguments->machine);
   take_import_options(verb, arguments->import);
-  verb.runs([arguments](Session& session) { return predict(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return predict(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -19,7 +19,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct RevealArguments {
   std::string folder;
   std::string diagnosis;
   std::string machine;
@@ -59,7 +59,7 @@ std::vector<std::string> cases_in(const std::string& folder) {
   return list;
 }
 
-Result<FoundAnswer> answer_of(Session& session, const std::string& folder, const Arguments& arguments) {
+Result<FoundAnswer> answer_of(VerbContext& context, const std::string& folder, const RevealArguments& arguments) {
   if (!arguments.diagnosis.empty()) {
     const auto text = read_file(arguments.diagnosis);
     if (!text) return tl::unexpected(text.error());
@@ -67,7 +67,7 @@ Result<FoundAnswer> answer_of(Session& session, const std::string& folder, const
   }
   ModelArguments inputs{inside(folder, "model.toml"), {inside(folder, "data.csv")}, arguments.machine, {}};
   if (inputs.machine.empty()) inputs.machine = inside(folder, "machine.toml");
-  const auto work = model_work(session, inputs);
+  const auto work = model_work(context, inputs);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
   options.blanks = static_cast<std::size_t>(arguments.blanks);
@@ -76,10 +76,11 @@ Result<FoundAnswer> answer_of(Session& session, const std::string& folder, const
   return answer_in(one_line(json_of(*diagnosis)), folder);
 }
 
-Result<Revealed> revealed(Session& session, const std::string& folder, const Arguments& arguments, bool alone) {
+Result<Revealed> revealed(VerbContext& context, const std::string& folder, const RevealArguments& arguments,
+                          bool alone) {
   auto truth = truth_of(folder);
   if (!truth) return tl::unexpected(truth.error());
-  auto answer = answer_of(session, folder, arguments);
+  auto answer = answer_of(context, folder, arguments);
   if (!answer && !alone) return failed(folder, std::move(*truth), answer.error());
   if (!answer) return tl::unexpected(answer.error());
   Score score = score_of(*truth, *answer);
@@ -206,7 +207,7 @@ Outcome summed_up(const std::vector<Revealed>& all) {
           right ? kDone : kDoesNotHold};
 }
 
-Result<Outcome> reveal(Session& session, const Arguments& arguments) {
+Result<Outcome> reveal(VerbContext& context, const RevealArguments& arguments) {
   const auto folders = cases_in(arguments.folder);
   if (folders.empty())
     return tl::unexpected(
@@ -220,12 +221,12 @@ Result<Outcome> reveal(Session& session, const Arguments& arguments) {
     return problem(ProblemKind::usage, "--diagnosis belongs to one case: name its folder");
   std::vector<Revealed> all;
   for (const std::string& folder : folders) {
-    session.face.progress("cases", static_cast<double>(all.size()) / static_cast<double>(folders.size()), 0.0);
-    auto one = revealed(session, folder, arguments, folders.size() == 1);
+    context.console.progress("cases", static_cast<double>(all.size()) / static_cast<double>(folders.size()), 0.0);
+    auto one = revealed(context, folder, arguments, folders.size() == 1);
     if (!one) return tl::unexpected(one.error());
     all.push_back(std::move(*one));
   }
-  session.face.end_progress();
+  context.console.end_progress();
   if (all.size() > 1) return summed_up(all);
   return Outcome{text_of(all.front()), one_line(json_of_case(all.front())),
                  all.front().score.right ? kDone : kDoesNotHold};
@@ -234,7 +235,7 @@ Result<Outcome> reveal(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_reveal(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RevealArguments>();
   Verb verb = menu.verb("reveal", "what was hidden in a case, and whether the diagnosis found it",
                         "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json");
   verb.text("DIR", arguments->folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required)
@@ -242,7 +243,7 @@ void add_model_reveal(Menu& menu) {
             "saved JSON of `ecs model diagnose --json`; without it, one is made now")
       .integer("--blanks", arguments->blanks, "as for `ecs model diagnose`", 50, 20'000)
       .text("--machine", arguments->machine, "another machine than machine.toml of the case");
-  verb.runs([arguments](Session& session) { return reveal(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return reveal(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -9,7 +9,7 @@
 namespace ecs::app {
 namespace {
 
-struct Arguments {
+struct WhatIfArguments {
   ModelArguments common;
   std::vector<std::string> after;
 };
@@ -45,10 +45,10 @@ Json json_of_told(const WhatIfTold& told) {
   return object;
 }
 
-Result<Outcome> what_if(Session& session, const Arguments& arguments) {
-  const auto work = model_work(session, arguments.common);
+Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) {
+  const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
-  const auto told = what_if_told(session, *work, arguments.common.model, arguments.after, arguments.common.import);
+  const auto told = what_if_told(context, *work, arguments.common.model, arguments.after, arguments.common.import);
   if (!told) return tl::unexpected(told.error());
   return Outcome{what_if_text(*told), one_line(json_of_told(*told)), kDone};
 }
@@ -56,12 +56,12 @@ Result<Outcome> what_if(Session& session, const Arguments& arguments) {
 }  // namespace
 
 void add_model_what_if(Menu& menu) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WhatIfArguments>();
   Verb verb = menu.verb("what-if", "the error that compensation would leave; predicted against achieved",
                         "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv");
   take_model_and_data(verb, arguments->common);
   verb.texts("--after", arguments->after, "the same measured again with the unit compensating");
-  verb.runs([arguments](Session& session) { return what_if(session, *arguments); });
+  verb.runs([arguments](VerbContext& context) { return what_if(context, *arguments); });
 }
 
 }  // namespace ecs::app

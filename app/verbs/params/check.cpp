@@ -17,7 +17,7 @@ struct CheckArguments {
   std::string machine;
 };
 
-Json json_of(const std::vector<params::Finding>& findings) {
+Json findings_json(const std::vector<params::Finding>& findings) {
   Json out = Json::array();
   for (const params::Finding& finding : findings)
     out.push_back(
@@ -25,20 +25,22 @@ Json json_of(const std::vector<params::Finding>& findings) {
   return out;
 }
 
-Result<Outcome> check_file(Session& session, const CheckArguments& arguments) {
+Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments) {
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
   std::optional<params::Machine> machine;
   if (!arguments.machine.empty()) {
     auto read = params::read_machine(arguments.machine);
     if (!read) return tl::unexpected(read.error());
-    for (const Problem& warning : read->warnings) session.face.warn(to_text(warning));
+    for (const Problem& warning : read->warnings) context.console.warn(to_text(warning));
     machine = read->machine;
   }
   const auto findings = params::check(file->parameters, machine ? &*machine : nullptr);
   const bool sound = !params::has_errors(findings);
-  Json object{
-      {"file", arguments.file}, {"sound", sound}, {"findings", json_of(findings)}, {"defaulted", file->defaulted}};
+  Json object{{"file", arguments.file},
+              {"sound", sound},
+              {"findings", findings_json(findings)},
+              {"defaulted", file->defaulted}};
   std::string text = params::to_text(findings);
   if (text.empty()) text = fmt::format("{}: sound", arguments.file);
   return Outcome{text, one_line(object), findings.empty() ? kDone : kDoesNotHold};
@@ -52,7 +54,7 @@ void add_params_check(Menu& menu) {
             "ecs params check mill.toml --machine machine.toml")
       .text("FILE", arguments->file, "parameter file", Need::required)
       .text("--machine", arguments->machine, "machine file to compare with")
-      .runs([arguments](Session& session) { return check_file(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return check_file(context, *arguments); });
 }
 
 }  // namespace ecs::app

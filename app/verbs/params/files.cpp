@@ -17,14 +17,14 @@ namespace {
 
 constexpr std::string_view kUnitWord = "unit";
 
-Result<UnitParameters> parameters_in_unit(Session& session) {
-  auto unit = open_unit(session, Access::reads);
+Result<UnitParameters> parameters_in_unit(VerbContext& context) {
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
   return receive_parameters(unit->client());
 }
 
-Result<UnitParameters> parameters_from(Session& session, const std::string& file_or_unit) {
-  if (file_or_unit == kUnitWord) return parameters_in_unit(session);
+Result<UnitParameters> parameters_from(VerbContext& context, const std::string& file_or_unit) {
+  if (file_or_unit == kUnitWord) return parameters_in_unit(context);
   auto file = params::read_parameters(file_or_unit);
   if (!file) return tl::unexpected(file.error());
   return file->parameters;
@@ -36,16 +36,16 @@ struct ShowArguments {
   bool unit = false;
 };
 
-Result<Outcome> show_unit(Session& session) {
-  const auto parameters = parameters_in_unit(session);
+Result<Outcome> show_unit(VerbContext& context) {
+  const auto parameters = parameters_in_unit(context);
   if (!parameters) return tl::unexpected(parameters.error());
   return Outcome{table_of(*parameters), one_line(Json{{"parameters", json_of(*parameters)}}), kDone};
 }
 
-Result<Outcome> show(Session& session, const ShowArguments& arguments) {
+Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   if (arguments.unit == !arguments.file.empty())
     return problem(ProblemKind::usage, "params show: give either a FILE or --unit");
-  if (arguments.unit) return show_unit(session);
+  if (arguments.unit) return show_unit(context);
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
   std::string text = table_of(file->parameters);
@@ -90,7 +90,7 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
   return all;
 }
 
-Result<Outcome> set_values(Session& session, const SetArguments& arguments) {
+Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) {
   auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
   const auto assignments = assignments_of(arguments.words);
@@ -102,7 +102,7 @@ Result<Outcome> set_values(Session& session, const SetArguments& arguments) {
       problems.push_back(set.error());
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   for (const params::Finding& finding : params::check(file->parameters))
-    session.face.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
+    context.console.warn(fmt::format("{}: {}", finding.keys.empty() ? "" : finding.keys.front(), finding.message));
   const std::string output = arguments.output.empty() ? arguments.file : arguments.output;
   if (auto written = params::write_parameters(output, file->parameters, file->identity); !written)
     return tl::unexpected(written.error());
@@ -124,10 +124,10 @@ struct DiffArguments {
   std::string b;
 };
 
-Result<Outcome> diff_two(Session& session, const DiffArguments& arguments) {
-  const auto a = parameters_from(session, arguments.a);
+Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
+  const auto a = parameters_from(context, arguments.a);
   if (!a) return tl::unexpected(a.error());
-  const auto b = parameters_from(session, arguments.b);
+  const auto b = parameters_from(context, arguments.b);
   if (!b) return tl::unexpected(b.error());
   const auto differences = params::diff(*a, *b);
   Json list = Json::array();
@@ -146,10 +146,10 @@ struct NewArguments {
   std::string output;
 };
 
-Result<Outcome> new_file(Session& session, const NewArguments& arguments) {
+Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
   const auto machine = params::read_machine(arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
-  for (const Problem& warning : machine->warnings) session.face.warn(to_text(warning));
+  for (const Problem& warning : machine->warnings) context.console.warn(to_text(warning));
   const UnitParameters parameters = params::default_parameters_for(machine->machine);
   if (auto written = params::write_parameters(arguments.output, parameters, {machine->machine.name, {}}); !written)
     return tl::unexpected(written.error());
@@ -167,7 +167,7 @@ void add_params_show(Menu& menu) {
       .text("FILE", arguments->file, "parameter file")
       .flag("--unit", arguments->unit, "those in the unit")
       .uses_link()
-      .runs([arguments](Session& session) { return show(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return show(context, *arguments); });
 }
 
 void add_params_set(Menu& menu) {
@@ -177,7 +177,7 @@ void add_params_set(Menu& menu) {
       .text("FILE", arguments->file, "parameter file", Need::required)
       .texts("KEY=VALUE", arguments->words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
       .text("-o,--output", arguments->output, "write here in place of FILE")
-      .runs([arguments](Session& session) { return set_values(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return set_values(context, *arguments); });
 }
 
 void add_params_diff(Menu& menu) {
@@ -187,7 +187,7 @@ void add_params_diff(Menu& menu) {
       .text("A", arguments->a, "parameter file, or `unit`", Need::required)
       .text("B", arguments->b, "parameter file, or `unit`", Need::required)
       .uses_link()
-      .runs([arguments](Session& session) { return diff_two(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return diff_two(context, *arguments); });
 }
 
 void add_params_new(Menu& menu) {
@@ -196,7 +196,7 @@ void add_params_new(Menu& menu) {
             "ecs params new --machine machine.toml -o mill-parameters.toml")
       .text("--machine", arguments->machine, "machine file", Need::required)
       .text("-o,--output", arguments->output, "parameter file to write", Need::required)
-      .runs([arguments](Session& session) { return new_file(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return new_file(context, *arguments); });
 }
 
 }  // namespace ecs::app

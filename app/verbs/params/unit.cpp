@@ -35,11 +35,11 @@ Outcome sent(const SendArguments& arguments, const SendReport& report) {
           kDone};
 }
 
-Result<Outcome> send(Session& session, const SendArguments& arguments) {
+Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
   if (auto objections = objections_to(file->parameters, arguments.file)) return tl::unexpected(std::move(*objections));
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -48,10 +48,10 @@ Result<Outcome> send(Session& session, const SendArguments& arguments) {
     return tl::unexpected(std::move(*refused));
   const auto report =
       send_parameters(unit->client(), file->parameters, owner, arguments.force ? UnfitMap::drop : UnfitMap::refuse,
-                      progress_bar(session, "parameters"));
+                      progress_bar(context, "parameters"));
   if (!report) return tl::unexpected(report.error());
   for (const std::string& objection : report->map_objections)
-    session.face.warn("the map in the unit is dropped: " + objection);
+    context.console.warn("the map in the unit is dropped: " + objection);
   return sent(arguments, *report);
 }
 
@@ -59,8 +59,8 @@ struct ReceiveArguments {
   std::string output;
 };
 
-Result<Outcome> receive(Session& session, const ReceiveArguments& arguments) {
-  auto unit = open_unit(session, Access::reads);
+Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -87,7 +87,7 @@ void add_params_send(Menu& menu) {
       .flag("--force", arguments->force, "drop a map in the unit that does not fit, in place of refusing")
       .flag("--other-machine", arguments->other_machine, "send although [identity] names another machine")
       .writes_to_unit()
-      .runs([arguments](Session& session) { return send(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return send(context, *arguments); });
 }
 
 void add_params_receive(Menu& menu) {
@@ -96,7 +96,7 @@ void add_params_receive(Menu& menu) {
             "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200")
       .text("-o,--output", arguments->output, "file to write; without it the text goes to stdout")
       .uses_link()
-      .runs([arguments](Session& session) { return receive(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return receive(context, *arguments); });
 }
 
 }  // namespace ecs::app

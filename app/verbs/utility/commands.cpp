@@ -14,9 +14,9 @@ namespace ecs::app {
 namespace {
 
 /// Opens the unit and gives one command whose success needs no more than these words.
-Result<Outcome> simple(Session& session, const std::function<Result<void>(protocol::UnitClient&)>& command,
+Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(protocol::UnitClient&)>& command,
                        const std::string& text, const Json& object) {
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   if (const auto done = command(unit->client()); !done) return tl::unexpected(done.error());
   return Outcome{text, one_line(object), kDone};
@@ -27,11 +27,11 @@ struct PositionArguments {
   double position_mm = 0.0;
 };
 
-Result<Outcome> set_position(Session& session, const PositionArguments& arguments) {
+Result<Outcome> set_position(VerbContext& context, const PositionArguments& arguments) {
   const auto axis = axis_named(arguments.axis);
   if (!axis) return tl::unexpected(axis.error());
   return simple(
-      session, [&](protocol::UnitClient& client) { return client.set_axis_position(*axis, arguments.position_mm); },
+      context, [&](protocol::UnitClient& client) { return client.set_axis_position(*axis, arguments.position_mm); },
       fmt::format("axis {} now shows {} mm", arguments.axis, arguments.position_mm),
       Json{{"axis", arguments.axis}, {"position_mm", arguments.position_mm}});
 }
@@ -44,12 +44,12 @@ struct OutputArguments {
   bool yes = false;
 };
 
-Result<Outcome> output_value(Session& session, const OutputArguments& arguments) {
+Result<Outcome> output_value(VerbContext& context, const OutputArguments& arguments) {
   const bool given = !arguments.axis.empty() && arguments.output_um.has_value();
   if (arguments.off == given) return problem(ProblemKind::usage, "utility output: give either AXIS UM or --off");
   if (arguments.off)
     return simple(
-        session, [](protocol::UnitClient& client) { return client.output_off(); }, "every output 0, every relay open",
+        context, [](protocol::UnitClient& client) { return client.output_off(); }, "every output 0, every relay open",
         Json{{"off", true}});
   const auto axis = axis_named(arguments.axis);
   if (!axis) return tl::unexpected(axis.error());
@@ -59,7 +59,7 @@ Result<Outcome> output_value(Session& session, const OutputArguments& arguments)
         !sure)
       return tl::unexpected(sure.error());
   return simple(
-      session,
+      context,
       [&](protocol::UnitClient& client) {
         return client.output_compensation(*axis, *arguments.output_um, arguments.relay);
       },
@@ -75,7 +75,7 @@ struct RunArguments {
   bool yes = false;
 };
 
-Result<Outcome> run_program_in_unit(Session& session, const RunArguments& arguments) {
+Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& arguments) {
   const auto address = whole_number(arguments.address, "ADDRESS");
   if (!address) return tl::unexpected(address.error());
   const auto argument = whole_number(arguments.argument, "--argument");
@@ -84,7 +84,7 @@ Result<Outcome> run_program_in_unit(Session& session, const RunArguments& argume
           confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(*address)));
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
   const auto value = unit->client().run_user_software(*address, *argument, limit);
@@ -101,11 +101,11 @@ Result<Outcome> run_program_in_unit(Session& session, const RunArguments& argume
       kDone};
 }
 
-Result<Outcome> ram_test(Session& session) {
-  auto unit = open_unit(session, Access::writes);
+Result<Outcome> ram_test(VerbContext& context) {
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
-  const auto result = unit->client().run_ram_test([&session](const protocol::CommandResult& busy) {
-    session.face.progress("RAM test", busy.per_mille / 1000.0, 0.0);
+  const auto result = unit->client().run_ram_test([&context](const protocol::CommandResult& busy) {
+    context.console.progress("RAM test", busy.per_mille / 1000.0, 0.0);
   });
   if (!result) return tl::unexpected(result.error());
   const bool passed = result->value == protocol::kUnused;
@@ -122,7 +122,7 @@ void add_position(Menu& menu) {
       .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis", Need::required)
       .number("MM", arguments->position_mm, "position, mm", Need::required)
       .writes_to_unit()
-      .runs([arguments](Session& session) { return set_position(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return set_position(context, *arguments); });
 }
 
 void add_output(Menu& menu) {
@@ -135,7 +135,7 @@ void add_output(Menu& menu) {
       .flag("--off", arguments->off, "every output 0, every relay open")
       .flag("--yes", arguments->yes, "the axis may move")
       .writes_to_unit()
-      .runs([arguments](Session& session) { return output_value(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return output_value(context, *arguments); });
 }
 
 void add_run(Menu& menu) {
@@ -146,7 +146,7 @@ void add_run(Menu& menu) {
       .number("--wait", arguments->wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
       .flag("--yes", arguments->yes, "run it")
       .writes_to_unit()
-      .runs([arguments](Session& session) { return run_program_in_unit(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return run_program_in_unit(context, *arguments); });
 }
 
 }  // namespace
@@ -158,16 +158,16 @@ void add_utility_commands(Menu& menu) {
   menu.verb("ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest")
       .writes_to_unit()
       .runs(ram_test);
-  menu.verb("reset", "restart the unit", "ecs utility reset").writes_to_unit().runs([](Session& session) {
+  menu.verb("reset", "restart the unit", "ecs utility reset").writes_to_unit().runs([](VerbContext& context) {
     return simple(
-        session, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
+        context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
         Json{{"reset", true}});
   });
   menu.verb("clear", "clear the fault that the unit keeps", "ecs utility clear")
       .writes_to_unit()
-      .runs([](Session& session) {
+      .runs([](VerbContext& context) {
         return simple(
-            session, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
+            context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
             Json{{"cleared", true}});
       });
 }

@@ -66,29 +66,29 @@ struct RecordArguments {
   std::string output;
 };
 
-Result<Outcome> record(Session& session, const RecordArguments& arguments) {
+Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
   const auto axis = axis_named(arguments.axis);
   if (!axis) return tl::unexpected(axis.error());
-  auto unit = open_unit(session, Access::writes);
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
-  session.face.note(fmt::format("recording for {} s", kDatumRecord_s));
-  ask_to_reference(session, *unit, "axis " + arguments.axis);
+  context.console.note(fmt::format("recording for {} s", kDatumRecord_s));
+  ask_to_reference(context, *unit, "axis " + arguments.axis);
   const auto result =
-      unit->client().record_datum(*axis, in_ms(3.0 * kDatumRecord_s), [&session](const protocol::CommandResult& busy) {
+      unit->client().record_datum(*axis, in_ms(3.0 * kDatumRecord_s), [&context](const protocol::CommandResult& busy) {
         const double done = busy.per_mille / 1000.0;
-        session.face.progress("recording", done, (1.0 - done) * kDatumRecord_s);
+        context.console.progress("recording", done, (1.0 - done) * kDatumRecord_s);
       });
   if (!result) return tl::unexpected(result.error());
-  auto recording = read_recording(unit->client(), result->value, progress_bar(session, "transfer"));
+  auto recording = read_recording(unit->client(), result->value, progress_bar(context, "transfer"));
   if (!recording) return tl::unexpected(recording.error());
   recording->taken = now_utc();
   recording->serial_number = identity->serial_number;
   if (!arguments.output.empty()) {
     if (auto written = write_file(arguments.output, to_csv(*recording)); !written)
       return tl::unexpected(written.error());
-    session.face.note(fmt::format("record written to {}", arguments.output));
+    context.console.note(fmt::format("record written to {}", arguments.output));
   }
   return Outcome{text_of(*recording), one_line(json_of(*recording)), kDone};
 }
@@ -118,8 +118,8 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
   return axes;
 }
 
-Result<Outcome> test(Session& session, const TestArguments& arguments) {
-  auto unit = open_unit(session, Access::writes);
+Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -129,7 +129,7 @@ Result<Outcome> test(Session& session, const TestArguments& arguments) {
   std::string text;
   bool all_passed = true;
   for (const Axis axis : *axes) {
-    ask_to_reference(session, *unit, fmt::format("axis {}", letter_of(axis)));
+    ask_to_reference(context, *unit, fmt::format("axis {}", letter_of(axis)));
     const auto one = test_datum_of(unit->client(), axis, in_ms(arguments.wait_s));
     if (!one) return tl::unexpected(one.error());
     all_passed = all_passed && one->passed;
@@ -150,17 +150,17 @@ void add_utility_datum(Menu& utility) {
       .choice("AXIS", recorded->axis, {"X", "Y", "Z"}, "axis", Need::required)
       .text("-o,--output", recorded->output, "CSV file to write")
       .writes_to_unit()
-      .runs([recorded](Session& session) { return record(session, *recorded); });
+      .runs([recorded](VerbContext& context) { return record(context, *recorded); });
   const auto file = std::make_shared<std::string>();
   menu.verb("show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv")
       .text("FILE", *file, "CSV file of `datum record`", Need::required)
-      .runs([file](Session&) { return show(*file); });
+      .runs([file](VerbContext&) { return show(*file); });
   const auto tests = std::make_shared<TestArguments>();
   menu.verb("test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120")
       .texts("AXIS", tests->axes, "axes; none: all that the unit has")
       .number("--wait", tests->wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
       .writes_to_unit()
-      .runs([tests](Session& session) { return test(session, *tests); });
+      .runs([tests](VerbContext& context) { return test(context, *tests); });
 }
 
 }  // namespace ecs::app

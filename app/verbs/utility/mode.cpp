@@ -44,7 +44,7 @@ Result<Outcome> integrate(UnitLink& unit) {
 }
 
 /// Follows the unit until it compensates, gives up or the time is over.
-Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
+Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(wait_s);
   for (std::string told;;) {
     const auto snapshot = take_snapshot(unit.client(), unit.name());
@@ -56,7 +56,7 @@ Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
                                             ? std::string("the unit went back to integration mode")
                                             : fault_sentence(snapshot->status));
     const std::string stages = stages_of(*snapshot);
-    if (stages != told) session.face.note(fmt::format("datuming: {}", stages));
+    if (stages != told) context.console.note(fmt::format("datuming: {}", stages));
     told = stages;
     if (Clock::now() >= end)
       return outcome_of(
@@ -69,20 +69,20 @@ Result<Outcome> follow(Session& session, UnitLink& unit, double wait_s) {
   }
 }
 
-Result<Outcome> compensate(Session& session, UnitLink& unit, double wait_s) {
+Result<Outcome> compensate(VerbContext& context, UnitLink& unit, double wait_s) {
   const auto now = unit.client().status();
   if (!now) return tl::unexpected(now.error());
   const bool under_way = now->mode == UnitMode::datuming || now->mode == UnitMode::compensating;
   if (!under_way)
     if (const auto entered = begin_compensation(unit.client()); !entered) return tl::unexpected(entered.error());
-  if (now->mode != UnitMode::compensating) ask_to_reference(session, unit, "every axis");
-  return follow(session, unit, wait_s);
+  if (now->mode != UnitMode::compensating) ask_to_reference(context, unit, "every axis");
+  return follow(context, unit, wait_s);
 }
 
-Result<Outcome> change_mode(Session& session, const ModeArguments& arguments) {
-  auto unit = open_unit(session, Access::writes);
+Result<Outcome> change_mode(VerbContext& context, const ModeArguments& arguments) {
+  auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
-  return arguments.mode == "integrate" ? integrate(*unit) : compensate(session, *unit, arguments.wait_s);
+  return arguments.mode == "integrate" ? integrate(*unit) : compensate(context, *unit, arguments.wait_s);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ void add_utility_mode(Menu& menu) {
       .number("--wait", arguments->wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
               86400.0)
       .writes_to_unit()
-      .runs([arguments](Session& session) { return change_mode(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return change_mode(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -79,7 +79,7 @@ std::string text_of(const MonitorSample& sample) {
 }
 
 /// Samples until the count is reached, a signal comes or the line is lost.
-Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arguments,
+Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments& arguments,
                    std::optional<MonitorRecording>& recording) {
   std::optional<EnvironmentWatch> environment;
   if (!arguments.environment.empty()) environment.emplace(arguments.environment, kEnvironment_s);
@@ -94,28 +94,28 @@ Result<void> watch(Session& session, UnitLink& unit, const MonitorArguments& arg
       object["environment"] = json_of(surroundings);
       text += to_text(surroundings) + "\n";
     }
-    session.face.print(text);
-    session.face.print_json(one_line(object));
+    context.console.print(text);
+    context.console.print_json(one_line(object));
     if (recording)
       if (auto added = recording->add(*sample, surroundings.values); !added) return added;
-    if (!session.face.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
+    if (!context.console.output_is_whole()) return problem(ProblemKind::output, "stdout could not be written");
   }
   return {};
 }
 
-Result<Outcome> monitor(Session& session, const MonitorArguments& arguments) {
+Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments) {
   std::optional<MonitorRecording> recording;
   if (!arguments.record.empty()) {
     auto begun = MonitorRecording::begun(arguments.record);
     if (!begun) return tl::unexpected(begun.error());
     recording.emplace(std::move(*begun));
   }
-  auto unit = open_unit(session, Access::reads);
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
-  const auto watched = watch(session, *unit, arguments, recording);
+  const auto watched = watch(context, *unit, arguments, recording);
   if (recording && recording->runs() && recording->samples() > 0) {
     if (auto ended = recording->end(); !ended) return tl::unexpected(ended.error());
-    session.face.note(fmt::format("{} samples written to {}", recording->samples(), arguments.record));
+    context.console.note(fmt::format("{} samples written to {}", recording->samples(), arguments.record));
   }
   if (!watched) return tl::unexpected(watched.error());
   return Outcome{};
@@ -134,7 +134,7 @@ void add_monitor_verb(Menu& root) {
       .text("--record", arguments->record,
             "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves")
       .uses_link()
-      .runs([arguments](Session& session) { return monitor(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return monitor(context, *arguments); });
 }
 
 }  // namespace ecs::app

@@ -16,18 +16,18 @@ struct StatusArguments {
   std::string from;
 };
 
-Result<StatusSnapshot> snapshot_of_unit(Session& session) {
-  auto unit = open_unit(session, Access::reads);
+Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
+  auto unit = open_unit(context, Access::reads);
   if (!unit) return tl::unexpected(unit.error());
   return take_snapshot(unit->client(), unit->name());
 }
 
-Result<Outcome> show_status(Session& session, const StatusArguments& arguments) {
-  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(session) : read_snapshot(arguments.from);
+Result<Outcome> show_status(VerbContext& context, const StatusArguments& arguments) {
+  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(context) : read_snapshot(arguments.from);
   if (!snapshot) return tl::unexpected(snapshot.error());
   if (!arguments.save.empty()) {
     if (auto written = write_snapshot(arguments.save, *snapshot); !written) return tl::unexpected(written.error());
-    session.face.note(fmt::format("status written to {}", arguments.save));
+    context.console.note(fmt::format("status written to {}", arguments.save));
   }
   return Outcome{text_of(*snapshot), one_line(json_of(*snapshot)), kDone};
 }
@@ -41,7 +41,7 @@ void add_utility_status(Menu& menu) {
       .text("--save", arguments->save, "write decoded values and raw registers to this file")
       .text("--from", arguments->from, "decode such a file; no unit is asked")
       .uses_link()
-      .runs([arguments](Session& session) { return show_status(session, *arguments); });
+      .runs([arguments](VerbContext& context) { return show_status(context, *arguments); });
 }
 
 }  // namespace ecs::app
