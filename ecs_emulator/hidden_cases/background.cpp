@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

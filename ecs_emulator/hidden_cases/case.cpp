@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ecs_emulator/hidden_cases/background.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "ecs_emulator/hidden_cases/background.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
 #include "ecs_emulator/hidden_cases/scene.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
-#include "ecs_emulator/machine/effect_formula.hpp"
+#include "ecs_emulator/effects/formula.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,12 +1,12 @@
 // What an effect adds to a reading: the formulas of docs/physics.md, "The effect library", by the place where they act
-// in a machine. Does not live here: the machine itself (ecs_emulator/machine/kinematics.hpp), which effects are drawn
+// in a machine. Does not live here: the machine itself (ecs_emulator/errors/kinematics.hpp), which effects are drawn
 // (choice.hpp).
 #pragma once
 
 #include <vector>
 
+#include "ecs_emulator/effects/effect.hpp"
 #include "ecs_emulator/hidden_cases/scene.hpp"
-#include "ecs_emulator/machine/effect.hpp"
 
 namespace ecs::emulator {
 

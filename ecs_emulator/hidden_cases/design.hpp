@@ -4,9 +4,9 @@
 
 #include <cstddef>
 
+#include "ecs_emulator/effects/effect.hpp"
 #include "ecs_emulator/hidden_cases/scene.hpp"
-#include "ecs_emulator/machine/effect.hpp"
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "ecs_emulator/hidden_cases/design.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/hidden_cases/draw.hpp"
-#include "ecs_emulator/machine/kinematics.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

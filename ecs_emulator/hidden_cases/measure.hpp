@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ecs_emulator/hidden_cases/contribution.hpp"
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

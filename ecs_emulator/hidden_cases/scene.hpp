@@ -1,5 +1,5 @@
 // What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map.
-// Does not live here: errors (ecs_emulator/machine/effect.hpp), readings (measure.hpp).
+// Does not live here: errors (ecs_emulator/effects/effect.hpp), readings (measure.hpp).
 #pragma once
 
 #include <optional>

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "ecs_emulator/hidden_cases/choice.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/units.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

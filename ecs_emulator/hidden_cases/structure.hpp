@@ -1,5 +1,5 @@
 // Errors that no library holds: what a diagnosis should call structure, and not by the name of an effect.
-// Does not live here: errors that have a name (ecs_emulator/machine/effect.hpp).
+// Does not live here: errors that have a name (ecs_emulator/effects/effect.hpp).
 #pragma once
 
 #include <string>

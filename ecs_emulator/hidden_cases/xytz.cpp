@@ -1,6 +1,6 @@
 // The XYTZ machine under the thesis's printed equation (27): what it lacks in E_Y, the term ECY·X, is what is hidden.
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/hidden_cases/draw.hpp"
+#include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,11 +1,11 @@
 // Noise that remembers itself for a while (Ornstein-Uhlenbeck): moving air in a beam, standard deviation 1.
-// Does not live here: how strong it is (ecs_emulator/machine/laser_settings.hpp).
+// Does not live here: how strong it is (ecs_emulator/settings/laser.hpp).
 #pragma once
 
 #include <cmath>
 #include <optional>
 
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

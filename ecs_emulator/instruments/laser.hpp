@@ -10,10 +10,10 @@
 #include <string_view>
 
 #include "core/component.hpp"
-#include "ecs_emulator/machine/air.hpp"
-#include "ecs_emulator/machine/kinematics.hpp"
-#include "ecs_emulator/machine/laser_settings.hpp"
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
+#include "ecs_emulator/random/random.hpp"
+#include "ecs_emulator/settings/laser.hpp"
+#include "ecs_emulator/thermal/air.hpp"
 
 namespace ecs::emulator {
 

@@ -1,9 +1,9 @@
 // The requests `measure` and `capture` as plans. For .cpp files of this room only: it is heavy.
 #pragma once
 
+#include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/instruments/capture.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
-#include "ecs_emulator/machine/arguments.hpp"
 
 namespace ecs::emulator {
 

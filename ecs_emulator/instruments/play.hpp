@@ -1,5 +1,5 @@
 // Hysteresis of a pivot or a plunger: what is shown stays until the input has taken up the play.
-// Does not live here: how wide it is (ecs_emulator/machine/laser_settings.hpp).
+// Does not live here: how wide it is (ecs_emulator/settings/laser.hpp).
 #pragma once
 
 #include <algorithm>

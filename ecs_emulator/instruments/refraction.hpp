@@ -4,7 +4,7 @@
 // surroundings).
 #pragma once
 
-#include "ecs_emulator/machine/air.hpp"
+#include "ecs_emulator/thermal/air.hpp"
 
 namespace ecs::emulator {
 

@@ -1,12 +1,13 @@
 // One axis in its closed position loop: control's counter, servo drive, slide, transducer, at the step of the drive
 // (thesis 3.2 and appendix A, scaled to the axis). Compensation enters at the velocity command.
-// Does not live here: the drive's equations (servo_drive.hpp), switch and marker (axis_of_machine.hpp).
+// Does not live here: the drive's equations (ecs_emulator/drive/servo_drive.hpp), switch and marker
+// (axis_of_machine.hpp).
 #pragma once
 
-#include "ecs_emulator/machine/axis_settings.hpp"
-#include "ecs_emulator/machine/servo_drive.hpp"
-#include "ecs_emulator/machine/slide.hpp"
-#include "ecs_emulator/machine/transducer.hpp"
+#include "ecs_emulator/drive/servo_drive.hpp"
+#include "ecs_emulator/drive/slide.hpp"
+#include "ecs_emulator/drive/transducer.hpp"
+#include "ecs_emulator/settings/axis.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::emulator {

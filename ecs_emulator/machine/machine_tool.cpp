@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,12 +1,12 @@
 // The machine tool: axes under a CNC that moves them along a path, as it stands at one instant.
-// Does not live here: its errors (true_errors.hpp), the unit (ecs_emulator/unit/unit.hpp), who tells it to move
-// (ecs_emulator/workshop/workshop.hpp).
+// Does not live here: its errors (ecs_emulator/errors/true_errors.hpp), the unit (ecs_emulator/unit/unit.hpp), who
+// tells it to move (ecs_emulator/workshop/workshop.hpp).
 #pragma once
 
+#include "ecs_emulator/errors/true_errors.hpp"
 #include "ecs_emulator/machine/axis_of_machine.hpp"
-#include "ecs_emulator/machine/emulator_settings.hpp"
 #include "ecs_emulator/machine/path.hpp"
-#include "ecs_emulator/machine/true_errors.hpp"
+#include "ecs_emulator/settings/emulator.hpp"
 
 namespace ecs::emulator {
 

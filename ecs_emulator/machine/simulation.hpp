@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "base/result.hpp"
-#include "ecs_emulator/machine/heat.hpp"
-#include "ecs_emulator/machine/kinematics.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
+#include "ecs_emulator/errors/true_errors.hpp"
 #include "ecs_emulator/machine/machine_tool.hpp"
-#include "ecs_emulator/machine/random.hpp"
 #include "ecs_emulator/machine/real_time.hpp"
-#include "ecs_emulator/machine/true_errors.hpp"
+#include "ecs_emulator/random/random.hpp"
+#include "ecs_emulator/thermal/heat.hpp"
 
 namespace ecs::emulator {
 

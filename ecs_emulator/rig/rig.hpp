@@ -1,5 +1,5 @@
 // The thesis's single-axis test rig (3.1, 3.5): controller, servo drive, slide with a worn screw, and the prototype
-// compensation unit, whose loop is core/. Does not live here: the servo (ecs_emulator/machine/servo_drive.hpp),
+// compensation unit, whose loop is core/. Does not live here: the servo (ecs_emulator/drive/servo_drive.hpp),
 // calibrating (runs.hpp).
 #pragma once
 
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/tick.hpp"
-#include "ecs_emulator/machine/random.hpp"
-#include "ecs_emulator/machine/servo_drive.hpp"
+#include "ecs_emulator/drive/servo_drive.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "ecs_emulator/machine/arguments.hpp"
+#include "ecs_emulator/instruments/arguments.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "ecs_emulator/machine/arguments.hpp"
+#include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 
 namespace ecs::emulator {

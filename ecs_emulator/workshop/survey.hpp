@@ -1,5 +1,5 @@
 // The true volumetric accuracy of the machine as it stands, unit included: what no instrument can measure at once.
-// Does not live here: the machine's errors (ecs_emulator/machine/true_errors.hpp).
+// Does not live here: the machine's errors (ecs_emulator/errors/true_errors.hpp).
 #pragma once
 
 #include <vector>

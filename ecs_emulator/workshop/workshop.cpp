@@ -7,7 +7,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "ecs_emulator/machine/arguments.hpp"
+#include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
 #include "ecs_emulator/workshop/measure.hpp"
 #include "ecs_emulator/workshop/program.hpp"

@@ -1,7 +1,6 @@
-#include "ecs_emulator/machine/emulator_settings.hpp"
-
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/settings/emulator.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,11 +1,11 @@
 // Gravity against numbers worked out by hand from the beam formulas, and against the exact chain of matrices.
-#include "ecs_emulator/machine/gravity.hpp"
+#include "ecs_emulator/errors/gravity.hpp"
 
 #include <cmath>
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/machine/kinematics.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
 #include "workshop_machines.hpp"
 
 using namespace ecs;

@@ -1,5 +1,5 @@
 // Heat against closed forms: first-order lags, the steady screw, waves of the day.
-#include "ecs_emulator/machine/heat.hpp"
+#include "ecs_emulator/thermal/heat.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "ecs_emulator/machine/kinematics.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
 
 #include <cmath>
 #include <string>
 
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/machine/random.hpp"
+#include "ecs_emulator/random/random.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

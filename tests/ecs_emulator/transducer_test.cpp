@@ -1,4 +1,4 @@
-#include "ecs_emulator/machine/transducer.hpp"
+#include "ecs_emulator/drive/transducer.hpp"
 
 #include <cmath>
 #include <numbers>

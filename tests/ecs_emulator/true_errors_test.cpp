@@ -1,4 +1,4 @@
-#include "ecs_emulator/machine/true_errors.hpp"
+#include "ecs_emulator/errors/true_errors.hpp"
 
 #include <cmath>
 

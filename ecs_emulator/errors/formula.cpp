@@ -1,0 +1,44 @@
+#include "ecs_emulator/errors/formula.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+namespace ecs::emulator {
+
+struct Formula::Parser {
+  mu::Parser parser;
+};
+
+Formula::Formula(std::unique_ptr<Parser> parser) : parser_(std::move(parser)) {}
+Formula::Formula(Formula&&) noexcept = default;
+Formula& Formula::operator=(Formula&&) noexcept = default;
+Formula::~Formula() = default;
+
+Result<Formula> Formula::compile(const std::string& expression, Variables& variables) {
+  auto parser = std::make_unique<Parser>();
+  try {
+    const std::map<std::string, double*> named{{"p", &variables.p}, {"d", &variables.d}, {"x", &variables.x},
+                                               {"y", &variables.y}, {"z", &variables.z}, {"t", &variables.t},
+                                               {"f", &variables.f}, {"m", &variables.m}, {"u", &variables.u}};
+    for (const auto& [name, address] : named) parser->parser.DefineVar(name, address);
+    for (auto& [name, value] : variables.temperatures) parser->parser.DefineVar("T_" + name, &value);
+    parser->parser.DefineConst("pi", 3.14159265358979323846);
+    parser->parser.SetExpr(expression);
+    static_cast<void>(parser->parser.Eval());
+  } catch (const mu::ParserError& error) {
+    return problem(ProblemKind::bad_input,
+                   fmt::format("formula \"{}\", character {}: {}", expression, error.GetPos() + 1, error.GetMsg()));
+  }
+  return Formula(std::move(parser));
+}
+
+double Formula::raw() const { return parser_->parser.Eval(); }
+
+double Formula::value() const {
+  const double value = raw();
+  return std::isfinite(value) ? value : 0.0;
+}
+
+}  // namespace ecs::emulator

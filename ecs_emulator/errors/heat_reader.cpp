@@ -1,0 +1,216 @@
+// [temperature], [air], [column], [material], [spindle], [screw.X] and [sensor.name] of the errors file.
+// Does not live here: what they do (ecs_emulator/thermal/heat.hpp, ecs_emulator/thermal/day.hpp,
+// ecs_emulator/thermal/screw_heat.hpp).
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "ecs_emulator/errors/reader.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+bool is_name(std::string_view name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+void at_most(TomlReader& reader, const toml::table& table, std::string_view key, double most, double value) {
+  if (value > most && table.contains(key))
+    reader.complain(*table.get(key), fmt::format("{}: expected at most {}, got {}", key, most, value));
+}
+
+void read_temperatures(ErrorsReading& reading) {
+  const toml::table* table = reading.reader.child(reading.file, "temperature");
+  if (table == nullptr) return;
+  for (const auto& [key, node] : *table) reading.parts.variables.temperatures.emplace(std::string(key.str()), 20.0);
+  for (const auto& [key, node] : *table)
+    if (auto formula = formula_in(reading, *table, key.str()))
+      reading.parts.temperatures.push_back({std::string(key.str()), std::move(*formula)});
+}
+
+void read_air(ErrorsReading& reading) {
+  TomlReader& reader = reading.reader;
+  const toml::table* table = reader.child(reading.file, "air");
+  if (table == nullptr) return;
+  reader.only(*table,
+              {"mean_degC", "swing_degC", "warmest_h", "start_h", "wander_degC", "pressure_hPa", "pressure_wander_hPa",
+               "humidity_pct", "humidity_wander_pct"},
+              "air");
+  DaySettings day;
+  number_into(reader, *table, "mean_degC", Sign::any, day.mean_degC);
+  number_into(reader, *table, "swing_degC", Sign::not_negative, day.swing_degC);
+  number_into(reader, *table, "warmest_h", Sign::not_negative, day.warmest_h);
+  number_into(reader, *table, "start_h", Sign::not_negative, day.start_h);
+  number_into(reader, *table, "wander_degC", Sign::not_negative, day.wander_degC);
+  number_into(reader, *table, "pressure_hPa", Sign::positive, day.pressure_hPa);
+  number_into(reader, *table, "pressure_wander_hPa", Sign::not_negative, day.pressure_wander_hPa);
+  number_into(reader, *table, "humidity_pct", Sign::not_negative, day.humidity_pct);
+  number_into(reader, *table, "humidity_wander_pct", Sign::not_negative, day.humidity_wander_pct);
+  at_most(reader, *table, "warmest_h", 24.0, day.warmest_h);
+  at_most(reader, *table, "start_h", 24.0, day.start_h);
+  at_most(reader, *table, "humidity_pct", 100.0, day.humidity_pct);
+  at_most(reader, *table, "mean_degC", 60.0, day.mean_degC);
+  if (day.mean_degC < -40.0) reader.complain(*table->get("mean_degC"), "mean_degC: expected -40 or more");
+  for (const char* key : {"swing_degC", "wander_degC"})
+    at_most(reader, *table, key, 40.0, std::string_view(key) == "swing_degC" ? day.swing_degC : day.wander_degC);
+  at_most(reader, *table, "pressure_hPa", 1200.0, day.pressure_hPa);
+  at_most(reader, *table, "pressure_wander_hPa", 200.0, day.pressure_wander_hPa);
+  at_most(reader, *table, "humidity_wander_pct", 100.0, day.humidity_wander_pct);
+  reading.parts.heat.air = day;
+}
+
+void read_body(ErrorsReading& reading, const char* name, BodySettings& body) {
+  TomlReader& reader = reading.reader;
+  const toml::table* table = reader.child(reading.file, name);
+  if (table == nullptr) return;
+  reader.only(*table, {"lag_s", "start_degC"}, name);
+  number_into(reader, *table, "lag_s", Sign::positive, body.lag_s);
+  body.start_degC = reader.number(*table, "start_degC");
+}
+
+std::vector<std::array<double, 2>> steps_in(TomlReader& reader, const toml::node& node) {
+  std::vector<std::array<double, 2>> steps;
+  const toml::array* rows = node.as_array();
+  if (rows == nullptr) {
+    reader.complain(node, "steps: expected [[time_s, rpm], …]");
+    return steps;
+  }
+  for (const toml::node& row : *rows) {
+    const toml::array* cells = row.as_array();
+    const bool two = cells != nullptr && cells->size() == 2;
+    const auto time_s = two ? (*cells)[0].value<double>() : std::nullopt;
+    const auto rpm = two ? (*cells)[1].value<double>() : std::nullopt;
+    if (!time_s || !rpm || *time_s < 0.0 || *rpm < 0.0 || (!steps.empty() && *time_s <= steps.back()[0])) {
+      reader.complain(row, "steps: expected [time_s, rpm], both 0 or more, times ascending");
+      return {};
+    }
+    steps.push_back({*time_s, *rpm});
+  }
+  return steps;
+}
+
+void read_spindle(ErrorsReading& reading) {
+  TomlReader& reader = reading.reader;
+  const toml::table* table = reader.child(reading.file, "spindle");
+  if (table == nullptr) return;
+  reader.only(*table,
+              {"axis", "lag_s", "degC_per_1000_rpm", "growth_um_per_degC", "tilt", "tilt_um_per_m_degC", "steps"},
+              "spindle");
+  SpindleSettings spindle;
+  const auto letter = reader.word(*table, "axis").value_or("Z");
+  if (const auto axis = letter.size() == 1 ? axis_of(letter[0]) : std::nullopt)
+    spindle.axis = *axis;
+  else
+    reader.complain(*table->get("axis"), fmt::format("axis: expected X, Y or Z, got \"{}\"", letter));
+  number_into(reader, *table, "lag_s", Sign::positive, spindle.lag_s);
+  required_into(reader, *table, "degC_per_1000_rpm", Sign::not_negative, spindle.degC_per_1000_rpm);
+  number_into(reader, *table, "growth_um_per_degC", Sign::any, spindle.growth_um_per_degC);
+  number_into(reader, *table, "tilt_um_per_m_degC", Sign::any, spindle.tilt_um_per_m_degC);
+  if (const auto word = reader.word(*table, "tilt")) {
+    spindle.tilt = sense_named(*word);
+    if (!spindle.tilt || !is_rotation(*spindle.tilt))
+      reader.complain(*table->get("tilt"), fmt::format("tilt: expected EA, EB or EC, got \"{}\"", *word));
+  }
+  if (table->contains("tilt_um_per_m_degC") != table->contains("tilt"))
+    reader.complain(*table, "spindle: expected both of tilt and tilt_um_per_m_degC, or none");
+  if (const toml::node* node = table->get("steps")) spindle.steps = steps_in(reader, *node);
+  demand(reading, *table, "spindle", spindle.axis);
+  reading.parts.heat.spindle = spindle;
+}
+
+void read_screw(ErrorsReading& reading, Axis axis, const toml::table& table) {
+  TomlReader& reader = reading.reader;
+  reader.only(table,
+              {"fixed_bearing_mm", "expansion_um_per_m_degC", "friction_N", "friction_N_per_m_min",
+               "heat_capacity_J_per_m_degC", "loss_s", "diffusivity_mm2_s", "cell_mm", "feedback"},
+              "screw");
+  ScrewSettings screw;
+  screw.axis = axis;
+  required_into(reader, table, "fixed_bearing_mm", Sign::any, screw.fixed_bearing_mm);
+  number_into(reader, table, "expansion_um_per_m_degC", Sign::not_negative, screw.expansion_um_per_m_degC);
+  required_into(reader, table, "friction_N", Sign::not_negative, screw.friction_N);
+  number_into(reader, table, "friction_N_per_m_min", Sign::not_negative, screw.friction_N_per_m_min);
+  required_into(reader, table, "heat_capacity_J_per_m_degC", Sign::positive, screw.heat_capacity_J_per_m_degC);
+  number_into(reader, table, "loss_s", Sign::positive, screw.loss_s);
+  number_into(reader, table, "diffusivity_mm2_s", Sign::not_negative, screw.diffusivity_mm2_s);
+  number_into(reader, table, "cell_mm", Sign::positive, screw.cell_mm);
+  if (screw.diffusivity_mm2_s > kMostDiffusion_per_s * screw.cell_mm * screw.cell_mm)
+    reader.complain(table, fmt::format("cell_mm: expected at least {:.1f} with this diffusivity_mm2_s, got {}",
+                                       std::sqrt(screw.diffusivity_mm2_s / kMostDiffusion_per_s), screw.cell_mm));
+  if (const auto word = reader.word(table, "feedback")) {
+    screw.positions = *word == "screw";
+    if (*word != "screw" && *word != "scale")
+      reader.complain(*table.get("feedback"), fmt::format("feedback: expected screw or scale, got \"{}\"", *word));
+  }
+  demand(reading, table, fmt::format("screw.{}", letter_of(axis)), axis);
+  reading.parts.heat.screws.push_back(screw);
+}
+
+/// What `of` names; complains where this file does not describe it.
+void body_into(ErrorsReading& reading, const toml::table& table, SensorSettings& sensor) {
+  using Of = SensorSettings::Of;
+  const std::string of = reading.reader.word(table, "of").value_or("");
+  const auto& screws = reading.parts.heat.screws;
+  const auto axis = of.size() == 7 && of.starts_with("screw_") ? axis_of(of.back()) : std::nullopt;
+  const bool screw = axis && std::any_of(screws.begin(), screws.end(), [&](const auto& s) { return s.axis == *axis; });
+  const auto told = [&](std::string message) {
+    const toml::node* node = table.get("of");
+    reading.reader.complain(node != nullptr ? *node : table, std::move(message));
+  };
+  if (of == "air") {
+    sensor.of = Of::air;
+  } else if (of == "material") {
+    sensor.of = Of::material;
+  } else if (of == "column") {
+    sensor.of = Of::column;
+  } else if (of == "spindle") {
+    sensor.of = Of::spindle;
+    if (!reading.parts.heat.spindle) told("of: this file has no table [spindle]");
+  } else if (axis) {
+    sensor.of = Of::screw;
+    sensor.axis = *axis;
+    if (!screw) told(fmt::format("of: this file has no table [screw.{}]", letter_of(*axis)));
+  } else {
+    told(fmt::format("of: expected air, material, column, spindle or screw_X, got \"{}\"", of));
+  }
+}
+
+void read_sensor(ErrorsReading& reading, std::string_view name, const toml::table& table) {
+  TomlReader& reader = reading.reader;
+  reader.only(table, {"of", "at_mm", "lag_s", "offset_degC", "noise_degC", "resolution_degC"}, "sensor");
+  SensorSettings sensor;
+  sensor.name = std::string(name);
+  if (!is_name(name))
+    reader.complain(table, fmt::format("sensor: expected a name of letters, digits and _, got \"{}\"", name));
+  if (!reading.parts.variables.temperatures.emplace(sensor.name, 20.0).second)
+    reader.complain(table, fmt::format("sensor: \"{}\" is a sensor of [temperature] already", name));
+  body_into(reading, table, sensor);
+  if (sensor.of == SensorSettings::Of::screw)
+    required_into(reader, table, "at_mm", Sign::any, sensor.at_mm);
+  else if (const toml::node* node = table.get("at_mm"))
+    reader.complain(*node, "at_mm: only a sensor of a screw has a place along it");
+  number_into(reader, table, "lag_s", Sign::not_negative, sensor.lag_s);
+  number_into(reader, table, "offset_degC", Sign::any, sensor.offset_degC);
+  number_into(reader, table, "noise_degC", Sign::not_negative, sensor.noise_degC);
+  number_into(reader, table, "resolution_degC", Sign::not_negative, sensor.resolution_degC);
+  reading.parts.heat.sensors.push_back(sensor);
+}
+
+}  // namespace
+
+void read_heat(ErrorsReading& reading) {
+  read_air(reading);
+  read_body(reading, "column", reading.parts.heat.column);
+  read_body(reading, "material", reading.parts.heat.material);
+  read_spindle(reading);
+  for_each_axis(reading, "screw", [&](Axis a, const toml::table& t) { read_screw(reading, a, t); });
+  read_temperatures(reading);
+  if (const toml::table* sensors = reading.reader.child(reading.file, "sensor"))
+    for (const auto& [key, node] : *sensors)
+      if (const toml::table* table = reading.reader.child(*sensors, key.str())) read_sensor(reading, key.str(), *table);
+}
+
+}  // namespace ecs::emulator

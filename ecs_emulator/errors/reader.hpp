@@ -1,0 +1,40 @@
+// The tables of an errors file, read into its parts; what is wrong stays in the reader, each with its place.
+// Does not live here: what the values mean (parts.hpp and the headers it names).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "base/toml_reader.hpp"
+#include "ecs_emulator/errors/parts.hpp"
+#include "ecs_emulator/settings/reader.hpp"
+
+namespace ecs::emulator {
+
+/// One errors file under way.
+struct ErrorsReading {
+  TomlReader& reader;
+  const toml::table& file;
+  std::filesystem::path folder;  ///< where `csv = "…"` is looked for
+  ErrorParts& parts;
+};
+
+/// Temperatures and sensors before everything whose formulas or effects name them.
+void read_heat(ErrorsReading& reading);
+void read_curves(ErrorsReading& reading);  ///< [squareness], [[contribution]], [scatter]
+void read_effects(ErrorsReading& reading);
+void read_gravity(ErrorsReading& reading);
+
+/// Exactly one of `formula`, `points`, `csv`; complains as `what`.
+[[nodiscard]] std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what);
+/// A formula under `key`.
+[[nodiscard]] std::optional<Formula> formula_in(ErrorsReading& reading, const toml::table& table, std::string_view key);
+/// As number_into(), and complains where the key is absent.
+void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value);
+/// The tables `[name.X]`, `[name.Y]`, `[name.Z]` that are there; `each` may complain about them.
+void for_each_axis(ErrorsReading& reading, const char* name, const std::function<void(Axis, const toml::table&)>& each);
+/// Notes what `table` asks of the machine.
+void demand(ErrorsReading& reading, const toml::table& table, std::string name, Axis axis,
+            Demand::Side side = Demand::Side::any, std::optional<std::array<double, 2>> covers_mm = std::nullopt);
+
+}  // namespace ecs::emulator

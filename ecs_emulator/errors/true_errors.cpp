@@ -1,0 +1,225 @@
+#include "ecs_emulator/errors/true_errors.hpp"
+
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "ecs_emulator/effects/formula.hpp"
+#include "ecs_emulator/errors/reader.hpp"
+#include "ecs_emulator/random/random.hpp"
+
+namespace ecs::emulator {
+
+struct TrueErrors::Parts : ErrorParts {
+  MachinePlace place;
+
+  void set(const MachineState& state, const Heat& from);
+  void set_moving(const MachineState& state, Axis axis, double from_mm);
+  [[nodiscard]] double value_of(const FileEffect& one, const MachineState& state, const Heat& from);
+  /// What is wrong with a contribution at the ends, the middle and the datum of its axis, if anything.
+  [[nodiscard]] std::optional<std::string> out_of_reach(const params::Machine& machine,
+                                                        const Contribution& contribution);
+  [[nodiscard]] double rise_degC(const std::string& sensor, const MachineState& state, const Heat& from);
+};
+
+namespace {
+
+constexpr double kLargestError = 1e6;  ///< um or um/m: no machine errs by a metre
+
+/// A smooth shape of standard deviation 1 over the travel: offset (half of the variance), slope (a quarter) and two
+/// waves (a quarter).
+double shape(std::uint64_t seed, double place) {
+  constexpr double kTwoPi = 6.283185307179586;
+  Random random(seed);
+  const double offset = std::sqrt(0.5) * random.normal();
+  const double slope = std::sqrt(0.25 * 3.0) * random.normal();
+  double value = offset + slope * (2.0 * place - 1.0);
+  for (const double waves : {1.0, 2.0}) {
+    const double size = std::sqrt(0.125 * 2.0) * random.normal();
+    value += size * std::sin(kTwoPi * (waves * place + random.uniform()));
+  }
+  return value;
+}
+
+/// Place of a sensor of `[sensor.name]`; nothing where it is one of `[temperature]`.
+std::optional<std::size_t> heat_sensor(const ErrorParts& parts, const std::string& name) {
+  for (std::size_t i = 0; i < parts.heat.sensors.size(); ++i)
+    if (parts.heat.sensors[i].name == name) return i;
+  return std::nullopt;
+}
+
+}  // namespace
+
+void TrueErrors::Parts::set(const MachineState& state, const Heat& from) {
+  variables.x = state.position_mm[0];
+  variables.y = state.position_mm[1];
+  variables.z = state.position_mm[2];
+  variables.t = state.time_s;
+  variables.f = state.feed_mm_min;
+  variables.m = state.load_kg;
+  for (std::size_t i = 0; i < from.sensors(); ++i)
+    variables.temperatures[heat.sensors[i].name] = from.degC_at(i, state.time_s);
+  for (const TemperatureFormula& sensor : temperatures) variables.temperatures[sensor.name] = sensor.formula.value();
+}
+
+/// @param from_mm  where `p` counts from
+void TrueErrors::Parts::set_moving(const MachineState& state, Axis axis, double from_mm) {
+  const std::size_t i = index_of(axis);
+  variables.p = state.position_mm[i] - from_mm;
+  variables.d = state.approach[i] == Approach::reverse ? -1.0 : 1.0;
+  variables.u = state.travel_since_reversal_mm[i];
+}
+
+double TrueErrors::Parts::rise_degC(const std::string& sensor, const MachineState& state, const Heat& from) {
+  if (const auto i = heat_sensor(*this, sensor); i && *i < from.sensors())
+    return from.degC_at(*i, state.time_s) - from.first_degC_at(*i);
+  for (const TemperatureFormula& one : temperatures) {
+    if (one.name != sensor) continue;
+    variables.t = 0.0;
+    const double first_degC = one.formula.value();
+    variables.t = state.time_s;
+    return one.formula.value() - first_degC;
+  }
+  return 0.0;
+}
+
+double TrueErrors::Parts::value_of(const FileEffect& one, const MachineState& state, const Heat& from) {
+  const std::size_t a = index_of(*one.effect.axis);
+  if (one.effect.approach != Approach::unknown && one.effect.approach != state.approach[a]) return 0.0;
+  set_moving(state, *one.effect.axis, place.datum_mm[a]);
+  EffectPoint at;
+  at.p_mm = variables.p;
+  at.approach = variables.d;
+  if (one.curve) at.curve = one.curve->value(variables);
+  at.material_degC = from.material_degC(state.time_s);
+  if (!one.effect.sensor.empty()) at.sensor_rise_degC = rise_degC(one.effect.sensor, state, from);
+  at.time_s = state.time_s;
+  at.feed_mm_min = state.feed_mm_min;
+  at.load_kg = state.load_kg;
+  at.travel_since_reversal_mm = state.travel_since_reversal_mm[a];
+  return machine_effect(one.effect, at);
+}
+
+TrueErrors::TrueErrors() : parts_(std::make_unique<Parts>()) {}
+TrueErrors::~TrueErrors() = default;
+TrueErrors::TrueErrors(TrueErrors&&) noexcept = default;
+TrueErrors& TrueErrors::operator=(TrueErrors&&) noexcept = default;
+
+Result<TrueErrors> TrueErrors::load(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse(*text, path.string(), path.parent_path());
+}
+
+Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& file,
+                                     const std::filesystem::path& folder) {
+  TomlReader reader(file);
+  const auto table = reader.parsed(text);
+  if (!table) return tl::unexpected(table.error());
+  TrueErrors errors;
+  errors.parts_->file = file;
+  reader.only(*table,
+              {"squareness", "contribution", "effect", "scatter", "temperature", "gravity", "ram", "bed", "table",
+               "air", "column", "material", "spindle", "screw", "sensor"},
+              "errors file");
+  ErrorsReading reading{reader, *table, folder, *errors.parts_};
+  read_heat(reading);
+  read_curves(reading);
+  read_effects(reading);
+  read_gravity(reading);
+  if (!reader.clean()) return tl::unexpected(reader.all());
+  return errors;
+}
+
+Result<void> TrueErrors::judged_for(const params::Machine& machine) const {
+  std::vector<Problem> problems;
+  const Chain chain = params::chain_of(machine).value_or(Chain{});
+  for (const Demand& demand : parts_->demands) {
+    const std::size_t a = index_of(demand.axis);
+    const auto complain = [&](std::string message) {
+      problems.push_back({ProblemKind::bad_input, demand.table + ": " + message, parts_->file, demand.line, 0, {}});
+    };
+    if (!chain.has(demand.axis)) {
+      complain(fmt::format("this machine has no {}", letter_of(demand.axis)));
+      continue;
+    }
+    if (demand.side == Demand::Side::tool && chain.carries_workpiece[a])
+      complain(fmt::format("expected an axis that carries the tool, {} carries the workpiece", letter_of(demand.axis)));
+    if (demand.side == Demand::Side::workpiece && !chain.carries_workpiece[a])
+      complain(fmt::format("expected an axis that carries the workpiece, {} carries the tool", letter_of(demand.axis)));
+    const auto& travel_mm = machine.axes[a]->travel_mm;
+    if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
+      complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));
+  }
+  for (const Contribution& contribution : parts_->contributions)
+    if (auto wrong = parts_->out_of_reach(machine, contribution))
+      problems.push_back({ProblemKind::bad_input, *wrong, parts_->file, contribution.line, 0, {}});
+  if (problems.empty()) return {};
+  return tl::unexpected(folded(std::move(problems)));
+}
+
+std::optional<std::string> TrueErrors::Parts::out_of_reach(const params::Machine& machine,
+                                                           const Contribution& contribution) {
+  const Axis axis = moving_axis(contribution.component);
+  const auto& facts = machine.axes[index_of(axis)];
+  if (!facts) return std::nullopt;
+  const auto [low_mm, high_mm] = facts->travel_mm;
+  MachineState state;
+  for (const double at_mm : {low_mm, std::midpoint(low_mm, high_mm), high_mm, facts->datum_mm})
+    for (const Approach approach : {Approach::forward, Approach::reverse}) {
+      state.position_mm[index_of(axis)] = at_mm;
+      state.approach[index_of(axis)] = approach;
+      set_moving(state, axis, 0.0);
+      const auto& formula = contribution.curve.formula;
+      const double value = formula ? formula->raw() : contribution.curve.value(variables);
+      if (!(std::abs(value) <= kLargestError))
+        return fmt::format("contribution to {}: expected values within {} um or um/m, at {} mm it is {}",
+                           name_of(contribution.component), kLargestError, at_mm, value);
+    }
+  return std::nullopt;
+}
+
+void TrueErrors::put_on(const MachinePlace& machine) { parts_->place = machine; }
+
+const HeatSettings& TrueErrors::heat() const { return parts_->heat; }
+
+ComponentValues TrueErrors::at(const MachineState& state, const Heat& heat) const {
+  Parts& parts = *parts_;
+  ComponentValues values = parts.constants;
+  parts.set(state, heat);
+  for (const Contribution& contribution : parts.contributions) {
+    parts.set_moving(state, moving_axis(contribution.component), 0.0);
+    values[index_of(contribution.component)] += contribution.curve.value(parts.variables);
+  }
+  for (const FileEffect& effect : parts.effects)
+    values[index_of(effect.component)] += parts.value_of(effect, state, heat);
+  add_gravity(parts.gravity, parts.place, state.position_mm, state.load_kg, values);
+  heat.add_errors(state.position_mm, state.time_s, values);
+  return values;
+}
+
+ComponentValues TrueErrors::pass_scatter(const MachineState& state, const PerAxis<std::array<double, 2>>& travel_mm,
+                                         std::uint64_t seed) const {
+  ComponentValues values{};
+  for (std::size_t c = 0; c < kCurves; ++c) {
+    if (parts_->pass_sigma[c] == 0.0) continue;
+    const std::size_t axis = index_of(moving_axis(static_cast<Component>(c)));
+    const auto [low, high] = travel_mm[axis];
+    const double place = high > low ? (state.position_mm[axis] - low) / (high - low) : 0.0;
+    values[c] = parts_->pass_sigma[c] * shape(seed_of(seed, c, state.pass[axis]), place);
+  }
+  return values;
+}
+
+const ComponentValues& TrueErrors::reading_scatter() const { return parts_->reading_sigma; }
+
+std::vector<NamedTemperature> TrueErrors::temperatures(double time_s) const {
+  parts_->variables.t = time_s;
+  std::vector<NamedTemperature> found;
+  for (const TemperatureFormula& sensor : parts_->temperatures) found.emplace_back(sensor.name, sensor.formula.value());
+  return found;
+}
+
+}  // namespace ecs::emulator

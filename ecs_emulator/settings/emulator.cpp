@@ -1,0 +1,75 @@
+#include "ecs_emulator/settings/emulator.hpp"
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/toml_reader.hpp"
+#include "ecs_emulator/settings/reader.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+void serial_number_into(TomlReader& reader, const toml::table& table, std::string& serial_number) {
+  const auto word = reader.word(table, "serial_number");
+  if (!word) return;
+  if (word->empty() || word->size() > 16)
+    reader.complain(*table.get("serial_number"),
+                    fmt::format("serial_number: expected 1 to 16 characters, got {}", word->size()));
+  else
+    serial_number = *word;
+}
+
+EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const std::filesystem::path& folder) {
+  EmulatorSettings settings;
+  reader.only(table, {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "axis", "laser"}, "emulator");
+  serial_number_into(reader, table, settings.serial_number);
+  double seed = 1.0;
+  number_into(reader, table, "seed", Sign::not_negative, seed);
+  settings.seed = static_cast<std::uint64_t>(seed);
+  number_into(reader, table, "load_kg", Sign::not_negative, settings.load_kg);
+  if (const auto* offset = reader.child(table, "tool_offset_mm")) {
+    reader.only(*offset, {"x", "y", "z"}, "tool_offset_mm");
+    number_into(reader, *offset, "x", Sign::any, settings.tool_offset_mm[0]);
+    number_into(reader, *offset, "y", Sign::any, settings.tool_offset_mm[1]);
+    number_into(reader, *offset, "z", Sign::any, settings.tool_offset_mm[2]);
+  }
+  if (const auto errors = reader.word(table, "errors")) settings.errors = folder / *errors;
+  if (const auto* laser = reader.child(table, "laser")) settings.laser = read_laser_settings(reader, *laser);
+  if (const auto* axes = reader.child(table, "axis")) {
+    reader.only(*axes, {"X", "Y", "Z"}, "emulator.axis");
+    for (const Axis a : kAllAxes)
+      if (const auto* axis = reader.child(*axes, std::string(1, letter_of(a))))
+        settings.axes[index_of(a)] = read_axis_settings(reader, *axis);
+  }
+  return settings;
+}
+
+}  // namespace
+
+Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std::string& file,
+                                               const std::filesystem::path& folder) {
+  auto machine = params::parse_machine(text, file);
+  if (!machine) return tl::unexpected(machine.error());
+  TomlReader reader(file);
+  const auto table = reader.parsed(text);
+  if (!table) return tl::unexpected(table.error());
+  WorkshopMachine workshop{std::move(machine->machine), {}};
+  for (const Axis a : kAllAxes) {
+    const auto& axis = workshop.machine.axes[index_of(a)];
+    if (axis && (axis->datum_mm < axis->travel_mm[0] || axis->datum_mm > axis->travel_mm[1]))
+      reader.complain(1,
+                      fmt::format("axis.{}: expected datum_mm within travel_mm, or the control cannot go there, got {}",
+                                  letter_of(a), axis->datum_mm));
+  }
+  if (const auto* own = reader.child(*table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
+  if (!reader.clean()) return tl::unexpected(reader.all());
+  return workshop;
+}
+
+Result<WorkshopMachine> load_workshop_machine(const std::filesystem::path& path) {
+  const auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return parse_workshop_machine(*text, path.string(), path.parent_path());
+}
+
+}  // namespace ecs::emulator

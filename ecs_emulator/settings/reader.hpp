@@ -1,0 +1,25 @@
+// The tables of `[emulator]` in a machine file, each value judged where it stands; what is wrong stays in the reader.
+// Does not live here: what the values mean (axis.hpp, laser.hpp), the file (emulator.hpp).
+#pragma once
+
+#include <string_view>
+
+#include "base/toml_reader.hpp"
+#include "ecs_emulator/settings/axis.hpp"
+#include "ecs_emulator/settings/laser.hpp"
+
+namespace ecs::emulator {
+
+enum class Sign { any, not_negative, positive, not_zero };
+
+/// Leaves `value` as it is where the key is absent or wrong.
+void number_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value);
+/// +1 or −1.
+void sign_into(TomlReader& reader, const toml::table& table, std::string_view key, int& value);
+
+/// `[emulator.axis.X]`
+[[nodiscard]] AxisSettings read_axis_settings(TomlReader& reader, const toml::table& table);
+/// `[emulator.laser]`
+[[nodiscard]] LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table);
+
+}  // namespace ecs::emulator
