@@ -5,7 +5,7 @@
 #include <limits>
 #include <queue>
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 /// Values at a place, by straight lines between points.
@@ -159,9 +159,9 @@ double mean_at(const ControlCurve& curve, double position_mm) {
   return 0.5 * (value_at(curve, Approach::forward, position_mm) + value_at(curve, Approach::reverse, position_mm));
 }
 
-std::optional<ControlCurve> curve_of(const ErrorMap& map, Component component) {
-  const MapTable* forward = table_of(map, component, Approach::forward);
-  const MapTable* reverse = table_of(map, component, Approach::reverse);
+std::optional<ControlCurve> curve_of(const laser::ErrorMap& map, Component component) {
+  const laser::MapTable* forward = table_of(map, component, Approach::forward);
+  const laser::MapTable* reverse = table_of(map, component, Approach::reverse);
   if (forward == nullptr || reverse == nullptr || forward->position_mm.empty() || reverse->position_mm.empty())
     return std::nullopt;
   ControlCurve curve;
@@ -224,7 +224,7 @@ EvenGrid even_grid(const ControlCurve& curve, std::size_t most) {
   return best;
 }
 
-double unit_value_at(const MapTable& table, Interpolation interpolation, double position_mm) {
+double unit_value_at(const laser::MapTable& table, Interpolation interpolation, double position_mm) {
   if (interpolation == Interpolation::linear) return compensation_at(table, position_mm);
   const auto& p = table.position_mm;
   const auto above = static_cast<std::size_t>(std::lower_bound(p.begin(), p.end(), position_mm) - p.begin());
@@ -234,11 +234,11 @@ double unit_value_at(const MapTable& table, Interpolation interpolation, double 
   return table.compensation[upper ? above : above - 1];
 }
 
-double deviation_from_unit(const ControlCurve& written, const ErrorMap& map, Component component,
+double deviation_from_unit(const ControlCurve& written, const laser::ErrorMap& map, Component component,
                            Interpolation interpolation) {
   double largest = 0.0;
   for (const Approach approach : {Approach::forward, Approach::reverse}) {
-    const MapTable& table = *table_of(map, component, approach);
+    const laser::MapTable& table = *table_of(map, component, approach);
     const auto& p = table.position_mm;
     const auto look_at = [&](double position_mm, double unit) {
       largest = std::max(largest, std::abs(value_at(written, approach, position_mm) - unit));
@@ -262,4 +262,4 @@ double largest_in(const ControlCurve& curve) {
   return largest;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -9,7 +9,7 @@
 
 #include "laser/map/error_map.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// Compensation of one component, um (um/m for rotations); linear between, the end values hold beyond the ends.
 struct ControlCurve {
@@ -24,7 +24,7 @@ struct ControlCurve {
 [[nodiscard]] double mean_at(const ControlCurve& curve, double position_mm);
 
 /// Both tables of a component on all their positions. Nothing if the map lacks the component or one of its approaches.
-[[nodiscard]] std::optional<ControlCurve> curve_of(const ErrorMap& map, Component component);
+[[nodiscard]] std::optional<ControlCurve> curve_of(const laser::ErrorMap& map, Component component);
 
 /// The curve sampled at other positions.
 [[nodiscard]] ControlCurve resampled(const ControlCurve& curve, std::vector<double> position_mm);
@@ -46,14 +46,14 @@ struct EvenGrid {
 [[nodiscard]] EvenGrid even_grid(const ControlCurve& curve, std::size_t most);
 
 /// What the unit puts out for a table: linear, or the value of the nearest point.
-[[nodiscard]] double unit_value_at(const MapTable& table, Interpolation interpolation, double position_mm);
+[[nodiscard]] double unit_value_at(const laser::MapTable& table, Interpolation interpolation, double position_mm);
 
 /// Largest difference between a curve as a control joins it and what the unit puts out for the same component of the
 /// map, either approach. @param map  holds the component for both approaches
-[[nodiscard]] double deviation_from_unit(const ControlCurve& written, const ErrorMap& map, Component component,
+[[nodiscard]] double deviation_from_unit(const ControlCurve& written, const laser::ErrorMap& map, Component component,
                                          Interpolation interpolation);
 
 /// Largest value of either side, by size.
 [[nodiscard]] double largest_in(const ControlCurve& curve);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

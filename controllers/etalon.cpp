@@ -11,7 +11,7 @@
 #include "base/units.hpp"
 #include "controllers/curve.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 /// The mean of both approaches of a component, by position [um, um/m of compensation].
@@ -34,8 +34,8 @@ std::vector<Term> levers_of(const TermTable& terms, Component translation) {
 
 /// A translation measured on its line, brought to where the lever arms are zero (`way` −1), or back (+1).
 /// E = δ + ε·(L − line) = (δ − ε·line) + ε·L. @param scale  of the angles in `map`
-ControlCurve moved(const ErrorMap& map, const MeasurementLines& lines, const TermTable& terms, Component translation,
-                   ControlCurve curve, double way, double scale) {
+ControlCurve moved(const laser::ErrorMap& map, const MeasurementLines& lines, const TermTable& terms,
+                   Component translation, ControlCurve curve, double way, double scale) {
   const Axis axis = moving_axis(translation);
   for (const Term& term : levers_of(terms, translation)) {
     const double line_m = lines[index_of(axis)][index_of(term.lever)] / 1000.0;
@@ -56,8 +56,8 @@ ControlCurve moved(const ErrorMap& map, const MeasurementLines& lines, const Ter
 const ControlCurve kNoCurve{{0.0}, {0.0}, {0.0}};  ///< nothing measured, yet rotations may act on the measurement line
 
 /// The translation of a map, moved; nothing if it has none and no rotation makes one.
-std::optional<ControlCurve> moved_curve(const ErrorMap& map, const MeasurementLines& lines, const TermTable& terms,
-                                        Component translation, double way, double scale) {
+std::optional<ControlCurve> moved_curve(const laser::ErrorMap& map, const MeasurementLines& lines,
+                                        const TermTable& terms, Component translation, double way, double scale) {
   const auto curve = curve_of(map, translation);
   ControlCurve made = moved(map, lines, terms, translation, curve.value_or(kNoCurve), way, scale);
   if (!curve && made.position_mm.size() < 2) return std::nullopt;
@@ -197,11 +197,12 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   return made;
 }
 
-ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters, bool levers_from_lines) {
+laser::ErrorMap at_measurement_lines(const laser::ErrorMap& read, const UnitParameters& parameters,
+                                     bool levers_from_lines) {
   const auto chain = chain_of(parameters);
   if (!chain) return read;
   const TermTable terms = *terms_of(*chain, Convention::iso, CurveKind::measured);
-  ErrorMap out;
+  laser::ErrorMap out;
   out.header = read.header;
   for (std::size_t i = 0; i < kCurves; ++i) {
     const auto component = static_cast<Component>(i);
@@ -210,7 +211,7 @@ ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parame
                            ? curve_of(read, component)
                            : moved_curve(read, parameters.measurement_lines_mm, terms, component, 1.0, 1.0);
     if (!curve) continue;
-    MapTable table{component, Approach::unknown, curve->position_mm, curve->forward};
+    laser::MapTable table{component, Approach::unknown, curve->position_mm, curve->forward};
     if (angular && parameters.angular_scale != 0.0)
       for (double& value : table.compensation) value /= parameters.angular_scale;
     out.tables.push_back(std::move(table));
@@ -218,4 +219,4 @@ ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parame
   return out;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

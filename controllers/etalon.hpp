@@ -8,7 +8,7 @@
 
 #include "controllers/tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// Comments of our own files: where lever arms count from.
 inline constexpr std::string_view kLeversFromZero =
@@ -36,7 +36,7 @@ struct EtalonOptions {
 
 /// A map read from this format as parameters expect it: curves on their measurement lines, angles by their angular
 /// scale. @param levers_from_lines  the curves stand on the lines already; false: at the machine zero
-[[nodiscard]] ErrorMap at_measurement_lines(const ErrorMap& read, const UnitParameters& parameters,
-                                            bool levers_from_lines = false);
+[[nodiscard]] laser::ErrorMap at_measurement_lines(const laser::ErrorMap& read, const UnitParameters& parameters,
+                                                   bool levers_from_lines = false);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -12,7 +12,7 @@
 #include "controllers/etalon.hpp"
 #include "laser/findings.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 /// E or a letter of a constant, then two of X Y Z A B C 0: the shape that all names have, rotary axes among them.
@@ -46,7 +46,7 @@ class EtalonReader {
                    "no errors of linear axes: expected sections such as [EXX] with Gridpoints, or [C0Y] with VALUE");
   }
 
-  Findings findings;
+  laser::Findings findings;
   ControllerTables read;
 
  private:
@@ -60,7 +60,7 @@ class EtalonReader {
     read.levers_from_lines = lines;
   }
   void wrong(std::string_view at, std::string_view expected) {
-    findings.add(line_, column(at), fmt::format("expected {}, found {}", expected, in_quotes(at)));
+    findings.add(line_, column(at), fmt::format("expected {}, found {}", expected, laser::in_quotes(at)));
   }
 
   /// A section, VALUE or the beginning of a grid; what is left of the line.
@@ -123,7 +123,8 @@ class EtalonReader {
     }
   }
   void wrong_value(std::string_view text) {
-    findings.add(line_, text.empty() ? 0 : column(text), fmt::format("expected a number, found {}", in_quotes(text)));
+    findings.add(line_, text.empty() ? 0 : column(text),
+                 fmt::format("expected a number, found {}", laser::in_quotes(text)));
   }
 
   /// A word of a row `position value`; what is left of the line. The grid ends at the brace.
@@ -166,7 +167,7 @@ class EtalonReader {
     if (points.size() > 1 && points.back().position_mm < points.front().position_mm)
       std::reverse(points.begin(), points.end());
     const double scale = is_angular(*component_) ? 1.0 / kRadPerUmPerM : kUmPerMm;
-    MapTable table{*component_, Approach::unknown, {}, {}};
+    laser::MapTable table{*component_, Approach::unknown, {}, {}};
     for (const Point& point : points) {
       if (!table.position_mm.empty() && point.position_mm <= table.position_mm.back())
         findings.add(point.line, 0, fmt::format("{}: the positions do not rise throughout", name_));
@@ -204,8 +205,8 @@ Result<ControllerTables> parse_etalon(std::string_view text, const std::string& 
   const auto add_source = [&](Component component) {
     reader.read.sources.push_back({std::string(name_of(component)), file_name, sha256_hex(text)});
   };
-  for (const MapTable& table : reader.read.tables) add_source(table.component);
+  for (const laser::MapTable& table : reader.read.tables) add_source(table.component);
   return std::move(reader.read);
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -10,7 +10,7 @@
 #include "base/units.hpp"
 #include "controllers/curve.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 double mm_per_unit(MachineUnits units) { return units == MachineUnits::inch ? kMmPerInch : 1.0; }
@@ -98,4 +98,4 @@ bool is_linuxcnc_file(std::string_view name) {
   return std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == file_of(axis); });
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -8,7 +8,7 @@
 
 #include "controllers/tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 inline constexpr std::size_t kLinuxCncMostPoints = 256;  ///< of the rest LinuxCNC uses nothing
 
@@ -43,4 +43,4 @@ struct LinuxCncReadOptions {
 /// What is to be written into the INI file for the joint that moves the axis, each line by itself.
 [[nodiscard]] std::vector<std::string> linuxcnc_ini_lines(int joint, const std::string& file_name, int type);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

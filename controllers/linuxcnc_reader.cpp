@@ -10,7 +10,7 @@
 #include "controllers/linuxcnc.hpp"
 #include "laser/findings.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 struct Row {
@@ -85,7 +85,7 @@ class LinuxCncReader {
   }
 
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
-  [[nodiscard]] Findings& findings() { return findings_; }
+  [[nodiscard]] laser::Findings& findings() { return findings_; }
   [[nodiscard]] std::vector<Problem> warnings() { return std::move(warnings_); }
 
  private:
@@ -102,9 +102,10 @@ class LinuxCncReader {
 
   void wrong_number(const Word& word, int line) {
     const bool comma = word.text.find(',') != std::string_view::npos;
-    findings_.add(line, word.column,
-                  fmt::format("expected a number, found {}{}; LinuxCNC would stop here without a message",
-                              in_quotes(word.text), comma ? " (decimals take a point, blanks part the numbers)" : ""));
+    findings_.add(
+        line, word.column,
+        fmt::format("expected a number, found {}{}; LinuxCNC would stop here without a message",
+                    laser::in_quotes(word.text), comma ? " (decimals take a point, blanks part the numbers)" : ""));
   }
 
   /// A row below a stop that LinuxCNC makes in silence: said once, when it costs something.
@@ -130,7 +131,7 @@ class LinuxCncReader {
   }
 
   std::string file_;
-  Findings findings_;
+  laser::Findings findings_;
   bool as_loaded_ = false;
   bool stopped_ = false;
   bool full_ = false;
@@ -178,7 +179,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     read.notes.push_back(fmt::format("{}: taken as COMP_FILE_TYPE {} by its numbers", file_name, *type));
   const double to_mm = options.units == MachineUnits::inch ? kMmPerInch : 1.0;
   const Component component = curve_of(static_cast<Sense>(options.axis), options.axis);
-  MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
+  laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
   for (const Row& row : reader.rows()) {
     if (std::abs(row.nominal * to_mm) > kLargestPosition_mm)
       reader.findings().add(row.line, 1, fmt::format("{} is no position of a machine", row.nominal));
@@ -201,4 +202,4 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   return read;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -7,7 +7,7 @@
 
 #include "controllers/curve.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 /// Compensation of a map and its squareness, at a place.
@@ -19,7 +19,7 @@ Vector3 compensation_of(const ExportSource& source, const TermTable& terms, Inte
     const std::size_t axis = index_of(moving_axis(component));
     const bool parked = place.approach[axis] == Approach::unknown;
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
-      const MapTable* table = table_of(source.map, component, approach);
+      const laser::MapTable* table = table_of(source.map, component, approach);
       if (table == nullptr || table->position_mm.empty() || (!parked && approach != place.approach[axis])) continue;
       values[i] += (parked ? 0.5 : 1.0) * unit_value_at(*table, interpolation, place.position_mm[axis]);
     }
@@ -146,4 +146,4 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
   return rows;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -9,7 +9,7 @@
 
 #include "controllers/tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// Largest and root mean square of |residual| along X, Y, Z and of the vector, um.
 struct ResidualSize {
@@ -40,4 +40,4 @@ using ErrorsAt = std::function<Result<std::vector<Vector3>>(const std::vector<Ma
 [[nodiscard]] Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const ControllerTables& control,
                                                          const MeasurementLines& lines, const ErrorsAt& errors);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -7,7 +7,7 @@
 #include "base/units.hpp"
 #include "controllers/siemens_tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 constexpr const char* kEncoderFile = "AX_EEC.INI";
@@ -175,4 +175,4 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
 
 bool is_siemens_file(std::string_view name) { return name == kEncoderFile || name == kCrossFile; }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

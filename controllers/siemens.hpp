@@ -12,7 +12,7 @@
 
 #include "controllers/tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 struct SiemensOptions {
   PerAxis<std::string> axis_name{"AX1", "AX2", "AX3"};  ///< machine axes, as the control numbers or names them
@@ -40,4 +40,4 @@ struct SiemensOptions {
 [[nodiscard]] Result<ControllerTables> parse_siemens(std::string_view text, const std::string& file_name,
                                                      const SiemensOptions& options);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -10,7 +10,7 @@
 
 #include "controllers/siemens_tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 double reference_mm(const ExportSource& source, Axis axis) {
@@ -202,4 +202,4 @@ std::vector<SiemensGroup> squareness_groups(const ExportSource& source, const st
   return groups;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -12,7 +12,7 @@
 #include "controllers/siemens.hpp"
 #include "laser/findings.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 constexpr double kLeastStep_mm = 1e-6;
@@ -123,7 +123,7 @@ class SiemensReader {
       const std::size_t first = line.find_first_not_of(" \t");
       findings.add(number, static_cast<int>(first) + 1,
                    fmt::format("expected $AA_ENC_COMP…[…]=…, $AN_CEC…[…]=…, CHANDATA or M17, found {}",
-                               in_quotes(trimmed(line))));
+                               laser::in_quotes(trimmed(line))));
       return;
     }
     assignment->column += shift;
@@ -139,11 +139,11 @@ class SiemensReader {
     return read;
   }
 
-  Findings findings;
+  laser::Findings findings;
 
  private:
   void wrong(const SiemensAssignment& a, int line, std::string_view expected) {
-    findings.add(line, a.column, fmt::format("expected {}, found {}", expected, in_quotes(a.value)));
+    findings.add(line, a.column, fmt::format("expected {}, found {}", expected, laser::in_quotes(a.value)));
   }
 
   Draft& draft_of(const SiemensAssignment& a, const std::string& key, int line) {
@@ -185,7 +185,7 @@ class SiemensReader {
     if (a.field.empty()) {
       const auto k = integer_in(point);
       if (!k || *k < 0 || *k > kMostIndex)
-        return findings.add(line, 1, fmt::format("expected a point from 0, found {}", in_quotes(point)));
+        return findings.add(line, 1, fmt::format("expected a point from 0, found {}", laser::in_quotes(point)));
       if (std::abs(*value) * kUmPerMm > kLargestValue_um) return wrong(a, line, "a value in mm within ±32");
       const auto [before, first] = draft.value.emplace(*k, *value);
       if (!first && before->second != *value)
@@ -243,7 +243,7 @@ class SiemensReader {
     if (!input || !output)
       return findings.add(draft.line, 1,
                           fmt::format("{}: which axes are {} and {}? Say --axes X=NAME,Y=NAME,Z=NAME", name,
-                                      in_quotes(draft.input), in_quotes(draft.output)));
+                                      laser::in_quotes(draft.input), laser::in_quotes(draft.output)));
     add_table(name, draft, *input, *output, encoder ? -1.0 : cec_sign_, read);
   }
 
@@ -256,7 +256,7 @@ class SiemensReader {
     if (count > static_cast<double>(kMostIndex))
       return findings.add(draft.line, 1, name + ": MIN, MAX and STEP make more points than a table can have");
     const auto points = static_cast<long long>(count);
-    MapTable table{curve_of(static_cast<Sense>(output), input), static_cast<Approach>(draft.direction), {}, {}};
+    laser::MapTable table{curve_of(static_cast<Sense>(output), input), static_cast<Approach>(draft.direction), {}, {}};
     for (long long k = 0; k < points; ++k) {
       const auto value = draft.value.find(k);
       if (value == draft.value.end())
@@ -289,12 +289,12 @@ Result<ControllerTables> parse_siemens(std::string_view text, const std::string&
   if (reader.findings.empty() && read.tables.empty())
     reader.findings.add(0, 0, "no compensation table with values: expected $AA_ENC_COMP or $AN_CEC");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
-  for (const MapTable& table : read.tables) {
-    const SourceFile source{std::string(name_of(table.component)), file_name, sha256_hex(text)};
+  for (const laser::MapTable& table : read.tables) {
+    const laser::SourceFile source{std::string(name_of(table.component)), file_name, sha256_hex(text)};
     if (std::find(read.sources.begin(), read.sources.end(), source) == read.sources.end())
       read.sources.push_back(source);
   }
   return read;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -11,7 +11,7 @@
 #include "controllers/curve.hpp"
 #include "controllers/siemens.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// One table for the control, still as compensation.
 struct SiemensTable {
@@ -72,4 +72,4 @@ struct SiemensThrift {
 /// `NC_CEC.INI`: numbered from 0 in this order.
 [[nodiscard]] std::string cross_text(const std::vector<SiemensTable>& tables, const SiemensOptions& options);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -4,7 +4,7 @@
 #include "base/units.hpp"
 #include "controllers/siemens_tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 constexpr int kDigits = 6;  ///< of mm: one nanometre
@@ -62,4 +62,4 @@ std::string cross_text(const std::vector<SiemensTable>& tables, const SiemensOpt
          needs + "; load with MD32710 $MA_CEC_ENABLE = 0\nCHANDATA(1)\n" + body + "M17\n";
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

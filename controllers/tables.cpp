@@ -9,17 +9,17 @@
 
 #include "base/text.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using Key = std::pair<Component, Approach>;
 
-bool acts_for(const MapTable& table, Approach approach) {
+bool acts_for(const laser::MapTable& table, Approach approach) {
   return table.approach == Approach::unknown || table.approach == approach;
 }
 
 /// How much of a table counts: half of a one-direction table where the axis is parked.
-double part_of(const MapTable& table, Approach approach) {
+double part_of(const laser::MapTable& table, Approach approach) {
   if (acts_for(table, approach)) return 1.0;
   return approach == Approach::unknown ? 0.5 : 0.0;
 }
@@ -37,21 +37,21 @@ std::optional<Square> square_of(Component curve) {
 }
 
 /// A line of two points, for both approaches, across a pair of axes that has a squareness.
-bool is_square_line(const ControllerTables& all, const MapTable& table) {
+bool is_square_line(const ControllerTables& all, const laser::MapTable& table) {
   return all.lines_are_squareness && table.position_mm.size() == 2 && table.approach == Approach::unknown &&
          square_of(table.component);
 }
 
 /// All tables of a component that act for an approach, added up on the positions of all of them.
-MapTable sum_of(const ControllerTables& all, Component component, Approach approach) {
+laser::MapTable sum_of(const ControllerTables& all, Component component, Approach approach) {
   std::set<double> positions;
-  for (const MapTable& table : all.tables)
+  for (const laser::MapTable& table : all.tables)
     if (table.component == component && !is_square_line(all, table))
       positions.insert(table.position_mm.begin(), table.position_mm.end());
-  MapTable sum{component, approach, {positions.begin(), positions.end()}, {}};
+  laser::MapTable sum{component, approach, {positions.begin(), positions.end()}, {}};
   for (const double p : sum.position_mm) {
     double value = 0.0;
-    for (const MapTable& table : all.tables)
+    for (const laser::MapTable& table : all.tables)
       if (table.component == component && !is_square_line(all, table) && acts_for(table, approach))
         value += compensation_at(table, p);
     sum.compensation.push_back(value);
@@ -59,9 +59,9 @@ MapTable sum_of(const ControllerTables& all, Component component, Approach appro
   return sum;
 }
 
-double largest_in(const ErrorMap& map, Component component) {
+double largest_in(const laser::ErrorMap& map, Component component) {
   double largest = 0.0;
-  for (const MapTable& table : map.tables)
+  for (const laser::MapTable& table : map.tables)
     if (table.component == component)
       for (const double value : table.compensation) largest = std::max(largest, std::abs(value));
   return largest;
@@ -71,8 +71,8 @@ double largest_in(const ErrorMap& map, Component component) {
 
 Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
   if (alone)
-    for (const MapTable& table : more.tables)
-      for (const MapTable& other : all.tables)
+    for (const laser::MapTable& table : more.tables)
+      for (const laser::MapTable& other : all.tables)
         if (table.component == other.component)
           return problem(ProblemKind::bad_input,
                          fmt::format("{} stands in two of the files", name_of(table.component)));
@@ -96,7 +96,7 @@ ReadMap map_of(const ControllerTables& tables) {
   ReadMap read;
   read.squareness = tables.squareness;
   std::set<Component> curves;
-  for (const MapTable& table : tables.tables) {
+  for (const laser::MapTable& table : tables.tables) {
     if (!is_square_line(tables, table)) {
       curves.insert(table.component);
       continue;
@@ -113,8 +113,8 @@ ReadMap map_of(const ControllerTables& tables) {
         name_of(square.component), value, name_of(table.component)));
   }
   for (const Component component : curves) {
-    MapTable forward = sum_of(tables, component, Approach::forward);
-    MapTable reverse = sum_of(tables, component, Approach::reverse);
+    laser::MapTable forward = sum_of(tables, component, Approach::forward);
+    laser::MapTable reverse = sum_of(tables, component, Approach::reverse);
     if (forward.compensation == reverse.compensation) {
       forward.approach = Approach::unknown;
       read.map.tables.push_back(std::move(forward));
@@ -132,7 +132,7 @@ ReadMap map_of(const ControllerTables& tables) {
 Vector3 compensation_by(const ControllerTables& tables, const TermTable& terms, const MachinePlace& place,
                         const MeasurementLines& lines, const Vector3& tool_offset_mm) {
   ComponentValues values{};
-  for (const MapTable& table : tables.tables) {
+  for (const laser::MapTable& table : tables.tables) {
     const std::size_t axis = index_of(moving_axis(table.component));
     const double part = part_of(table, place.approach[axis]);
     if (part > 0.0) values[index_of(table.component)] += part * compensation_at(table, place.position_mm[axis]);
@@ -149,7 +149,7 @@ const char* approach_text(Approach approach) {
 }
 
 /// The first point of a table that no machine has; empty: none.
-std::string beyond_any_machine(const MapTable& table) {
+std::string beyond_any_machine(const laser::MapTable& table) {
   for (std::size_t i = 0; i < table.position_mm.size(); ++i) {
     const bool place = !(std::abs(table.position_mm[i]) <= kLargestPosition_mm);
     if (!place && std::abs(table.compensation[i]) <= kLargestValue_um) continue;
@@ -169,13 +169,13 @@ tl::unexpected<Problem> unwritable(const Problem& why) {
       ProblemKind::refused, "what the map says cannot be written for this control: " + why.message, {}, 0, 0, {}});
 }
 
-Result<void> check_exportable(const ErrorMap& map) {
+Result<void> check_exportable(const laser::ErrorMap& map) {
   std::vector<Problem> problems;
   const auto refuse = [&](std::string why) {
     problems.push_back({ProblemKind::refused, std::move(why), {}, 0, 0, {}});
   };
   std::map<Component, int> approaches;
-  for (const MapTable& table : map.tables) {
+  for (const laser::MapTable& table : map.tables) {
     approaches[table.component] += table.approach == Approach::unknown ? 2 : 1;
     if (table.position_mm.size() < 2)
       refuse(fmt::format("{} has a table of {}: it needs two points at least", name_of(table.component),
@@ -213,4 +213,4 @@ std::array<double, kComponents> squareness_of(const UnitParameters& parameters) 
   return values;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

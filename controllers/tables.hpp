@@ -10,19 +10,19 @@
 
 #include "laser/map/error_map.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// Tables read from a control's files. Several of one component and approach add up. A table of a translation acts by
 /// the position of its moving axis alone, whatever control it is from.
 struct ControllerTables {
-  std::vector<MapTable> tables;                  ///< compensation, um or um/m
+  std::vector<laser::MapTable> tables;           ///< compensation, um or um/m
   std::array<double, kComponents> squareness{};  ///< errors, um/m; only C0Y, B0Z, A0Z are used
   /// The control has no squareness of its own: a straight line of two points across C0Y, B0Z or A0Z stands for it.
   bool lines_are_squareness = false;
   /// What a file says of its lever arms: they count from the measurement lines of its curves, or from the machine zero.
   /// Absent: nothing.
   std::optional<bool> levers_from_lines;
-  std::vector<SourceFile> sources;
+  std::vector<laser::SourceFile> sources;
   std::vector<std::string> notes;  ///< what had to be assumed, what was left out
   std::vector<Problem> warnings;   ///< places where the control itself would not read what is written
 };
@@ -34,7 +34,7 @@ struct ControllerTables {
 /// The tables as a map: tables of one component added up on all their positions, one table for both approaches where
 /// they are the same. Where lines are squareness, each of them becomes that, with a note.
 struct ReadMap {
-  ErrorMap map;
+  laser::ErrorMap map;
   std::array<double, kComponents> squareness{};  ///< errors, um/m
   std::vector<Component> squareness_found;
   std::vector<std::string> notes;
@@ -89,7 +89,7 @@ struct ControllerExport {
 
 /// What an export starts from.
 struct ExportSource {
-  ErrorMap map;
+  laser::ErrorMap map;
   UnitParameters parameters;  ///< chain, lines, reference positions, squareness, interpolation
   PerAxis<std::optional<std::array<double, 2>>> travel_mm{};  ///< of the axes that exist; lower end, upper end
 };
@@ -99,7 +99,7 @@ inline constexpr double kLargestValue_um = 32'000.0;  ///< um, um/m, in any of t
 
 /// Refused, with every reason: no table at all, a table of one point, a component with one approach only, a position or
 /// a value that no machine has, by its table and point.
-[[nodiscard]] Result<void> check_exportable(const ErrorMap& map);
+[[nodiscard]] Result<void> check_exportable(const laser::ErrorMap& map);
 
 /// What our own reader objects to in what was to be written, as an objection to the map: no file of that name exists.
 [[nodiscard]] tl::unexpected<Problem> unwritable(const Problem& why);
@@ -111,4 +111,4 @@ void leave_behind(ControllerExport& made, const ExportSource& source, const std:
 /// The squareness errors of parameters, by component.
 [[nodiscard]] std::array<double, kComponents> squareness_of(const UnitParameters& parameters);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

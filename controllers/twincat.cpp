@@ -10,7 +10,7 @@
 #include "controllers/curve.hpp"
 #include "controllers/twincat_list.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 constexpr double kMostOfTwinCat2_um = 3276.7;  // 16 bit of tenths
@@ -147,4 +147,4 @@ bool is_twincat_file(std::string_view name) {
   return number && *number > 0 && *number <= 65'534 && name == file_of(static_cast<int>(*number));
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -13,7 +13,7 @@
 
 #include "controllers/tables.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// kw_nr_max must stay below kw.ssfk.max_points, 1500 unless it is set.
 inline constexpr std::size_t kTwinCatMostPoints = 1499;
@@ -43,4 +43,4 @@ struct TwinCatOptions {
                                                      const TwinCatOptions& options,
                                                      std::optional<Axis> axis = std::nullopt);
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

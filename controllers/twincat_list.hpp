@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 inline constexpr double kTenthsPerUm = 10.0;
 inline constexpr double kTenthsPerMm = 10'000.0;
@@ -15,4 +15,4 @@ inline constexpr double kTenthsPerMm = 10'000.0;
               : "actual minus nominal, in 0.1 um; pos and neg: direction of motion";
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -11,7 +11,7 @@
 #include "controllers/twincat_list.hpp"
 #include "laser/findings.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 constexpr long long kMostPoints = 1'000'000;
@@ -71,14 +71,14 @@ class TwinCatReader {
     } else {
       findings.add(number, 1,
                    fmt::format("expected an entry such as kw.ssfk.unit 1 or kopf.achs_nr 1, found {}",
-                               in_quotes(trimmed(line))));
+                               laser::in_quotes(trimmed(line))));
     }
   }
 
   /// Both tables on the points of the list, as compensation. @pre no findings
-  [[nodiscard]] std::vector<MapTable> tables(Axis axis) {
+  [[nodiscard]] std::vector<laser::MapTable> tables(Axis axis) {
     const Component component = curve_of(static_cast<Sense>(axis), axis);
-    MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
+    laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
     check_general();
     if (!findings.empty()) return {};
     const bool two = value_of("bilateral") == 1.0;
@@ -101,7 +101,7 @@ class TwinCatReader {
     if (letter && !by_name) {
       findings.add(name_line_, 1,
                    fmt::format("the list is of axis {}: a map holds X, Y and Z; give --axis if it is one of them",
-                               in_quotes(name_)));
+                               laser::in_quotes(name_)));
       return std::nullopt;
     }
     std::optional<Axis> by_number;
@@ -129,7 +129,7 @@ class TwinCatReader {
     return out;
   }
 
-  Findings findings;
+  laser::Findings findings;
 
  private:
   struct Row {
@@ -163,7 +163,7 @@ class TwinCatReader {
   std::optional<Entry> number(const TwinCatAssignment& a) {
     const auto value = number_in(a.value);
     if (value) return Entry{*value, line_};
-    findings.add(line_, a.column, fmt::format("expected a number, found {}", in_quotes(a.value)));
+    findings.add(line_, a.column, fmt::format("expected a number, found {}", laser::in_quotes(a.value)));
     return std::nullopt;
   }
 
@@ -180,7 +180,7 @@ class TwinCatReader {
                                               "max_points"};
     const std::string key = a.key.substr(8);
     if (kKnown.count(key) == 0)
-      return findings.add(line_, 1, fmt::format("expected an entry of kw.ssfk, found {}", in_quotes(a.key)));
+      return findings.add(line_, 1, fmt::format("expected an entry of kw.ssfk, found {}", laser::in_quotes(a.key)));
     keep(key, a);
   }
 
@@ -192,9 +192,9 @@ class TwinCatReader {
         close == std::string::npos ? std::nullopt : integer_in(a.key.substr(kOpen + 1, close - kOpen - 1));
     const std::string what = close == std::string::npos ? "" : a.key.substr(close + 1);
     if (!index || *index < 0 || *index >= kMostPoints || (what != ".setpoint" && what != ".pos" && what != ".neg"))
-      return findings.add(
-          line_, 1,
-          fmt::format("expected kw.ssfk.table[0] and so on with .setpoint, .pos or .neg, found {}", in_quotes(a.key)));
+      return findings.add(line_, 1,
+                          fmt::format("expected kw.ssfk.table[0] and so on with .setpoint, .pos or .neg, found {}",
+                                      laser::in_quotes(a.key)));
     const auto value = number(a);
     if (!value) return;
     Row& row = table_[*index];
@@ -233,7 +233,7 @@ class TwinCatReader {
           fmt::format("kw.ssfk.kw_nr_max: expected the number of points, a whole number from 1 to {}", kMostPoints));
   }
 
-  void point(long long i, bool two, MapTable& forward, MapTable& reverse) {
+  void point(long long i, bool two, laser::MapTable& forward, laser::MapTable& reverse) {
     const Row row = table_.count(i) > 0 ? table_[i] : Row();
     const auto missing = [&](const char* what) {
       findings.add(first_line(row), 0,
@@ -294,4 +294,4 @@ Result<ControllerTables> parse_twincat(std::string_view text, const std::string&
   return read;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 /// All sticks of the family answer to this on their second interface (TEMPered wiki; temper.py).
@@ -67,4 +67,4 @@ std::vector<DeviceDescription> builtin_named(const std::string& name) {
   return found;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -7,7 +7,7 @@
 
 #include "devices/description.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// Thermometers of the TEMPer family, by the names "temper-fm75" and "temper-hundredths"; from public descriptions that
 /// `source` names, none tried on a real stick.
@@ -16,4 +16,4 @@ namespace ecs::laser {
 /// The built-in descriptions that a name stands for: its own, or "temper" for all of the family.
 [[nodiscard]] std::vector<DeviceDescription> builtin_named(const std::string& name);
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -6,7 +6,7 @@
 #include "devices/capture_record.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr std::string_view kBegin = "capture";
@@ -22,8 +22,8 @@ constexpr std::string_view kDoubt = "capture doubt";
 bool of_capture(std::string_view key) { return key == kBegin || key.starts_with("capture "); }
 
 /// The stops as the lines of a measurement set of their own.
-void put_stops(const std::vector<Reading>& stops, std::vector<MetadataEntry>& metadata) {
-  MeasurementSet set;
+void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::MetadataEntry>& metadata) {
+  laser::MeasurementSet set;
   set.readings = stops;
   const std::string text = to_csv(set);
   const auto lines = lines_of(text);
@@ -32,7 +32,7 @@ void put_stops(const std::vector<Reading>& stops, std::vector<MetadataEntry>& me
     if (!lines[k].empty()) metadata.push_back({std::string(kStop), std::string(lines[k])});
 }
 
-Problem broken(const MeasurementSet& part, const std::string& what) {
+Problem broken(const laser::MeasurementSet& part, const std::string& what) {
   return {ProblemKind::bad_input,
           fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still a "
                       "measurement set",
@@ -43,7 +43,7 @@ Problem broken(const MeasurementSet& part, const std::string& what) {
           {}};
 }
 
-std::string metadata_text(const MeasurementSet& part, std::string_view key) {
+std::string metadata_text(const laser::MeasurementSet& part, std::string_view key) {
   return metadata_value(part, key).value_or("");
 }
 
@@ -56,8 +56,8 @@ std::vector<double> numbers_in(std::string_view text) {
 
 }  // namespace
 
-MeasurementSet CaptureRecord::part() const {
-  MeasurementSet set;
+laser::MeasurementSet CaptureRecord::part() const {
+  laser::MeasurementSet set;
   set.readings = taken_;
   set.metadata = plan_.metadata;
   set.metadata.push_back({std::string(kBegin), std::string(kVersion)});
@@ -77,18 +77,18 @@ MeasurementSet CaptureRecord::part() const {
   return set;
 }
 
-Result<CaptureRecord> CaptureRecord::from_part(const MeasurementSet& part) {
+Result<CaptureRecord> CaptureRecord::from_part(const laser::MeasurementSet& part) {
   if (metadata_text(part, kBegin) != kVersion) return tl::unexpected(broken(part, "no line \"# capture: unfinished\""));
   CapturePlan plan;
   std::string stops = metadata_text(part, kStops) + "\n";
-  for (const MetadataEntry& entry : part.metadata) {
+  for (const laser::MetadataEntry& entry : part.metadata) {
     if (entry.key == kStop) stops += entry.value + "\n";
     if (!of_capture(entry.key)) plan.metadata.push_back(entry);
   }
-  const auto targets = parse_measurement_set(stops, part.source);
+  const auto targets = laser::parse_measurement_set(stops, part.source);
   if (!targets) return tl::unexpected(broken(part, "capture stops: " + targets.error().message));
   plan.stops = targets->readings;
-  for (Reading& stop : plan.stops) stop.row = stop.line = 0;
+  for (laser::Reading& stop : plan.stops) stop.row = stop.line = 0;
   const auto rules = numbers_in(metadata_text(part, kRules));
   const auto read = numbers_in(metadata_text(part, kRead));
   const auto shown = numbers_in(metadata_text(part, kShown));
@@ -113,13 +113,13 @@ Result<CaptureRecord> CaptureRecord::from_part(const MeasurementSet& part) {
   record.doubts_.resize(read.size());
   record.taken_ = part.readings;
   for (std::size_t k = 0; k < read.size(); ++k) {
-    Reading& reading = record.taken_[k];
+    laser::Reading& reading = record.taken_[k];
     if (!same_pass(reading, record.plan_.stops[record.stop_of_[k]]))
       return tl::unexpected(
           broken(part, fmt::format("reading {} is not what stop {} asked for", k + 1, record.stop_of_[k])));
     reading.row = reading.line = 0;
   }
-  for (const MetadataEntry& entry : part.metadata) {
+  for (const laser::MetadataEntry& entry : part.metadata) {
     if (entry.key != kDoubt) continue;
     const std::size_t blank = entry.value.find(' ');
     const auto index = integer_in(std::string_view(entry.value).substr(0, blank));
@@ -129,4 +129,4 @@ Result<CaptureRecord> CaptureRecord::from_part(const MeasurementSet& part) {
   return record;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

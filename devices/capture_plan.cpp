@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr double kMostStops = 1'000'000;
@@ -23,7 +23,7 @@ std::vector<double> targets_of(const CaptureLine& line) {
 
 }  // namespace
 
-Result<std::vector<Reading>> stops_of(const CaptureLine& line) {
+Result<std::vector<laser::Reading>> stops_of(const CaptureLine& line) {
   const double step = std::abs(line.step_mm);
   if (line.from_mm == line.to_mm || step == 0.0)
     return problem(ProblemKind::usage, "expected two different ends (--from, --to) and a --step other than 0");
@@ -31,10 +31,10 @@ Result<std::vector<Reading>> stops_of(const CaptureLine& line) {
     return problem(ProblemKind::usage, fmt::format("a step of {} mm makes more than a million readings", step));
   std::vector<double> targets = targets_of(line);
   const bool rising = line.to_mm > line.from_mm;
-  std::vector<Reading> stops;
+  std::vector<laser::Reading> stops;
   for (int run = 1; run <= line.runs; ++run)
     for (int pass = 0; pass < (line.one_way ? 1 : 2); ++pass) {
-      Reading stop;
+      laser::Reading stop;
       stop.axis = line.axis;
       stop.sense = line.sense;
       stop.position_mm = line.parked_mm;
@@ -49,9 +49,9 @@ Result<std::vector<Reading>> stops_of(const CaptureLine& line) {
   return stops;
 }
 
-Result<std::vector<Reading>> stops_of_targets(const MeasurementSet& targets) {
-  std::vector<Reading> stops = targets.readings;
-  for (Reading& stop : stops) {
+Result<std::vector<laser::Reading>> stops_of_targets(const laser::MeasurementSet& targets) {
+  std::vector<laser::Reading> stops = targets.readings;
+  for (laser::Reading& stop : stops) {
     if (stop.approach == Approach::unknown)
       return problem_at(targets.source, stop.line, 0,
                         "approach: expected 1 or -1: from which side the target is to be approached");
@@ -62,8 +62,8 @@ Result<std::vector<Reading>> stops_of_targets(const MeasurementSet& targets) {
   return stops;
 }
 
-bool same_pass(const Reading& a, const Reading& b) {
+bool same_pass(const laser::Reading& a, const laser::Reading& b) {
   return a.axis == b.axis && a.sense == b.sense && a.run == b.run && a.approach == b.approach;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

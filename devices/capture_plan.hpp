@@ -7,7 +7,7 @@
 #include "base/result.hpp"
 #include "laser/measurement_set.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// A line of evenly spaced targets, measured forward and back as often as there are runs.
 struct CaptureLine {
@@ -23,17 +23,17 @@ struct CaptureLine {
 };
 
 struct CapturePlan {
-  std::vector<MetadataEntry> metadata;
-  std::vector<Reading> stops;  ///< in the order of measuring; `error` and `time_s` mean nothing yet
+  std::vector<laser::MetadataEntry> metadata;
+  std::vector<laser::Reading> stops;  ///< in the order of measuring; `error` and `time_s` mean nothing yet
 };
 
 /// @pre nothing. A `usage` problem says what is wrong with step, range or runs.
-[[nodiscard]] Result<std::vector<Reading>> stops_of(const CaptureLine& line);
+[[nodiscard]] Result<std::vector<laser::Reading>> stops_of(const CaptureLine& line);
 
 /// The rows of a target list (`ecs model next --targets`) in file order. `bad_input` where a row names no approach.
-[[nodiscard]] Result<std::vector<Reading>> stops_of_targets(const MeasurementSet& targets);
+[[nodiscard]] Result<std::vector<laser::Reading>> stops_of_targets(const laser::MeasurementSet& targets);
 
 /// Stops belong to one pass where axis, sense, run and approach are the same.
-[[nodiscard]] bool same_pass(const Reading& a, const Reading& b);
+[[nodiscard]] bool same_pass(const laser::Reading& a, const laser::Reading& b);
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr std::size_t kIntervalsForUsual = 3;
@@ -15,18 +15,18 @@ void put(std::optional<double>& into, const Values& values, Quantity quantity) {
   if (const auto found = values.find(quantity); found != values.end()) into = found->second;
 }
 
-void put_sensor(Reading& reading, const char* column, const Values& values, Quantity quantity) {
+void put_sensor(laser::Reading& reading, const char* column, const Values& values, Quantity quantity) {
   if (const auto found = values.find(quantity); found != values.end()) reading.sensors_degC[column] = found->second;
 }
 
-std::string place_text(const Reading& stop) {
+std::string place_text(const laser::Reading& stop) {
   return fmt::format("{} {} {} mm, run {}", letter_of(stop.axis),
                      stop.approach == Approach::forward ? "forward" : "reverse", target_mm(stop), stop.run);
 }
 
 }  // namespace
 
-const Reading* CaptureRecord::due() const { return next_ < plan_.stops.size() ? &plan_.stops[next_] : nullptr; }
+const laser::Reading* CaptureRecord::due() const { return next_ < plan_.stops.size() ? &plan_.stops[next_] : nullptr; }
 
 CaptureRecord::Place CaptureRecord::place() const {
   if (next_ >= plan_.stops.size()) return {};
@@ -39,7 +39,7 @@ CaptureRecord::Place CaptureRecord::place() const {
 
 int CaptureRecord::runs() const {
   int runs = 0;
-  for (const Reading& stop : plan_.stops) runs = std::max(runs, stop.run);
+  for (const laser::Reading& stop : plan_.stops) runs = std::max(runs, stop.run);
   return runs;
 }
 
@@ -85,7 +85,7 @@ std::string CaptureRecord::doubt(double at_s, double shown) const {
 }
 
 Verdict CaptureRecord::take(double error, double at_s, double shown, const Values& around) {
-  Reading reading = plan_.stops[next_];
+  laser::Reading reading = plan_.stops[next_];
   reading.error = error;
   reading.time_s = at_s;
   put_sensor(reading, "t_air_degC", around, Quantity::air_degC);
@@ -109,7 +109,7 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
   };
   const auto error = [&](std::size_t stop) { return (stands_mm - target_mm(plan_.stops[stop])) * 1e3; };
   if (fits(next_)) return take(error(next_), at_s, shown, around);
-  const Reading& target = plan_.stops[next_];
+  const laser::Reading& target = plan_.stops[next_];
   if (!stop_of_.empty() && fits(stop_of_.back()))
     return {
         false, 0,
@@ -175,7 +175,7 @@ bool CaptureRecord::skip() {
 
 void CaptureRecord::note(const std::string& key, const std::string& value) {
   const auto same = std::find_if(plan_.metadata.begin(), plan_.metadata.end(),
-                                 [&](const MetadataEntry& entry) { return entry.key == key; });
+                                 [&](const laser::MetadataEntry& entry) { return entry.key == key; });
   if (same != plan_.metadata.end())
     same->value = value;
   else
@@ -183,13 +183,13 @@ void CaptureRecord::note(const std::string& key, const std::string& value) {
 }
 
 std::optional<std::string> CaptureRecord::noted(std::string_view key) const {
-  for (const MetadataEntry& entry : plan_.metadata)
+  for (const laser::MetadataEntry& entry : plan_.metadata)
     if (entry.key == key) return entry.value;
   return std::nullopt;
 }
 
-MeasurementSet CaptureRecord::result() const {
-  MeasurementSet set;
+laser::MeasurementSet CaptureRecord::result() const {
+  laser::MeasurementSet set;
   set.metadata = plan_.metadata;
   set.readings = taken_;
   std::vector<bool> read(plan_.stops.size(), false);
@@ -203,4 +203,4 @@ MeasurementSet CaptureRecord::result() const {
   return set;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -9,7 +9,7 @@
 #include "devices/capture_plan.hpp"
 #include "devices/description.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// What a display shows.
 enum class Shows {
@@ -36,9 +36,9 @@ class CaptureRecord {
   CaptureRecord(CapturePlan plan, CaptureRules rules) : plan_(std::move(plan)), rules_(rules) {}
 
   /// The stop that is due; nothing when all are done.
-  [[nodiscard]] const Reading* due() const;
+  [[nodiscard]] const laser::Reading* due() const;
   [[nodiscard]] std::size_t next() const { return next_; }
-  [[nodiscard]] const std::vector<Reading>& taken() const { return taken_; }
+  [[nodiscard]] const std::vector<laser::Reading>& taken() const { return taken_; }
   [[nodiscard]] const CapturePlan& plan() const { return plan_; }
   [[nodiscard]] const CaptureRules& rules() const { return rules_; }
   [[nodiscard]] std::size_t skipped() const { return next_ - taken_.size(); }
@@ -66,12 +66,12 @@ class CaptureRecord {
   bool skip();
 
   /// The readings so far as a measurement set; a note for every doubt that was not taken back.
-  [[nodiscard]] MeasurementSet result() const;
+  [[nodiscard]] laser::MeasurementSet result() const;
 
   /// The same, with all that is needed to go on: still a measurement CSV that every verb reads.
-  [[nodiscard]] MeasurementSet part() const;
+  [[nodiscard]] laser::MeasurementSet part() const;
   /// What part() made. Refuses another file, or one that was changed so that it does not hold together.
-  [[nodiscard]] static Result<CaptureRecord> from_part(const MeasurementSet& part);
+  [[nodiscard]] static Result<CaptureRecord> from_part(const laser::MeasurementSet& part);
   /// Metadata of the plan may be added to.
   void note(const std::string& key, const std::string& value);
   [[nodiscard]] std::optional<std::string> noted(std::string_view key) const;
@@ -86,11 +86,11 @@ class CaptureRecord {
   CapturePlan plan_;
   CaptureRules rules_;
   std::size_t next_ = 0;
-  std::vector<Reading> taken_;
+  std::vector<laser::Reading> taken_;
   std::vector<std::size_t> stop_of_;  ///< of each reading taken
   std::vector<std::string> doubts_;   ///< of each reading taken; empty: none
   std::vector<double> shown_;         ///< of each reading taken
   bool judged_ = false;               ///< the time since the last reading means something
 };
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -7,7 +7,7 @@
 
 #include "base/text.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 std::string quoted(const std::string& text) {
@@ -140,4 +140,4 @@ Values values_in(const DeviceDescription& device, const std::vector<Bytes>& repl
   return values;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -14,7 +14,7 @@
 #include "base/result.hpp"
 #include "devices/hid_device.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 enum class DeviceKind { trigger, environment, gauge };
 
@@ -94,4 +94,4 @@ using Values = std::map<Quantity, double>;
 /// The numbers in the replies to one poll; without a sensor, or in a short report, a number is left out.
 [[nodiscard]] Values values_in(const DeviceDescription& device, const std::vector<Bytes>& replies);
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 /// Tag and type of a short item, its size bits cleared (HID 1.11, 6.2.2.4 to 6.2.2.7).
@@ -95,4 +95,4 @@ HidReports reports_in(std::span<const std::uint8_t> descriptor) {
   return {numbered, as_bytes(input, numbered), as_bytes(output, numbered), as_bytes(feature, numbered)};
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

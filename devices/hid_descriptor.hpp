@@ -7,7 +7,7 @@
 #include <map>
 #include <span>
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// Lengths in bytes as they are read and written, the leading report number included where the device numbers them.
 struct HidReports {
@@ -22,4 +22,4 @@ struct HidReports {
 /// Report ID, Push, Pop, Input, Output, Feature. Never fails: what follows a cut item is left out.
 [[nodiscard]] HidReports reports_in(std::span<const std::uint8_t> descriptor);
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

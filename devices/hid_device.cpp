@@ -15,7 +15,7 @@
 
 #include "devices/udev.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr std::size_t kLongestReport = 4096;
@@ -181,4 +181,4 @@ Result<Bytes> HidDevice::feature(std::uint8_t number, std::size_t bytes) {
   return report;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

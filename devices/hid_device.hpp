@@ -13,7 +13,7 @@
 #include "base/result.hpp"
 #include "devices/hid_descriptor.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -65,4 +65,4 @@ class HidDevice {
   std::unique_ptr<Handle> handle_;
 };
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr double kBounce_s = 0.06;  ///< two changes closer than this are one contact bouncing
@@ -164,4 +164,4 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
   return layout_of(found, reports, numbered);
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -7,7 +7,7 @@
 
 #include "devices/description.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 struct TimedReport {
   double time_s = 0.0;
@@ -31,4 +31,4 @@ struct Learned {
 /// @param numbered  the reports begin with their number
 [[nodiscard]] Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bool numbered);
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr double kLookEvery_s = 0.5;
@@ -133,4 +133,4 @@ std::optional<Bytes> DevicePort::feature() {
   return std::nullopt;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

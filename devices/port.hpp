@@ -8,7 +8,7 @@
 
 #include "devices/description.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// The one device among `present` that is meant. A `link` problem says what is plugged in instead, or names the devices
 /// that are alike and how to tell them apart.
@@ -52,4 +52,4 @@ class DevicePort {
   std::string hindrance_;
 };
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -8,7 +8,7 @@
 #include "base/toml_reader.hpp"
 #include "devices/description.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr std::array kKinds{DeviceKind::trigger, DeviceKind::environment, DeviceKind::gauge};
@@ -208,4 +208,4 @@ Result<DeviceDescription> read_device(const std::filesystem::path& path) {
   return parse_device(*text, path.string());
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

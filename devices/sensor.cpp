@@ -1,6 +1,6 @@
 #include "devices/sensor.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 constexpr std::chrono::milliseconds kAtOnce{0};
@@ -77,4 +77,4 @@ Values Sensor::values(double now_s, double most_age_s) const {
   return now_s - taken_s_ <= most_age_s ? values_ : Values();
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -4,7 +4,7 @@
 
 #include "devices/port.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 class Sensor {
  public:
@@ -45,4 +45,4 @@ class Sensor {
   int silent_ = 0;
 };
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

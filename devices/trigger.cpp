@@ -1,6 +1,6 @@
 #include "devices/trigger.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 bool PressFilter::pressed(bool held, double now_s) {
   const bool before = level_.value_or(false);
@@ -30,4 +30,4 @@ PortChange Trigger::look(double now_s) {
   return change;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -5,7 +5,7 @@
 
 #include "devices/port.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 /// Presses out of levels: the first report that says "held" is the press; what the contact does until it was let go for
 /// the debounce time is not another one.
@@ -37,4 +37,4 @@ class Trigger {
   PressFilter filter_;
 };
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::laser {
+namespace ecs::devices {
 
 std::string udev_rule(std::uint16_t vendor_id, std::uint16_t product_id) {
   return fmt::format(
@@ -29,4 +29,4 @@ std::string udev_rules(const std::vector<DeviceDescription>& devices) {
   return text;
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::devices

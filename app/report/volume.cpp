@@ -20,7 +20,7 @@ bool knows(const model::Model& model, Component component) {
 }
 
 /// What is compensated, yet has no effect in the model: there it would predict what the compensation adds.
-std::vector<std::string> unknown_to(const model::Model& model, const laser::ExportSource& source) {
+std::vector<std::string> unknown_to(const model::Model& model, const controllers::ExportSource& source) {
   std::vector<std::string> names;
   const auto add = [&](Component component) {
     const std::string name(name_of(component));
@@ -29,13 +29,13 @@ std::vector<std::string> unknown_to(const model::Model& model, const laser::Expo
   for (const laser::MapTable& table : source.map.tables)
     if (std::any_of(table.compensation.begin(), table.compensation.end(), [](double value) { return value != 0.0; }))
       add(table.component);
-  const auto squareness = laser::squareness_of(source.parameters);
+  const auto squareness = controllers::squareness_of(source.parameters);
   for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z})
     if (squareness[index_of(square)] != 0.0) add(square);
   return names;
 }
 
-std::string travels_in_words(const laser::ExportSource& source) {
+std::string travels_in_words(const controllers::ExportSource& source) {
   std::vector<std::string> words;
   for (const Axis axis : kAllAxes)
     if (const auto& travel = source.travel_mm[index_of(axis)])
@@ -48,13 +48,13 @@ std::string travels_in_words(const laser::ExportSource& source) {
 
 Result<PredictedVolume> predicted_volume(const laser::ErrorMap& map, const UnitParameters& parameters,
                                          const std::optional<params::Machine>& machine, const model::Model* model) {
-  laser::ExportSource source{map, parameters, travels_for(map, parameters, machine)};
+  controllers::ExportSource source{map, parameters, travels_for(map, parameters, machine)};
   PredictedVolume out;
   out.from = "the map";
   out.present = parameters.axis_present;
   out.travels = travels_in_words(source);
   out.travels_of_machine = machine.has_value();
-  laser::ErrorsAt errors = laser::errors_of_map(source);
+  controllers::ErrorsAt errors = controllers::errors_of_map(source);
   if (model != nullptr && !machine) {
     out.remark = "The error model was left aside: it counts from the datum of the axes, and no machine file was given.";
   } else if (model != nullptr) {
@@ -66,9 +66,9 @@ Result<PredictedVolume> predicted_volume(const laser::ErrorMap& map, const UnitP
       errors = errors_of_model(*model, *machine, "the error model");
     }
   }
-  const auto rows = laser::residuals(source, {}, parameters.measurement_lines_mm, errors);
+  const auto rows = controllers::residuals(source, {}, parameters.measurement_lines_mm, errors);
   if (!rows) return tl::unexpected(rows.error());
-  const laser::ResidualRow& volume = rows->back();
+  const controllers::ResidualRow& volume = rows->back();
   out.places = volume.places;
   out.before = volume.before;
   out.after = volume.unit;

@@ -20,8 +20,8 @@ struct PredictedVolume {
   bool travels_of_machine = false;  ///< false: as far as the map reaches
   std::size_t places = 0;
   PerAxis<bool> present{};
-  laser::ResidualSize before;  ///< nothing compensated
-  laser::ResidualSize after;   ///< the unit with its parameters and the whole map
+  controllers::ResidualSize before;  ///< nothing compensated
+  controllers::ResidualSize after;   ///< the unit with its parameters and the whole map
 };
 
 /// @param model  fitted; null: none was given

@@ -66,7 +66,7 @@ Json json_of(const std::optional<PredictedVolume>& volume) {
   Json before = Json::object(), after = Json::object();
   const auto add = [&](const std::string& name, std::size_t d) {
     for (auto& [size, into] :
-         {std::pair<const laser::ResidualSize&, Json&>{volume->before, before}, {volume->after, after}})
+         {std::pair<const controllers::ResidualSize&, Json&>{volume->before, before}, {volume->after, after}})
       into[name] = {{"largest_um", number_or_null(size.largest_um[d])}, {"rms_um", number_or_null(size.rms_um[d])}};
   };
   for (const Axis axis : kAllAxes)

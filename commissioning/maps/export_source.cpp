@@ -92,7 +92,7 @@ std::vector<std::string> objections_to_owner(const laser::MapHeader& header, con
 
 /// Squareness that was measured for the map while the parameters hold 0.
 void note_squareness_left_behind(ExportWork& work) {
-  const auto values = laser::squareness_of(work.source.parameters);
+  const auto values = controllers::squareness_of(work.source.parameters);
   for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
     const auto named = [&](const laser::SourceFile& file) { return file.component == name_of(square); };
     const auto& sources = work.source.map.header.sources;
@@ -154,12 +154,12 @@ PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap&
   return travel_mm;
 }
 
-laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file) {
-  return [model = std::move(model), machine = std::move(machine),
-          file = std::move(file)](const std::vector<laser::MachinePlace>& places) -> Result<std::vector<Vector3>> {
+controllers::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file) {
+  return [model = std::move(model), machine = std::move(machine), file = std::move(file)](
+             const std::vector<controllers::MachinePlace>& places) -> Result<std::vector<Vector3>> {
     laser::MeasurementSet set;
     const auto exists = [&](Axis axis) { return machine.axes[index_of(axis)].has_value(); };
-    for (const laser::MachinePlace& place : places)
+    for (const controllers::MachinePlace& place : places)
       for (const Axis direction : kAllAxes) {  // each direction as its own axis arrived there
         laser::Reading reading;
         reading.axis = exists(direction) ? direction : *std::find_if(kAllAxes.begin(), kAllAxes.end(), exists);
@@ -181,8 +181,9 @@ laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std
   };
 }
 
-Result<laser::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments, const ExportWork& work) {
-  if (arguments.model.empty()) return laser::errors_of_map(work.source);
+Result<controllers::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
+                                         const ExportWork& work) {
+  if (arguments.model.empty()) return controllers::errors_of_map(work.source);
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(context, arguments.machine);

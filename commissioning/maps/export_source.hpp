@@ -31,7 +31,7 @@ struct ExportArguments {
 void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
 
 struct ExportWork {
-  laser::ExportSource source;
+  controllers::ExportSource source;
   std::string map_name;             ///< the file, or "the unit"
   std::string errors_from;          ///< "the map", or the model file
   std::vector<std::string> notes;   ///< what was not given, and what that means
@@ -50,11 +50,11 @@ struct ExportWork {
 
 /// The error that a model predicts at places, each direction as its own axis arrived there.
 /// @param file  as problems name it
-[[nodiscard]] laser::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file);
+[[nodiscard]] controllers::ErrorsAt errors_of_model(model::Model model, params::Machine machine, std::string file);
 
 /// The error of the machine at places: from the model if one is given, else from the map.
 /// @param work  must outlive what is returned
-[[nodiscard]] Result<laser::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
-                                                 const ExportWork& work);
+[[nodiscard]] Result<controllers::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
+                                                       const ExportWork& work);
 
 }  // namespace ecs::app

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "le
 std::string tables_text(const ExportReport& told) {
   std::string text = fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of", "largest",
                                  "off unit", "unit");
-  for (const laser::ExportedTable& table : told.made.tables) {
+  for (const controllers::ExportedTable& table : told.made.tables) {
     text += fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8.2f} {:>8.2f}  {}\n", table.component, table.what, table.points,
                         table.map_points == 0 ? std::string("-") : std::to_string(table.map_points), table.largest,
                         table.deviation, table.unit);
@@ -27,7 +27,7 @@ std::string tables_text(const ExportReport& told) {
   return text + "of: points in the map; off unit: largest difference from what our unit does\n";
 }
 
-std::string cell(const laser::ResidualSize& size, std::size_t direction) {
+std::string cell(const controllers::ResidualSize& size, std::size_t direction) {
   return fmt::format("{:>7.1f} /{:>7.1f}", size.largest_um[direction], size.rms_um[direction]);
 }
 
@@ -35,7 +35,7 @@ std::string residual_text(const ExportReport& told) {
   std::string text = fmt::format("what is left, predicted from {}: largest / rms, um\n", told.work.errors_from);
   text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "whole map, unit",
                       "this export");
-  for (const laser::ResidualRow& row : told.residuals) {
+  for (const controllers::ResidualRow& row : told.residuals) {
     std::string where = row.where;
     for (std::size_t d = 0; d <= kAxes; ++d) {
       if (d < kAxes && !told.work.source.parameters.axis_present[d]) continue;
@@ -60,9 +60,9 @@ std::string list_text(std::string_view heading, const std::vector<std::string>& 
 }
 
 /// A paragraph for each reason, in the order in which the reasons come up.
-std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
+std::string left_behind_text(const std::vector<controllers::LeftBehind>& all) {
   std::vector<std::pair<std::string, std::string>> reasons;
-  for (const laser::LeftBehind& one : all) {
+  for (const controllers::LeftBehind& one : all) {
     auto at = std::find_if(reasons.begin(), reasons.end(), [&](const auto& r) { return r.first == one.why; });
     if (at == reasons.end()) at = reasons.insert(reasons.end(), {one.why, ""});
     at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
@@ -73,11 +73,11 @@ std::string left_behind_text(const std::vector<laser::LeftBehind>& all) {
   return text;
 }
 
-Json left_behind_json(const laser::LeftBehind& one) {
+Json left_behind_json(const controllers::LeftBehind& one) {
   return {{"what", one.what}, {"largest", number_or_null(one.largest)}, {"unit", one.unit}, {"why", one.why}};
 }
 
-Json residual_json(const laser::ResidualSize& size, const PerAxis<bool>& present) {
+Json residual_json(const controllers::ResidualSize& size, const PerAxis<bool>& present) {
   Json object = Json::object();
   for (std::size_t d = 0; d <= kAxes; ++d) {
     if (d < kAxes && !present[d]) continue;
@@ -108,9 +108,9 @@ Json json_of(const ExportReport& told) {
     written.push_back(file.path);
     if (file.replaced) replaced.push_back(file.path);
   }
-  for (const laser::LeftBehind& one : told.made.not_carried) left.push_back(left_behind_json(one));
+  for (const controllers::LeftBehind& one : told.made.not_carried) left.push_back(left_behind_json(one));
   const PerAxis<bool>& present = told.work.source.parameters.axis_present;
-  for (const laser::ExportedTable& table : told.made.tables)
+  for (const controllers::ExportedTable& table : told.made.tables)
     tables.push_back({{"component", table.component},
                       {"table", table.what},
                       {"points", table.points},
@@ -119,13 +119,13 @@ Json json_of(const ExportReport& told) {
                       {"deviation_from_unit", number_or_null(table.deviation)},
                       {"shift", number_or_null(table.shift)},
                       {"unit", table.unit}});
-  for (const laser::ResidualRow& row : told.residuals)
+  for (const controllers::ResidualRow& row : told.residuals)
     rows.push_back({{"where", row.where},
                     {"places", row.places},
                     {"not_compensated", residual_json(row.before, present)},
                     {"whole_map", residual_json(row.unit, present)},
                     {"this_export", residual_json(row.control, present)}});
-  for (const laser::ExportFile& file : told.made.files)
+  for (const controllers::ExportFile& file : told.made.files)
     files.push_back({{"name", file.name}, {"bytes", file.content.size()}});
   std::vector<std::string> notes = told.made.notes;
   notes.insert(notes.end(), told.work.notes.begin(), told.work.notes.end());

@@ -15,8 +15,8 @@ namespace ecs::app {
 struct ExportReport {
   std::string control;  ///< "LinuxCNC"
   const ExportWork& work;
-  const laser::ControllerExport& made;
-  const std::vector<laser::ResidualRow>& residuals;
+  const controllers::ControllerExport& made;
+  const std::vector<controllers::ResidualRow>& residuals;
   std::vector<WrittenFile> written;  ///< empty: nothing was written
   std::string output_hint;           ///< how to have it written
 };

@@ -19,7 +19,7 @@ constexpr double kOldestEnvironment_s = 60.0;
 
 }  // namespace
 
-CaptureRun::CaptureRun(laser::CaptureRecord record, CaptureSetup setup, double now_s)
+CaptureRun::CaptureRun(devices::CaptureRecord record, CaptureSetup setup, double now_s)
     : record_(std::move(record)), setup_(std::move(setup)), zero_s_(now_s - setup_.begun_s) {
   record_.pause();
   tell_due();
@@ -33,7 +33,7 @@ void CaptureRun::tell_due() {
 
 std::vector<CaptureNews> CaptureRun::take_news() { return std::exchange(news_, {}); }
 
-laser::Values CaptureRun::around(double now_s) const {
+devices::Values CaptureRun::around(double now_s) const {
   if (!setup_.environment) return {};
   return setup_.environment->values(now_s, std::max(kOldestEnvironment_s, 3.0 * setup_.environment_every_s));
 }
@@ -46,9 +46,9 @@ std::string CaptureRun::help() const {
   return how + "; u takes the last one back, s skips a target, q leaves (what was read is kept), ? helps";
 }
 
-void CaptureRun::tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance,
+void CaptureRun::tell_change(devices::PortChange change, const std::string& device, const std::string& hindrance,
                              const char* meanwhile) {
-  if (change == laser::PortChange::lost) {
+  if (change == devices::PortChange::lost) {
     ++unplugged_;
     record_.pause();
     settle();
@@ -58,7 +58,7 @@ void CaptureRun::tell_change(laser::PortChange change, const std::string& device
                      record_.taken().size() == 1 ? "is" : "are",
                      setup_.part.empty() || record_.taken().empty() ? "" : " in " + setup_.part, meanwhile));
   }
-  if (change == laser::PortChange::back) {
+  if (change == devices::PortChange::back) {
     record_.pause();
     tell(CaptureNews::Kind::note, fmt::format("{} is back", device));
     tell_due();
@@ -70,18 +70,18 @@ void CaptureRun::tell_change(laser::PortChange change, const std::string& device
 
 void CaptureRun::look_after_devices(double now_s) {
   if (setup_.trigger) {
-    const laser::PortChange change = setup_.trigger->look(now_s);
+    const devices::PortChange change = setup_.trigger->look(now_s);
     tell_change(change, name_of(setup_.trigger->port()), setup_.trigger->port().hindrance(),
                 "Enter triggers meanwhile");
   }
   if (setup_.source) {
-    const laser::PortChange change = setup_.source->look(now_s);
+    const devices::PortChange change = setup_.source->look(now_s);
     tell_change(change, setup_.source->name(), setup_.source->hindrance(), "it is waited for");
     setup_.source->attend(now_s);
   }
   if (!setup_.environment) return;
-  laser::Sensor& sensor = *setup_.environment;
-  const laser::PortChange change = sensor.look(now_s);
+  devices::Sensor& sensor = *setup_.environment;
+  const devices::PortChange change = sensor.look(now_s);
   tell_change(change, name_of(sensor.port()), sensor.port().hindrance(), "readings go on without its values meanwhile");
   sensor.attend(now_s);
   if (sensor.silent() >= kSilentPolls && !silence_told_)
@@ -131,7 +131,7 @@ void CaptureRun::ask_source(double now_s) {
 }
 
 void CaptureRun::take(double shown, double now_s) {
-  const laser::Verdict verdict = record_.offer(shown, now_s - zero_s_, around(now_s));
+  const devices::Verdict verdict = record_.offer(shown, now_s - zero_s_, around(now_s));
   if (verdict.taken) {
     tell(CaptureNews::Kind::note, taken_text(record_));
     keep();

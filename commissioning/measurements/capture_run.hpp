@@ -24,8 +24,8 @@ enum class TriggerKind {
 
 struct CaptureSetup {
   TriggerKind trigger_kind = TriggerKind::typed;
-  std::optional<laser::Trigger> trigger;
-  std::optional<laser::Sensor> environment;
+  std::optional<devices::Trigger> trigger;
+  std::optional<devices::Sensor> environment;
   double environment_every_s = 5.0;
   std::unique_ptr<ReadingSource> source;  ///< null: typed
   std::string part;                       ///< file that is written after every reading
@@ -41,7 +41,7 @@ struct CaptureNews {
 class CaptureRun {
  public:
   /// @param now_s  steady time
-  CaptureRun(laser::CaptureRecord record, CaptureSetup setup, double now_s);
+  CaptureRun(devices::CaptureRecord record, CaptureSetup setup, double now_s);
 
   /// Looks after devices and triggers; waits up to `wait` for a trigger device.
   void step(std::chrono::milliseconds wait, double now_s);
@@ -57,13 +57,13 @@ class CaptureRun {
   [[nodiscard]] bool left() const { return left_; }
   /// Why it cannot go on; empty: it can.
   [[nodiscard]] const std::string& stuck() const { return stuck_; }
-  [[nodiscard]] const laser::CaptureRecord& record() const { return record_; }
+  [[nodiscard]] const devices::CaptureRecord& record() const { return record_; }
   [[nodiscard]] int unplugged() const { return unplugged_; }
   /// Waits for the last reading to be on disc. False: it could not be written.
   [[nodiscard]] bool part_is_safe();
   [[nodiscard]] const std::string& part() const { return setup_.part; }
   /// What is measured around the reading at this moment.
-  [[nodiscard]] laser::Values around(double now_s) const;
+  [[nodiscard]] devices::Values around(double now_s) const;
   /// What the operator can do, in one line.
   [[nodiscard]] std::string help() const;
 
@@ -71,7 +71,7 @@ class CaptureRun {
   void tell(CaptureNews::Kind kind, std::string text);
   void tell_due();
   void look_after_devices(double now_s);
-  void tell_change(laser::PortChange change, const std::string& device, const std::string& hindrance,
+  void tell_change(devices::PortChange change, const std::string& device, const std::string& hindrance,
                    const char* meanwhile);
   void fire(double now_s);
   void take(double shown, double now_s);
@@ -79,7 +79,7 @@ class CaptureRun {
   void keep();
   void settle();
 
-  laser::CaptureRecord record_;
+  devices::CaptureRecord record_;
   CaptureSetup setup_;
   double zero_s_;  ///< steady time at which the measurement began
   std::vector<CaptureNews> news_;

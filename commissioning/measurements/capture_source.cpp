@@ -21,7 +21,7 @@ constexpr double kAnyAge_s = 1e12;
 
 class GaugeSource final : public ReadingSource {
  public:
-  explicit GaugeSource(laser::DevicePort port) : sensor_(std::move(port), 1e9) {}
+  explicit GaugeSource(devices::DevicePort port) : sensor_(std::move(port), 1e9) {}
 
   void ask(double now_s) override {
     before_ = sensor_.answers();
@@ -33,8 +33,8 @@ class GaugeSource final : public ReadingSource {
     if (!sensor_.port().present()) return {Shown::Kind::none, 0.0, "the gauge is unplugged"};
     sensor_.attend(now_s);
     if (!sensor_.polled() || sensor_.answers() > before_) {
-      const laser::Values values = sensor_.values(now_s, kAnyAge_s);
-      if (const auto found = values.find(laser::Quantity::reading_um); found != values.end())
+      const devices::Values values = sensor_.values(now_s, kAnyAge_s);
+      if (const auto found = values.find(devices::Quantity::reading_um); found != values.end())
         return {Shown::Kind::value, found->second, {}};
     }
     if (now_s < give_up_s_) return {};
@@ -43,12 +43,12 @@ class GaugeSource final : public ReadingSource {
   void attend(double now_s) override {
     if (!sensor_.polled()) sensor_.attend(now_s);
   }
-  laser::PortChange look(double now_s) override { return sensor_.look(now_s); }
+  devices::PortChange look(double now_s) override { return sensor_.look(now_s); }
   std::string hindrance() const override { return sensor_.port().hindrance(); }
   std::string name() const override { return name_of(sensor_.port()); }
 
  private:
-  laser::Sensor sensor_;
+  devices::Sensor sensor_;
   int before_ = 0;
   double give_up_s_ = 0.0;
 };
@@ -166,7 +166,7 @@ std::optional<double> last_number_in(std::string_view line) {
   return last;
 }
 
-std::unique_ptr<ReadingSource> gauge_source(laser::DevicePort port) {
+std::unique_ptr<ReadingSource> gauge_source(devices::DevicePort port) {
   return std::make_unique<GaugeSource>(std::move(port));
 }
 Result<std::unique_ptr<ReadingSource>> file_source(const std::string& path) { return source_of_file(path, false); }

@@ -32,7 +32,7 @@ class ReadingSource {
   [[nodiscard]] virtual Shown shown(double now_s) = 0;
   /// Keeps up with what comes by itself; returns at once.
   virtual void attend(double) {}
-  [[nodiscard]] virtual laser::PortChange look(double) { return laser::PortChange::none; }
+  [[nodiscard]] virtual devices::PortChange look(double) { return devices::PortChange::none; }
   /// Why a lost device cannot be had back yet; empty: it is simply not there.
   [[nodiscard]] virtual std::string hindrance() const { return {}; }
   /// For the metadata: "indicator gauge (…)".
@@ -40,7 +40,7 @@ class ReadingSource {
 };
 
 /// An indicator gauge: the value that it shows when it is asked; um.
-[[nodiscard]] std::unique_ptr<ReadingSource> gauge_source(laser::DevicePort port);
+[[nodiscard]] std::unique_ptr<ReadingSource> gauge_source(devices::DevicePort port);
 /// Numbers of a file or FIFO, one a line ('#' begins a comment): each trigger takes the next.
 [[nodiscard]] Result<std::unique_ptr<ReadingSource>> file_source(const std::string& path);
 /// The same, but the last line that is there counts: a display that writes all the while.

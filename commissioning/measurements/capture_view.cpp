@@ -15,7 +15,7 @@ std::string start_of_pass(const laser::Reading& stop) {
 
 }  // namespace
 
-std::string due_text(const laser::CaptureRecord& record) {
+std::string due_text(const devices::CaptureRecord& record) {
   const laser::Reading* stop = record.due();
   if (stop == nullptr) return {};
   const auto place = record.place();
@@ -25,22 +25,22 @@ std::string due_text(const laser::CaptureRecord& record) {
                      place.first_of_pass ? start_of_pass(*stop) : "");
 }
 
-std::string around_text(const laser::Values& values) {
+std::string around_text(const devices::Values& values) {
   std::string text;
   for (const auto& [quantity, value] : values) switch (quantity) {
-      case laser::Quantity::air_degC:
+      case devices::Quantity::air_degC:
         add(text, fmt::format("air {:.2f} degC", value));
         break;
-      case laser::Quantity::material_degC:
+      case devices::Quantity::material_degC:
         add(text, fmt::format("material {:.2f} degC", value));
         break;
-      case laser::Quantity::pressure_hPa:
+      case devices::Quantity::pressure_hPa:
         add(text, fmt::format("{:.1f} hPa", value));
         break;
-      case laser::Quantity::humidity_pct:
+      case devices::Quantity::humidity_pct:
         add(text, fmt::format("{:.1f} %RH", value));
         break;
-      case laser::Quantity::reading_um:
+      case devices::Quantity::reading_um:
         add(text, fmt::format("{:.2f} um", value));
         break;
     }
@@ -48,19 +48,19 @@ std::string around_text(const laser::Values& values) {
 }
 
 std::string around_text(const laser::Reading& reading) {
-  laser::Values values;
-  const auto put = [&](laser::Quantity quantity, const char* column) {
+  devices::Values values;
+  const auto put = [&](devices::Quantity quantity, const char* column) {
     if (const auto found = reading.sensors_degC.find(column); found != reading.sensors_degC.end())
       values[quantity] = found->second;
   };
-  put(laser::Quantity::air_degC, "t_air_degC");
-  put(laser::Quantity::material_degC, "t_material_degC");
-  if (reading.pressure_hPa) values[laser::Quantity::pressure_hPa] = *reading.pressure_hPa;
-  if (reading.humidity_pct) values[laser::Quantity::humidity_pct] = *reading.humidity_pct;
+  put(devices::Quantity::air_degC, "t_air_degC");
+  put(devices::Quantity::material_degC, "t_material_degC");
+  if (reading.pressure_hPa) values[devices::Quantity::pressure_hPa] = *reading.pressure_hPa;
+  if (reading.humidity_pct) values[devices::Quantity::humidity_pct] = *reading.humidity_pct;
   return around_text(values);
 }
 
-std::string taken_text(const laser::CaptureRecord& record) {
+std::string taken_text(const devices::CaptureRecord& record) {
   const laser::Reading& last = record.taken().back();
   const std::string around = around_text(last);
   return fmt::format("{:.2f} {} at {} {} mm ({:.1f} s{})", last.error, laser::unit_of(last.sense), letter_of(last.axis),

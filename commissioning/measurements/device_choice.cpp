@@ -21,7 +21,7 @@ Named parts_of(const std::string& text) {
   return {text.substr(0, at), text.substr(at + 1)};
 }
 
-void narrow(laser::DeviceDescription& device, const std::string& which) {
+void narrow(devices::DeviceDescription& device, const std::string& which) {
   if (which.empty()) return;
   if (which.front() == '/')
     device.match.path = which;
@@ -31,12 +31,12 @@ void narrow(laser::DeviceDescription& device, const std::string& which) {
 
 }  // namespace
 
-Result<std::vector<laser::DeviceDescription>> described(const std::string& text) {
+Result<std::vector<devices::DeviceDescription>> described(const std::string& text) {
   const Named named = parts_of(text);
-  std::vector<laser::DeviceDescription> found = laser::builtin_named(named.name);
+  std::vector<devices::DeviceDescription> found = devices::builtin_named(named.name);
   std::error_code error;
   if (found.empty() || std::filesystem::exists(named.name, error)) {
-    auto read = laser::read_device(named.name);
+    auto read = devices::read_device(named.name);
     if (!read) {
       Problem why = read.error();
       if (!std::filesystem::exists(named.name, error))
@@ -48,27 +48,27 @@ Result<std::vector<laser::DeviceDescription>> described(const std::string& text)
     }
     found = {std::move(*read)};
   }
-  for (laser::DeviceDescription& device : found) narrow(device, named.which);
+  for (devices::DeviceDescription& device : found) narrow(device, named.which);
   return found;
 }
 
-Result<laser::DevicePort> opened_device(const std::string& text, laser::DeviceKind kind) {
+Result<devices::DevicePort> opened_device(const std::string& text, devices::DeviceKind kind) {
   const auto devices = described(text);
   if (!devices) return tl::unexpected(devices.error());
-  const auto present = laser::hid_devices();
+  const auto present = devices::hid_devices();
   if (!present) return tl::unexpected(present.error());
-  const laser::DeviceDescription* chosen = &devices->front();
-  for (const laser::DeviceDescription& device : *devices) {
+  const devices::DeviceDescription* chosen = &devices->front();
+  for (const devices::DeviceDescription& device : *devices) {
     if (device.kind != kind)
       return problem(ProblemKind::usage, fmt::format("{}: expected a device of kind {}, this is one of kind {}", text,
-                                                     laser::name_of(kind), laser::name_of(device.kind)));
-    if (laser::matching(device, *present)) chosen = &device;
+                                                     devices::name_of(kind), devices::name_of(device.kind)));
+    if (devices::matching(device, *present)) chosen = &device;
   }
-  return laser::DevicePort::open(*chosen);
+  return devices::DevicePort::open(*chosen);
 }
 
-std::string name_of(const laser::DevicePort& port) {
-  return fmt::format("{} ({})", port.device().name, laser::to_text(port.identity()));
+std::string name_of(const devices::DevicePort& port) {
+  return fmt::format("{} ({})", port.device().name, devices::to_text(port.identity()));
 }
 
 }  // namespace ecs::app

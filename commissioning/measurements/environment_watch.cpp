@@ -27,15 +27,15 @@ void pause(const std::stop_token& stop, std::chrono::milliseconds span) {
 }
 
 /// "t_air_degC" without what everybody knows: "air".
-std::pair<const char*, const char*> words_of(laser::Quantity quantity) {
+std::pair<const char*, const char*> words_of(devices::Quantity quantity) {
   switch (quantity) {
-    case laser::Quantity::air_degC:
+    case devices::Quantity::air_degC:
       return {"air", "degC"};
-    case laser::Quantity::material_degC:
+    case devices::Quantity::material_degC:
       return {"material", "degC"};
-    case laser::Quantity::pressure_hPa:
+    case devices::Quantity::pressure_hPa:
       return {"pressure", "hPa"};
-    case laser::Quantity::humidity_pct:
+    case devices::Quantity::humidity_pct:
       return {"humidity", "%"};
     default:
       return {"gauge", "um"};
@@ -66,14 +66,14 @@ void EnvironmentWatch::tell(Surroundings now) {
 
 void EnvironmentWatch::run(const std::stop_token& stop, const std::string& device, double every_s) {
   while (!stop.stop_requested()) {
-    auto port = opened_device(device, laser::DeviceKind::environment);
+    auto port = opened_device(device, devices::DeviceKind::environment);
     if (!port) {
       tell({"", {}, ecs::to_text(port.error())});
       pause(stop, kBeforeNextTry);
       continue;
     }
     const std::string name = name_of(*port);
-    laser::Sensor sensor(std::move(*port), every_s);
+    devices::Sensor sensor(std::move(*port), every_s);
     while (!stop.stop_requested()) {
       (void)sensor.look(steady_s());
       sensor.attend(steady_s());

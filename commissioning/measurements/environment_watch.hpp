@@ -12,9 +12,9 @@ namespace ecs::app {
 
 /// What is known of the surroundings at one moment.
 struct Surroundings {
-  std::string device;    ///< empty: not open yet
-  laser::Values values;  ///< at most some seconds old; empty: none
-  std::string problem;   ///< why there are none; empty: there are, or the first are awaited
+  std::string device;      ///< empty: not open yet
+  devices::Values values;  ///< at most some seconds old; empty: none
+  std::string problem;     ///< why there are none; empty: there are, or the first are awaited
 };
 
 class EnvironmentWatch {

@@ -25,16 +25,16 @@ tl::unexpected<Problem> output_problem(const std::string& file, std::string why)
   return tl::unexpected(Problem{ProblemKind::output, std::move(why), file, 0, 0, {}});
 }
 
-std::string field_of(const laser::Values& surroundings, laser::Quantity quantity) {
+std::string field_of(const devices::Values& surroundings, devices::Quantity quantity) {
   const auto found = surroundings.find(quantity);
   return found == surroundings.end() ? std::string() : fmt::format("{}", found->second);
 }
 
 }  // namespace
 
-std::string monitor_rows(const protocol::MonitorSample& sample, const laser::Values& surroundings) {
-  const std::string temperatures = fmt::format("{},{}", field_of(surroundings, laser::Quantity::air_degC),
-                                               field_of(surroundings, laser::Quantity::material_degC));
+std::string monitor_rows(const protocol::MonitorSample& sample, const devices::Values& surroundings) {
+  const std::string temperatures = fmt::format("{},{}", field_of(surroundings, devices::Quantity::air_degC),
+                                               field_of(surroundings, devices::Quantity::material_degC));
   std::string rows;
   for (const Axis axis : kAllAxes) {
     const protocol::AxisSample& a = sample.axes[index_of(axis)];
@@ -98,7 +98,7 @@ Result<void> MonitorRecording::write(std::string_view text) {
   return {};
 }
 
-Result<void> MonitorRecording::add(const protocol::MonitorSample& sample, const laser::Values& surroundings) {
+Result<void> MonitorRecording::add(const protocol::MonitorSample& sample, const devices::Values& surroundings) {
   if (const auto written = write(monitor_rows(sample, surroundings)); !written) return written;
   ++samples_;
   const auto now = std::chrono::steady_clock::now();

@@ -20,7 +20,7 @@ inline constexpr std::string_view kMonitorColumns =
     "relay_closed,t_air_degC,t_material_degC\n";
 
 /// @param surroundings  as a sensor gave them last; a temperature that is not among them leaves its field empty
-[[nodiscard]] std::string monitor_rows(const protocol::MonitorSample& sample, const laser::Values& surroundings = {});
+[[nodiscard]] std::string monitor_rows(const protocol::MonitorSample& sample, const devices::Values& surroundings = {});
 
 /// A recording under way. Samples go into FILE.part as they come and are on disc within a second; at the end FILE.part
 /// becomes FILE, and only then is a former FILE gone. After a crash FILE.part holds what was recorded. A device or FIFO
@@ -37,7 +37,7 @@ class MonitorRecording {
   MonitorRecording& operator=(MonitorRecording&&) = delete;
   ~MonitorRecording();  ///< ends it
 
-  [[nodiscard]] Result<void> add(const protocol::MonitorSample& sample, const laser::Values& surroundings);
+  [[nodiscard]] Result<void> add(const protocol::MonitorSample& sample, const devices::Values& surroundings);
   /// FILE.part becomes FILE; without a sample it is removed, and FILE stays as it was.
   [[nodiscard]] Result<void> end();
 

@@ -21,6 +21,7 @@
 namespace {
 
 using namespace ecs;
+using namespace ecs::controllers;
 using namespace ecs::laser;
 
 /// The first byte chooses options; the rest is the file.

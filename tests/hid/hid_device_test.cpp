@@ -12,7 +12,7 @@
 #include "devices/trigger.hpp"
 #include "fake_hid.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 using doctest::Approx;
@@ -244,4 +244,4 @@ TEST_CASE("a gauge that sends by itself keeps the value it sent last") {
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::devices

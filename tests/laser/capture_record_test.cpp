@@ -5,7 +5,7 @@
 
 #include "laser/writers/measurement_writer.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 using doctest::Approx;
@@ -33,7 +33,7 @@ TEST_CASE("a line is measured forward and back in every run, each target from it
   const auto stops = *stops_of(line());
   REQUIRE(stops.size() == 12);
   std::vector<double> targets;
-  for (const Reading& stop : stops) targets.push_back(target_mm(stop));
+  for (const laser::Reading& stop : stops) targets.push_back(target_mm(stop));
   CHECK(targets == std::vector<double>{0, 50, 100, 100, 50, 0, 0, 50, 100, 100, 50, 0});
   CHECK(stops[2].approach == Approach::forward);
   CHECK(stops[3].approach == Approach::reverse);
@@ -178,13 +178,13 @@ TEST_CASE("after every reading the part reads back as where the capture was") {
         static_cast<void>(r.offer(target_mm(*r.due()) + 0.001 * step, at_s, {{Quantity::air_degC, 20.0 + step}}));
       }
       if (r.taken().empty()) continue;
-      const auto set = parse_measurement_set(to_csv(r.part()), "a.csv.part");
+      const auto set = laser::parse_measurement_set(to_csv(r.part()), "a.csv.part");
       RC_ASSERT(set.has_value());
       const auto again = CaptureRecord::from_part(*set);
       RC_ASSERT(again.has_value());
       RC_ASSERT(again->next() == r.next());
-      RC_ASSERT(to_csv(again->part()) == to_csv(r.part()));
-      RC_ASSERT(to_csv(again->result()) == to_csv(r.result()));
+      RC_ASSERT(laser::to_csv(again->part()) == laser::to_csv(r.part()));
+      RC_ASSERT(laser::to_csv(again->result()) == laser::to_csv(r.result()));
     }
   });
 }
@@ -193,9 +193,9 @@ TEST_CASE("a part that was changed so that it does not hold together is refused"
   CaptureRecord r = record();
   CHECK(r.offer(1.0, 1.0, {}).taken);
   CHECK(r.offer(2.0, 2.0, {}).taken);
-  const std::string text = to_csv(r.part());
+  const std::string text = laser::to_csv(r.part());
   const auto refused = [](std::string changed) {
-    const auto set = parse_measurement_set(changed, "a.csv.part");
+    const auto set = laser::parse_measurement_set(changed, "a.csv.part");
     REQUIRE(set);
     return !CaptureRecord::from_part(*set).has_value();
   };
@@ -214,15 +214,16 @@ TEST_CASE("a part that was changed so that it does not hold together is refused"
 }
 
 TEST_CASE("a target list gives its rows, and one without an approach is refused") {
-  const auto set = parse_measurement_set("axis,sense,x_mm,reading,approach,run,load_kg\nX,EY,5,0,-1,2,300\n", "t.csv");
+  const auto set =
+      laser::parse_measurement_set("axis,sense,x_mm,reading,approach,run,load_kg\nX,EY,5,0,-1,2,300\n", "t.csv");
   const auto stops = stops_of_targets(*set);
   REQUIRE(stops);
   CHECK((*stops)[0].load_kg == 300.0);
   CHECK((*stops)[0].run == 2);
-  const auto none = parse_measurement_set("axis,sense,x_mm,reading\nX,EY,5,0\n", "t.csv");
+  const auto none = laser::parse_measurement_set("axis,sense,x_mm,reading\nX,EY,5,0\n", "t.csv");
   REQUIRE(!stops_of_targets(*none));
   CHECK(to_text(stops_of_targets(*none).error()).find("t.csv:2") == 0);
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -8,7 +8,7 @@
 #include "controllers/tables.hpp"
 #include "made_up.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 
 /// XYTZ (both table axes carry the workpiece), travel 0 … 200 mm, reference at 0; lines off the machine zero.
 inline ExportSource small_machine() {
@@ -54,4 +54,4 @@ inline bool leaves(const ControllerExport& made, const std::string& what) {
                      [&](const LeftBehind& one) { return one.what == what; });
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

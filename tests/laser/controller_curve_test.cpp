@@ -6,7 +6,7 @@
 
 #include "controllers/curve.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -108,17 +108,17 @@ TEST_CASE("the grid of a length that no decimals divide still reaches the end, b
 }
 
 TEST_CASE("the unit steps half an increment before the next value, a control joins them by a line") {
-  const MapTable table{Component::EXX, Approach::unknown, {0, 10}, {0, 8}};
+  const laser::MapTable table{Component::EXX, Approach::unknown, {0, 10}, {0, 8}};
   CHECK(unit_value_at(table, Interpolation::nearest, 4.9) == 0.0);
   CHECK(unit_value_at(table, Interpolation::nearest, 5.0) == 8.0);
   CHECK(unit_value_at(table, Interpolation::nearest, -3.0) == 0.0);
   CHECK(unit_value_at(table, Interpolation::nearest, 30.0) == 8.0);
   CHECK(unit_value_at(table, Interpolation::linear, 5.0) == Approx(4.0));
-  const ErrorMap map{{}, {table}};
+  const laser::ErrorMap map{{}, {table}};
   const ControlCurve joined = *curve_of(map, Component::EXX);
   CHECK(deviation_from_unit(joined, map, Component::EXX, Interpolation::linear) == Approx(0.0));
   CHECK(deviation_from_unit(joined, map, Component::EXX, Interpolation::nearest) == Approx(4.0));
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -9,7 +9,7 @@
 #include "controllers/etalon.hpp"
 #include "controllers/residual.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -133,7 +133,7 @@ TEST_CASE("what was written comes back: means of the map, squareness, on the lin
     CHECK(read->squareness[index_of(Component::A0Z)] == Approx(10.0));
     REQUIRE(read->levers_from_lines);
     CHECK(*read->levers_from_lines == !zero);
-    const ErrorMap back = at_measurement_lines(map_of(*read).map, source.parameters, *read->levers_from_lines);
+    const laser::ErrorMap back = at_measurement_lines(map_of(*read).map, source.parameters, *read->levers_from_lines);
     for (std::size_t c = 0; c < kCurves; ++c)
       for (const double p : {0.0, 50.0, 75.0, 100.0, 200.0}) {
         const auto component = static_cast<Component>(c);
@@ -214,8 +214,8 @@ TEST_CASE("files of others are read: any case, braces on lines of their own, fal
   CHECK(read->tables[0].position_mm == std::vector<double>{0, 100});
   CHECK(read->tables[0].compensation[1] == Approx(-1.2));
   CHECK(read->squareness[index_of(Component::C0Y)] == Approx(10.5));
-  CHECK(says(read->notes, "A0B"));
-  CHECK(says(read->notes, "EXC"));
+  CHECK(laser::says(read->notes, "A0B"));
+  CHECK(laser::says(read->notes, "EXC"));
 }
 
 TEST_CASE("what is wrong is named with its line, all at once") {
@@ -238,4 +238,4 @@ TEST_CASE("what is wrong is named with its line, all at once") {
 TEST_CASE("an empty file has no errors") { CHECK_FALSE(parse_etalon("", "e")); }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -5,7 +5,7 @@
 #include "controller_case.hpp"
 #include "controllers/linuxcnc.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -60,8 +60,8 @@ TEST_CASE("what was written comes back, whatever the type") {
       CHECK(read->warnings.empty());
       const Component component = curve_of(static_cast<Sense>(axis), axis);
       for (const Approach approach : {Approach::forward, Approach::reverse}) {
-        const MapTable& own = *table_of(source.map, component, approach);
-        const MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
+        const laser::MapTable& own = *table_of(source.map, component, approach);
+        const laser::MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
         CHECK(back.position_mm == own.position_mm);
         for (std::size_t i = 0; i < own.compensation.size(); ++i)
           CHECK(back.compensation[i] == Approx(own.compensation[i]).epsilon(1e-3));
@@ -216,7 +216,7 @@ TEST_CASE("the type shows in the numbers, unless they leave it open") {
 }
 
 TEST_CASE("the table that LinuxCNC ships for its simulated machine is read, its bad point and all") {
-  const auto folder = shared_data("linuxcnc-comp");
+  const auto folder = laser::shared_data("linuxcnc-comp");
   if (folder.empty()) return;
   const auto text = read_file(folder / "screwcompX.dat");
   REQUIRE(text);
@@ -230,4 +230,4 @@ TEST_CASE("the table that LinuxCNC ships for its simulated machine is read, its 
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -5,7 +5,7 @@
 #include "controllers/residual.hpp"
 #include "controllers/siemens.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -85,4 +85,4 @@ TEST_CASE("errors known from elsewhere take the place of the map, and their prob
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -7,7 +7,7 @@
 #include "controller_case.hpp"
 #include "controllers/siemens.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -118,7 +118,7 @@ TEST_CASE("the written files do what the map says at every place, without our re
         double wanted = 0.0, shift = 0.0;
         for (const Axis input : kAllAxes) {
           const Component component = curve_of(static_cast<Sense>(output), input);
-          const MapTable& own = *table_of(source.map, component, static_cast<Approach>(direction));
+          const laser::MapTable& own = *table_of(source.map, component, static_cast<Approach>(direction));
           wanted += compensation_at(own, p);
           for (const ExportedTable& table : made->tables)
             if (table.component == name_of(component)) shift += table.shift;
@@ -138,7 +138,7 @@ TEST_CASE("a line of two points that is taken as squareness is named in a note")
   REQUIRE(read);
   const ReadMap map = map_of(*read);
   CHECK(map.squareness[index_of(Component::C0Y)] == Approx(-30.0));
-  CHECK(says(map.notes, "squareness C0Y"));
+  CHECK(laser::says(map.notes, "squareness C0Y"));
 }
 
 TEST_CASE("what was written comes back as the same compensation and the same squareness") {
@@ -190,7 +190,7 @@ TEST_CASE("too few tables: what stays behind is told") {
 
 TEST_CASE("few tables still carry every straightness and squareness by their means, and spend the rest on reversal") {
   ExportSource source = whole_machine();
-  for (MapTable& table : source.map.tables)  // the reversal of EYZ is 10 um, of the others 1 um
+  for (laser::MapTable& table : source.map.tables)  // the reversal of EYZ is 10 um, of the others 1 um
     if (table.component == Component::EYZ)
       for (double& value : table.compensation) value += table.approach == Approach::forward ? 4.5 : -4.5;
   SiemensOptions options;
@@ -262,8 +262,8 @@ TEST_CASE("files as they come from the field are read: blanks for =, points for 
   CHECK(read->tables[0].approach == Approach::reverse);
   CHECK(read->tables[0].compensation[0] == Approx(2.5));
   CHECK(read->tables[0].compensation[1] == Approx(-2.0));
-  CHECK(says(read->notes, "$AN_CEC[1]: no points"));
-  CHECK(says(read->notes, "all zero"));
+  CHECK(laser::says(read->notes, "$AN_CEC[1]: no points"));
+  CHECK(laser::says(read->notes, "all zero"));
 }
 
 TEST_CASE("the example of the manual's page: a step of 100 mm, values 0, 1.4 and 3.6 um") {
@@ -338,4 +338,4 @@ TEST_CASE("what stands behind the end of a program, and a point that is given tw
   CHECK(twice.error().line == 7);
 }
 
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

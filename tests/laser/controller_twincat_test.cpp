@@ -6,7 +6,7 @@
 #include "controller_case.hpp"
 #include "controllers/twincat.hpp"
 
-namespace ecs::laser {
+namespace ecs::controllers {
 namespace {
 
 using doctest::Approx;
@@ -156,8 +156,8 @@ TEST_CASE("what was written comes back, to a tenth of a micrometre") {
     REQUIRE(read);
     const Component component = curve_of(static_cast<Sense>(axis), axis);
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
-      const MapTable& own = *table_of(source.map, component, approach);
-      const MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
+      const laser::MapTable& own = *table_of(source.map, component, approach);
+      const laser::MapTable& back = read->tables[approach == Approach::forward ? 0 : 1];
       CHECK(back.component == component);
       CHECK(back.approach == approach);
       CHECK(back.position_mm == own.position_mm);
@@ -298,4 +298,4 @@ TEST_CASE("everything but positioning stays behind, and a map without positionin
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::controllers

@@ -11,7 +11,7 @@
 #include "devices/port.hpp"
 #include "devices/udev.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 using doctest::Approx;
@@ -161,4 +161,4 @@ TEST_CASE("the shipped udev rules are those that are printed") {
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -5,7 +5,7 @@
 #include "devices/learn.hpp"
 #include "devices/trigger.hpp"
 
-namespace ecs::laser {
+namespace ecs::devices {
 namespace {
 
 int presses_of(const std::vector<std::pair<double, bool>>& levels, int debounce_ms = 30) {
@@ -129,4 +129,4 @@ TEST_CASE("learning says how often a bit changed when that is not what was asked
 }
 
 }  // namespace
-}  // namespace ecs::laser
+}  // namespace ecs::devices

@@ -153,7 +153,7 @@ void MonitorScreen::record(const WatchedUnit& unit) {
   const std::uint64_t missed = unit.received - std::min(unit.received, received_);
   received_ = unit.received;
   if (!recording_) return;
-  const laser::Values surroundings = environment_ ? environment_->now().values : laser::Values();
+  const devices::Values surroundings = environment_ ? environment_->now().values : devices::Values();
   const auto kept = unit.samples.size();
   for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
     if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {

@@ -43,8 +43,8 @@ void take_siemens_arguments(Verb& verb, SiemensArguments& arguments) {
               "what the control does with a cross value; default subtracts, as it does with encoder values");
 }
 
-Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments) {
-  laser::SiemensOptions options;
+Result<controllers::SiemensOptions> siemens_options(const SiemensArguments& arguments) {
+  controllers::SiemensOptions options;
   options.encoder = arguments.encoder;
   options.cec_adds = arguments.cec_sign == "adds";
   for (const auto& [axis, name] : pairs_in(arguments.axes)) {
@@ -66,9 +66,9 @@ void take_twincat_arguments(Verb& verb, TwinCatArguments& arguments) {
               "what TwinCAT does with a value; default subtracts, as its manual computes; lists of ours say it");
 }
 
-Result<laser::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes) {
+Result<controllers::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes) {
   constexpr long long kMostAxes = 65'534;
-  laser::TwinCatOptions options;
+  controllers::TwinCatOptions options;
   if (!arguments.sign.empty()) options.adds = arguments.sign == "adds";
   for (const auto& [axis, name] : pairs_in(axes)) {
     const auto number = integer_in(name);

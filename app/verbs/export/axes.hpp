@@ -20,7 +20,7 @@ struct SiemensArguments {
 void take_siemens_arguments(Verb& verb, SiemensArguments& arguments);
 
 /// A `usage` problem names what is wrong with --axes.
-[[nodiscard]] Result<laser::SiemensOptions> siemens_options(const SiemensArguments& arguments);
+[[nodiscard]] Result<controllers::SiemensOptions> siemens_options(const SiemensArguments& arguments);
 
 /// As typed; empty: not given.
 struct TwinCatArguments {
@@ -31,6 +31,7 @@ struct TwinCatArguments {
 void take_twincat_arguments(Verb& verb, TwinCatArguments& arguments);
 
 /// @param axes  as typed, "X=1,Y=2,Z=3"; empty: these. The same problem.
-[[nodiscard]] Result<laser::TwinCatOptions> twincat_options(const TwinCatArguments& arguments, const std::string& axes);
+[[nodiscard]] Result<controllers::TwinCatOptions> twincat_options(const TwinCatArguments& arguments,
+                                                                  const std::string& axes);
 
 }  // namespace ecs::app

@@ -84,18 +84,18 @@ Result<std::optional<Axis>> axis_given(const ReadArguments& arguments) {
   return *axis;
 }
 
-Result<laser::ControllerTables> read_twincat(const ReadArguments& arguments, const std::string& file,
-                                             const std::string& text) {
+Result<controllers::ControllerTables> read_twincat(const ReadArguments& arguments, const std::string& file,
+                                                   const std::string& text) {
   const auto options = twincat_options(arguments.twincat, arguments.siemens.axes);
   if (!options) return tl::unexpected(options.error());
   const auto axis = axis_given(arguments);
   if (!axis) return tl::unexpected(axis.error());
-  return laser::parse_twincat(text, file, *options, *axis);
+  return controllers::parse_twincat(text, file, *options, *axis);
 }
 
-Result<laser::ControllerTables> read_linuxcnc(const ReadArguments& arguments, const std::string& file,
-                                              const std::string& bytes) {
-  laser::LinuxCncReadOptions options;
+Result<controllers::ControllerTables> read_linuxcnc(const ReadArguments& arguments, const std::string& file,
+                                                    const std::string& bytes) {
+  controllers::LinuxCncReadOptions options;
   const auto given = axis_given(arguments);
   if (!given) return tl::unexpected(given.error());
   if (*given) {
@@ -108,13 +108,13 @@ Result<laser::ControllerTables> read_linuxcnc(const ReadArguments& arguments, co
     options.axis = *axis;
   }
   if (!arguments.type.empty()) options.type = arguments.type == "0" ? 0 : 1;
-  options.units = arguments.units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm;
+  options.units = arguments.units == "inch" ? controllers::MachineUnits::inch : controllers::MachineUnits::mm;
   options.as_loaded = arguments.as_loaded;
-  return laser::parse_linuxcnc(bytes, file, options);
+  return controllers::parse_linuxcnc(bytes, file, options);
 }
 
 struct ReadFiles {
-  laser::ControllerTables tables;
+  controllers::ControllerTables tables;
   std::string format;
 };
 
@@ -138,13 +138,13 @@ Result<ReadFiles> read_files(const ReadArguments& arguments) {
                      fmt::format("{} is of format {}, the files before it of {}: read one control at a time", file,
                                  format, all.format));
     all.format = format;
-    auto tables = format == "siemens"   ? laser::parse_siemens(text->text, file, *siemens)
-                  : format == "etalon"  ? laser::parse_etalon(text->text, file)
+    auto tables = format == "siemens"   ? controllers::parse_siemens(text->text, file, *siemens)
+                  : format == "etalon"  ? controllers::parse_etalon(text->text, file)
                   : format == "twincat" ? read_twincat(arguments, file, text->text)
                                         : read_linuxcnc(arguments, file, *bytes);
     if (!tables) return tl::unexpected(tables.error());
     for (auto& source : tables->sources) source.name = std::filesystem::path(file).filename().string();
-    if (const auto done = laser::append(all.tables, std::move(*tables), format != "siemens"); !done)
+    if (const auto done = controllers::append(all.tables, std::move(*tables), format != "siemens"); !done)
       return tl::unexpected(done.error());
   }
   return all;
@@ -152,7 +152,7 @@ Result<ReadFiles> read_files(const ReadArguments& arguments) {
 
 /// The map with its header, on the lines of the parameters where the format counts from the machine zero.
 struct Taken {
-  laser::ReadMap read;
+  controllers::ReadMap read;
   std::string levers_from;  ///< as read: "machine zero", "measurement lines"; empty: the format has no lever arms
   bool moved = false;       ///< from the machine zero to the measurement lines
   std::optional<params::ParametersFile> parameters;
@@ -198,7 +198,7 @@ Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& fil
   std::string done;
   if (made.parameters) {
     const UnitParameters& parameters = made.parameters->parameters;
-    made.read.map = laser::at_measurement_lines(made.read.map, parameters, *lines);
+    made.read.map = controllers::at_measurement_lines(made.read.map, parameters, *lines);
     done = *lines
                ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
                              lines_in_words(parameters))
@@ -219,7 +219,7 @@ Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& fil
 
 Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
   Taken made;
-  made.read = laser::map_of(files.tables);
+  made.read = controllers::map_of(files.tables);
   made.notes = files.tables.notes;
   made.notes.insert(made.notes.end(), made.read.notes.begin(), made.read.notes.end());
   if (!arguments.levers.empty() && files.format != "etalon")

@@ -20,7 +20,7 @@
 namespace ecs::app {
 namespace {
 
-using Maker = std::function<Result<laser::ControllerExport>(const laser::ExportSource&)>;
+using Maker = std::function<Result<controllers::ControllerExport>(const controllers::ExportSource&)>;
 
 Result<void> make_folder(const std::string& folder) {
   std::error_code error;
@@ -31,11 +31,11 @@ Result<void> make_folder(const std::string& folder) {
 }
 
 /// Into a folder, or the only file under the name given.
-Result<std::vector<WrittenFile>> write_all(const laser::ControllerExport& made, const std::string& output, bool folder,
-                                           const std::vector<std::string>& inputs) {
+Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& made, const std::string& output,
+                                           bool folder, const std::vector<std::string>& inputs) {
   std::vector<OutputFile> files;
   if (output.empty()) return std::vector<WrittenFile>();
-  for (const laser::ExportFile& file : made.files)
+  for (const controllers::ExportFile& file : made.files)
     files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
   for (const OutputFile& file : files)
     if (const auto spared = check_output_not_input(file.path, inputs); !spared) return tl::unexpected(spared.error());
@@ -45,10 +45,10 @@ Result<std::vector<WrittenFile>> write_all(const laser::ControllerExport& made, 
 }
 
 /// Directions of which a model says nothing: what stands there is what the compensation adds by itself.
-void note_silent_directions(ExportWork& work, const std::vector<laser::ResidualRow>& residuals) {
+void note_silent_directions(ExportWork& work, const std::vector<controllers::ResidualRow>& residuals) {
   for (const Axis axis : kAllAxes) {
     const std::size_t d = index_of(axis);
-    const laser::ResidualRow& volume = residuals.back();
+    const controllers::ResidualRow& volume = residuals.back();
     if (volume.before.largest_um[d] == 0.0 && volume.unit.largest_um[d] > 0.0)
       work.notes.push_back(fmt::format("{} has no error along {}: what is left there is what the compensation adds",
                                        work.errors_from, letter_of(axis)));
@@ -83,7 +83,7 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   }
   const MeasurementLines lines =
       target.levers_from_line ? work->source.parameters.measurement_lines_mm : MeasurementLines{};
-  const auto residuals = laser::residuals(work->source, made->applied, lines, *errors);
+  const auto residuals = controllers::residuals(work->source, made->applied, lines, *errors);
   if (!residuals) return tl::unexpected(residuals.error());
   note_silent_directions(*work, *residuals);
   const bool folder = target.is_its_file != nullptr;
@@ -99,7 +99,7 @@ void add_linuxcnc(Menu& menu) {
   struct WriteArguments : ExportArguments {
     std::string type = "1";
     std::string units = "mm";
-    int points = static_cast<int>(laser::kLinuxCncMostPoints);
+    int points = static_cast<int>(controllers::kLinuxCncMostPoints);
   };
   const auto arguments = std::make_shared<WriteArguments>();
   Verb verb = menu.verb("linuxcnc", "a screw compensation file for each joint: positioning, both approaches",
@@ -108,14 +108,15 @@ void add_linuxcnc(Menu& menu) {
   verb.choice("--type", arguments->type, {"0", "1"}, "COMP_FILE_TYPE: 0 positions, 1 trims (the default)")
       .choice("--units", arguments->units, {"mm", "inch"}, "LINEAR_UNITS of the control; default mm")
       .integer("--points", arguments->points, "most points of a file; LinuxCNC takes 256", 2,
-               static_cast<int>(laser::kLinuxCncMostPoints))
+               static_cast<int>(controllers::kLinuxCncMostPoints))
       .runs([arguments](VerbContext& context) {
-        const laser::LinuxCncOptions options{
+        const controllers::LinuxCncOptions options{
             arguments->type == "0" ? 0 : 1,
-            arguments->units == "inch" ? laser::MachineUnits::inch : laser::MachineUnits::mm,
+            arguments->units == "inch" ? controllers::MachineUnits::inch : controllers::MachineUnits::mm,
             static_cast<std::size_t>(arguments->points)};
-        return exported(context, *arguments, {"LinuxCNC", laser::is_linuxcnc_file, false},
-                        [&](const laser::ExportSource& source) { return laser::linuxcnc_export(source, options); });
+        return exported(
+            context, *arguments, {"LinuxCNC", controllers::is_linuxcnc_file, false},
+            [&](const controllers::ExportSource& source) { return controllers::linuxcnc_export(source, options); });
       });
 }
 
@@ -139,8 +140,9 @@ void add_siemens(Menu& menu) {
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
         options->most_tables = static_cast<std::size_t>(arguments->tables);
-        return exported(context, *arguments, {"SINUMERIK 840D", laser::is_siemens_file, false},
-                        [&](const laser::ExportSource& source) { return laser::siemens_export(source, *options); });
+        return exported(
+            context, *arguments, {"SINUMERIK 840D", controllers::is_siemens_file, false},
+            [&](const controllers::ExportSource& source) { return controllers::siemens_export(source, *options); });
       });
 }
 
@@ -157,10 +159,11 @@ void add_etalon(Menu& menu) {
               "where the control counts lever arms from: the machine zero (default), or the measurement lines")
       .integer("--points", arguments->points, "most grid points of a function; default: all of the map", 2, 1'000'000)
       .runs([arguments](VerbContext& context) {
-        const laser::EtalonOptions options{"errors.txt", arguments->levers == "zero",
-                                           static_cast<std::size_t>(arguments->points)};
-        return exported(context, *arguments, {"Etalon exchange format", nullptr, arguments->levers == "lines"},
-                        [&](const laser::ExportSource& source) { return laser::etalon_export(source, options); });
+        const controllers::EtalonOptions options{"errors.txt", arguments->levers == "zero",
+                                                 static_cast<std::size_t>(arguments->points)};
+        return exported(
+            context, *arguments, {"Etalon exchange format", nullptr, arguments->levers == "lines"},
+            [&](const controllers::ExportSource& source) { return controllers::etalon_export(source, options); });
       });
 }
 
@@ -168,7 +171,7 @@ void add_twincat(Menu& menu) {
   struct WriteArguments : ExportArguments {
     std::string axes;
     TwinCatArguments twincat;
-    int points = static_cast<int>(laser::kTwinCatMostPoints);
+    int points = static_cast<int>(controllers::kTwinCatMostPoints);
   };
   const auto arguments = std::make_shared<WriteArguments>();
   Verb verb =
@@ -178,13 +181,14 @@ void add_twincat(Menu& menu) {
   take_twincat_arguments(verb, arguments->twincat);
   verb.text("--axes", arguments->axes, "logical axis numbers of the control; default X=1,Y=2,Z=3")
       .integer("--points", arguments->points, "most points of a list; default 1499", 2,
-               static_cast<int>(laser::kTwinCatMostPoints))
+               static_cast<int>(controllers::kTwinCatMostPoints))
       .runs([arguments](VerbContext& context) -> Result<Outcome> {
         auto options = twincat_options(arguments->twincat, arguments->axes);
         if (!options) return tl::unexpected(options.error());
         options->most_points = static_cast<std::size_t>(arguments->points);
-        return exported(context, *arguments, {"TwinCAT CNC, leadscrew compensation", laser::is_twincat_file, false},
-                        [&](const laser::ExportSource& source) { return laser::twincat_export(source, *options); });
+        return exported(
+            context, *arguments, {"TwinCAT CNC, leadscrew compensation", controllers::is_twincat_file, false},
+            [&](const controllers::ExportSource& source) { return controllers::twincat_export(source, *options); });
       });
 }
 

@@ -21,7 +21,7 @@
 namespace ecs::app {
 namespace {
 
-using laser::DeviceKind;
+using devices::DeviceKind;
 
 constexpr std::chrono::milliseconds kCaptureStep{20};
 constexpr double kNeverMissed = 1e9;
@@ -44,7 +44,7 @@ struct CaptureArguments {
 };
 
 struct Begun {
-  laser::CaptureRecord record;
+  devices::CaptureRecord record;
   std::string output;
   std::string part;
   double begun_s = 0.0;
@@ -81,9 +81,9 @@ Result<void> output_is_free(const CaptureArguments& arguments, const std::string
   return {};
 }
 
-Result<laser::CaptureRules> rules_of(const CaptureArguments& arguments, bool each) {
-  laser::CaptureRules rules;
-  rules.shows = arguments.shows == "position" ? laser::Shows::position : laser::Shows::error;
+Result<devices::CaptureRules> rules_of(const CaptureArguments& arguments, bool each) {
+  devices::CaptureRules rules;
+  rules.shows = arguments.shows == "position" ? devices::Shows::position : devices::Shows::error;
   rules.scale = arguments.scale.value_or(1.0);
   rules.min_interval_s = arguments.min_interval_s.value_or(each ? 0.0 : rules.min_interval_s);
   if (rules.scale == 0.0) return problem(ProblemKind::usage, "--scale: expected a number other than 0");
@@ -100,12 +100,12 @@ Result<Begun> begun_anew(const CaptureArguments& arguments, bool each) {
   const auto rules = rules_of(arguments, each);
   if (!rules) return tl::unexpected(rules.error());
   for (const laser::Reading& stop : plan->stops)
-    if (rules->shows == laser::Shows::position && static_cast<int>(stop.sense) != static_cast<int>(stop.axis))
+    if (rules->shows == devices::Shows::position && static_cast<int>(stop.sense) != static_cast<int>(stop.axis))
       return problem(ProblemKind::usage, "--shows position is for positioning: EX of X, EY of Y, EZ of Z");
   const std::string part = part_of(arguments.output);
   if (const auto is_free = output_is_free(arguments, arguments.output, part); !is_free)
     return tl::unexpected(is_free.error());
-  Begun begun{laser::CaptureRecord(std::move(*plan), *rules), arguments.output, part, 0.0};
+  Begun begun{devices::CaptureRecord(std::move(*plan), *rules), arguments.output, part, 0.0};
   begun.record.note("date", now_utc());
   return begun;
 }
@@ -117,7 +117,7 @@ Result<Begun> resumed(const CaptureArguments& arguments) {
     return problem(ProblemKind::usage, "--resume goes on with the targets of its file: give no others beside it");
   const auto part = laser::read_measurement_set(arguments.resume);
   if (!part) return tl::unexpected(part.error());
-  auto record = laser::CaptureRecord::from_part(*part);
+  auto record = devices::CaptureRecord::from_part(*part);
   if (!record) return tl::unexpected(record.error());
   Begun begun{std::move(*record), arguments.output, arguments.resume, 0.0};
   if (begun.output.empty()) {
@@ -185,7 +185,7 @@ Result<CaptureSetup> setup_of(VerbContext& context, const CaptureArguments& argu
   return setup;
 }
 
-void note_devices(const CaptureSetup& setup, laser::CaptureRecord& record) {
+void note_devices(const CaptureSetup& setup, devices::CaptureRecord& record) {
   record.note("instrument", setup.source ? setup.source->name() : "display, values typed");
   if (setup.trigger) record.note("trigger", name_of(setup.trigger->port()));
   if (!setup.environment) return;

@@ -23,7 +23,7 @@ class PlanRow {
  public:
   explicit PlanRow(const std::string& file) : reader_(file) {}
 
-  Result<laser::CapturePlan> read(std::string_view text, const std::string& name, laser::CaptureLine& line) {
+  Result<devices::CapturePlan> read(std::string_view text, const std::string& name, devices::CaptureLine& line) {
     const auto table = reader_.parsed(text);
     if (!table) return tl::unexpected(table.error());
     const auto rows = reader_.children(*table, "measure");
@@ -34,7 +34,7 @@ class PlanRow {
       if (its_name != name) continue;
       take(*table, *row, line);
       if (!reader_.clean()) return tl::unexpected(reader_.all());
-      laser::CapturePlan plan;
+      devices::CapturePlan plan;
       plan.metadata = {{"measurement", its_name}};
       if (const auto title = reader_.word(*row, "title")) plan.metadata.push_back({"title", *title});
       if (const auto of = reader_.word(*table, "name")) plan.metadata.push_back({"plan", *of});
@@ -45,7 +45,7 @@ class PlanRow {
   }
 
  private:
-  void take(const toml::table& all, const toml::table& row, laser::CaptureLine& line) {
+  void take(const toml::table& all, const toml::table& row, devices::CaptureLine& line) {
     const std::string axis = reader_.word(row, "axis").value_or("");
     const std::string sense = reader_.word(row, "sense").value_or("");
     const auto moved = axis.size() == 1 ? axis_of(axis[0]) : std::nullopt;
@@ -75,7 +75,7 @@ class PlanRow {
 };
 
 /// What the command line says wins over the plan's row.
-Result<void> override_line(const TargetArguments& arguments, laser::CaptureLine& line) {
+Result<void> override_line(const TargetArguments& arguments, devices::CaptureLine& line) {
   ImportArguments words;
   words.axis = arguments.axis;
   words.sense = arguments.sense;
@@ -107,23 +107,23 @@ std::string lacking(const TargetArguments& arguments) {
   return names;
 }
 
-Result<laser::CapturePlan> plan_of_list(const TargetArguments& arguments) {
+Result<devices::CapturePlan> plan_of_list(const TargetArguments& arguments) {
   if (arguments.from_mm || arguments.to_mm || arguments.step_mm || arguments.runs > 0 || !arguments.plan.empty())
     return wrong_usage("--targets says all of it: give neither --plan nor --from, --to, --step or --runs beside it");
   const auto targets = laser::read_measurement_set(arguments.targets);
   if (!targets) return tl::unexpected(targets.error());
-  auto stops = laser::stops_of_targets(*targets);
+  auto stops = devices::stops_of_targets(*targets);
   if (!stops) return tl::unexpected(stops.error());
-  laser::CapturePlan plan{{{"targets", arguments.targets}}, std::move(*stops)};
+  devices::CapturePlan plan{{{"targets", arguments.targets}}, std::move(*stops)};
   for (const laser::MetadataEntry& entry : targets->metadata)
     if (entry.key != "content") plan.metadata.push_back(entry);
   return plan;
 }
 
-Result<laser::CapturePlan> plan_of_line(const TargetArguments& arguments) {
-  laser::CaptureLine line;
+Result<devices::CapturePlan> plan_of_line(const TargetArguments& arguments) {
+  devices::CaptureLine line;
   line.runs = kUsualRuns;
-  laser::CapturePlan plan;
+  devices::CapturePlan plan;
   if (!arguments.plan.empty()) {
     if (arguments.row.empty()) return wrong_usage("--plan needs --row NAME: which of its measurements");
     const auto text = read_file(arguments.plan);
@@ -138,7 +138,7 @@ Result<laser::CapturePlan> plan_of_line(const TargetArguments& arguments) {
                     names));
   }
   if (const auto said = override_line(arguments, line); !said) return tl::unexpected(said.error());
-  auto stops = laser::stops_of(line);
+  auto stops = devices::stops_of(line);
   if (!stops) return tl::unexpected(stops.error());
   plan.stops = std::move(*stops);
   return plan;
@@ -164,7 +164,7 @@ void take_target_options(Verb& verb, TargetArguments& arguments) {
       .texts("--note", arguments.notes, "KEY=VALUE for the record, as in operator=AB; several");
 }
 
-Result<laser::CapturePlan> capture_plan(const TargetArguments& arguments) {
+Result<devices::CapturePlan> capture_plan(const TargetArguments& arguments) {
   auto plan = arguments.targets.empty() ? plan_of_line(arguments) : plan_of_list(arguments);
   if (!plan) return plan;
   std::vector<laser::MetadataEntry> first;

@@ -35,6 +35,6 @@ struct TargetArguments {
 void take_target_options(Verb& verb, TargetArguments& arguments);
 
 /// Stops and metadata. What the plan's row says can be overridden one by one.
-[[nodiscard]] Result<laser::CapturePlan> capture_plan(const TargetArguments& arguments);
+[[nodiscard]] Result<devices::CapturePlan> capture_plan(const TargetArguments& arguments);
 
 }  // namespace ecs::app

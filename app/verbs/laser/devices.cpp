@@ -38,9 +38,9 @@ struct DevicesArguments {
 
 std::string hex(std::uint16_t value) { return fmt::format("0x{:04x}", value); }
 
-std::string builtin_for(const laser::HidIdentity& identity) {
-  for (const laser::DeviceDescription& device : laser::builtin_devices())
-    if (laser::matching(device, {identity})) return device.name;
+std::string builtin_for(const devices::HidIdentity& identity) {
+  for (const devices::DeviceDescription& device : devices::builtin_devices())
+    if (devices::matching(device, {identity})) return device.name;
   return {};
 }
 
@@ -50,8 +50,8 @@ Json lengths(const std::map<std::uint8_t, std::size_t>& reports) {
   return out;
 }
 
-Json device_json(const laser::HidIdentity& one) {
-  const auto opened = laser::HidDevice::open(one);
+Json device_json(const devices::HidIdentity& one) {
+  const auto opened = devices::HidDevice::open(one);
   return Json{{"path", one.path},
               {"vendor_id", hex(one.vendor_id)},
               {"product_id", hex(one.product_id)},
@@ -68,25 +68,25 @@ Json device_json(const laser::HidIdentity& one) {
               {"hindrance", opened ? Json(nullptr) : Json(opened.error().message)}};
 }
 
-std::string text_of(const laser::HidIdentity& one) {
+std::string text_of(const devices::HidIdentity& one) {
   std::string text =
-      fmt::format("{}\n  usage page 0x{:04x}, usage 0x{:04x}", laser::to_text(one), one.usage_page, one.usage);
+      fmt::format("{}\n  usage page 0x{:04x}, usage 0x{:04x}", devices::to_text(one), one.usage_page, one.usage);
   for (const auto& [number, bytes] : one.reports.input)
     text += number == 0 ? fmt::format(", input reports of {} bytes", bytes)
                         : fmt::format(", input report {} of {} bytes", number, bytes);
   text += '\n';
   if (const std::string name = builtin_for(one); !name.empty())
     text += fmt::format("  known: --environment {}\n", name);
-  if (const auto opened = laser::HidDevice::open(one); !opened) text += fmt::format("  {}\n", opened.error().message);
+  if (const auto opened = devices::HidDevice::open(one); !opened) text += fmt::format("  {}\n", opened.error().message);
   return text;
 }
 
 Result<Outcome> list() {
-  const auto present = laser::hid_devices();
+  const auto present = devices::hid_devices();
   if (!present) return tl::unexpected(present.error());
   Json devices = Json::array();
   std::string text;
-  for (const laser::HidIdentity& one : *present) {
+  for (const devices::HidIdentity& one : *present) {
     devices.push_back(device_json(one));
     text += text_of(one);
   }
@@ -95,13 +95,13 @@ Result<Outcome> list() {
 }
 
 Result<Outcome> rules(const DevicesArguments& arguments) {
-  std::vector<laser::DeviceDescription> devices = laser::builtin_devices();
+  std::vector<devices::DeviceDescription> devices = devices::builtin_devices();
   for (const std::string& file : arguments.descriptions) {
     const auto more = described(file);
     if (!more) return tl::unexpected(more.error());
     devices.insert(devices.end(), more->begin(), more->end());
   }
-  const std::string text = laser::udev_rules(devices);
+  const std::string text = devices::udev_rules(devices);
   return Outcome{text, one_line(Json{{"rules", text}, {"file", "/etc/udev/rules.d/70-ecs.rules"}}), kDone};
 }
 
@@ -114,9 +114,9 @@ Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
                    fmt::format("{} is there already: give another -o, or --force", arguments.output));
   const auto found = learn_device(context, arguments.choice);
   if (!found) return tl::unexpected(found.error());
-  const std::string toml = laser::to_toml(found->description);
+  const std::string toml = devices::to_toml(found->description);
   if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
-  const laser::TriggerLayout& trigger = found->description.trigger;
+  const devices::TriggerLayout& trigger = found->description.trigger;
   return Outcome{
       fmt::format("{}\nwritten to {}; longest bounce seen {:.0f} ms\n", toml, arguments.output, found->bounce_ms),
       one_line(Json{{"output", arguments.output},
@@ -129,8 +129,8 @@ Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
       kDone};
 }
 
-Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& arguments, laser::DevicePort port) {
-  laser::Trigger trigger(std::move(port));
+Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& arguments, devices::DevicePort port) {
+  devices::Trigger trigger(std::move(port));
   context.console.note(fmt::format("press {} {} time{}", trigger.port().device().name, arguments.count,
                                    arguments.count == 1 ? "" : "s"));
   const double begin_s = steady_s();
@@ -138,7 +138,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& argume
   while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
     if (trigger.pressed(kWatchStep, steady_s()))
       context.console.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
-    if (trigger.look(steady_s()) == laser::PortChange::lost)
+    if (trigger.look(steady_s()) == devices::PortChange::lost)
       return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(trigger.port())));
   }
   if (seen < arguments.count)
@@ -149,26 +149,26 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& argume
   return Outcome{fmt::format("{} presses\n", seen), one_line(Json{{"presses", seen}}), kDone};
 }
 
-Json values_json(const laser::Values& values) {
+Json values_json(const devices::Values& values) {
   Json out = Json::object();
-  for (const auto& [quantity, value] : values) out[std::string(laser::name_of(quantity))] = number_or_null(value);
+  for (const auto& [quantity, value] : values) out[std::string(devices::name_of(quantity))] = number_or_null(value);
   return out;
 }
 
-Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& arguments, laser::DevicePort port) {
+Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& arguments, devices::DevicePort port) {
   constexpr double kPause_s = 1.0;
-  laser::Sensor sensor(std::move(port), kPause_s);
+  devices::Sensor sensor(std::move(port), kPause_s);
   const double begin_s = steady_s();
   int seen = 0;
   Json answers = Json::array();
   std::string text;
   while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
     sensor.attend(steady_s());
-    if (sensor.look(steady_s()) == laser::PortChange::lost)
+    if (sensor.look(steady_s()) == devices::PortChange::lost)
       return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(sensor.port())));
     if (sensor.answers() > seen) {
       seen = sensor.answers();
-      const laser::Values values = sensor.values(steady_s(), kPause_s);
+      const devices::Values values = sensor.values(steady_s(), kPause_s);
       answers.push_back(values_json(values));
       text += around_text(values) + "\n";
       context.console.note(around_text(values));
@@ -186,25 +186,25 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& argumen
 Result<Outcome> try_device(VerbContext& context, const DevicesArguments& arguments) {
   const auto devices = described(arguments.trying);
   if (!devices) return tl::unexpected(devices.error());
-  const laser::DeviceKind kind = devices->front().kind;
+  const devices::DeviceKind kind = devices->front().kind;
   auto port = opened_device(arguments.trying, kind);
   if (!port) return tl::unexpected(port.error());
-  return kind == laser::DeviceKind::trigger ? try_trigger(context, arguments, std::move(*port))
-                                            : try_sensor(context, arguments, std::move(*port));
+  return kind == devices::DeviceKind::trigger ? try_trigger(context, arguments, std::move(*port))
+                                              : try_sensor(context, arguments, std::move(*port));
 }
 
 Result<Outcome> describe(const DevicesArguments& arguments) {
-  const auto devices = laser::builtin_named(arguments.describe);
+  const auto devices = devices::builtin_named(arguments.describe);
   if (devices.empty()) {
     std::string names;
-    for (const laser::DeviceDescription& one : laser::builtin_devices())
+    for (const devices::DeviceDescription& one : devices::builtin_devices())
       names += (names.empty() ? "" : ", ") + one.name;
     return problem(ProblemKind::usage,
                    fmt::format("--describe: expected one of {}, got \"{}\"", names, arguments.describe));
   }
   std::string text;
-  for (const laser::DeviceDescription& device : devices) {
-    text += (text.empty() ? "" : "\n") + laser::to_toml(device);
+  for (const devices::DeviceDescription& device : devices) {
+    text += (text.empty() ? "" : "\n") + devices::to_toml(device);
     for (std::size_t k = 1; k < device.match.ids.size(); ++k)
       text += fmt::format("# the same: vendor_id = 0x{:04x}, product_id = 0x{:04x}\n", device.match.ids[k].vendor_id,
                           device.match.ids[k].product_id);

@@ -18,9 +18,9 @@ constexpr double kQuiet_s = 1.0;  ///< after the last release
 constexpr std::size_t kUsualReport = 64;
 
 struct Watched {
-  laser::HidIdentity identity;
-  laser::HidDevice device;
-  std::vector<laser::TimedReport> reports;
+  devices::HidIdentity identity;
+  devices::HidDevice device;
+  std::vector<devices::TimedReport> reports;
   [[nodiscard]] bool numbered() const { return identity.reports.numbered; }
   [[nodiscard]] std::size_t report_bytes() const {
     std::size_t longest = 0;
@@ -29,19 +29,19 @@ struct Watched {
   }
 };
 
-bool is_meant(const laser::HidIdentity& one, const std::string& device) {
+bool is_meant(const devices::HidIdentity& one, const std::string& device) {
   return device.empty() || one.path == device || one.serial == device ||
          lower(device) == fmt::format("{:04x}:{:04x}", one.vendor_id, one.product_id);
 }
 
 Result<std::vector<Watched>> opened(const LearnChoice& choice) {
-  const auto present = laser::hid_devices();
+  const auto present = devices::hid_devices();
   if (!present) return tl::unexpected(present.error());
   std::vector<Watched> watched;
   std::vector<Problem> problems;
-  for (const laser::HidIdentity& identity : *present) {
+  for (const devices::HidIdentity& identity : *present) {
     if (!is_meant(identity, choice.device)) continue;
-    auto device = laser::HidDevice::open(identity);
+    auto device = devices::HidDevice::open(identity);
     if (device)
       watched.push_back({identity, std::move(*device), {}});
     else
@@ -68,14 +68,14 @@ bool take_reports(Watched& one) {
 
 int most_presses(const std::vector<Watched>& watched) {
   int most = 0;
-  for (const Watched& one : watched) most = std::max(most, laser::presses_seen(one.reports, one.numbered()));
+  for (const Watched& one : watched) most = std::max(most, devices::presses_seen(one.reports, one.numbered()));
   return most;
 }
 
 double last_report_s(const std::vector<Watched>& watched) {
   double last = 0.0;
   for (const Watched& one : watched)
-    if (laser::presses_seen(one.reports, one.numbered()) > 0) last = std::max(last, one.reports.back().time_s);
+    if (devices::presses_seen(one.reports, one.numbered()) > 0) last = std::max(last, one.reports.back().time_s);
   return last;
 }
 
@@ -93,7 +93,7 @@ Result<void> watch(VerbContext& context, const LearnChoice& choice, std::vector<
       if (!take_reports(one))
         return problem(ProblemKind::link,
                        fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
-                                   laser::to_text(one.identity)));
+                                   devices::to_text(one.identity)));
     if (user_left(context)) return problem(ProblemKind::refused, "left: nothing was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
     if (seen > told) context.console.note(fmt::format("{} of {}", told = seen, choice.presses));
@@ -107,7 +107,7 @@ Result<void> watch(VerbContext& context, const LearnChoice& choice, std::vector<
 Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
   std::vector<const Watched*> changed;
   for (const Watched& one : watched)
-    if (laser::presses_seen(one.reports, one.numbered()) > 0) changed.push_back(&one);
+    if (devices::presses_seen(one.reports, one.numbered()) > 0) changed.push_back(&one);
   if (changed.size() == 1) return changed.front();
   if (changed.empty())
     return watched.size() == 1 ? Result<const Watched*>(&watched.front())
@@ -115,7 +115,7 @@ Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
                                          "none of the devices changed anything: is the trigger plugged in? `ecs laser "
                                          "devices` lists what is");
   std::string names;
-  for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + laser::to_text(one->identity);
+  for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + devices::to_text(one->identity);
   return problem(
       ProblemKind::refused,
       fmt::format("several devices sent something: {}. Touch only the trigger, or say which with --device", names));
@@ -140,19 +140,20 @@ Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choi
   if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
   const auto one = pressed_one(*watched);
   if (!one) return tl::unexpected(one.error());
-  const laser::HidIdentity& identity = (*one)->identity;
-  const auto found = laser::learned((*one)->reports, choice.presses, (*one)->numbered());
+  const devices::HidIdentity& identity = (*one)->identity;
+  const auto found = devices::learned((*one)->reports, choice.presses, (*one)->numbered());
   if (!found) {
     Problem why = found.error();
-    why.message = laser::to_text(identity) + ": " + why.message;
+    why.message = devices::to_text(identity) + ": " + why.message;
     return tl::unexpected(std::move(why));
   }
   LearnedDevice out;
   out.bounce_ms = found->bounce_ms;
-  laser::DeviceDescription& device = out.description;
+  devices::DeviceDescription& device = out.description;
   device.name = !choice.name.empty() ? choice.name : identity.product.empty() ? "trigger" : identity.product;
-  device.source = fmt::format("learned {} from {} presses of {}", now_utc(), choice.presses, laser::to_text(identity));
-  device.kind = laser::DeviceKind::trigger;
+  device.source =
+      fmt::format("learned {} from {} presses of {}", now_utc(), choice.presses, devices::to_text(identity));
+  device.kind = devices::DeviceKind::trigger;
   device.match.ids = {{identity.vendor_id, identity.product_id}};
   if (identity.interface >= 0) device.match.interface = identity.interface;
   if (!identity.serial.empty() && has_twin(*watched, **one)) device.match.serial = identity.serial;

@@ -17,7 +17,7 @@ struct LearnChoice {
 };
 
 struct LearnedDevice {
-  laser::DeviceDescription description;
+  devices::DeviceDescription description;
   double bounce_ms = 0.0;
 };
 
