@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "base/result.hpp"
-#include "protocol/line/serial_line.hpp"
+#include "protocol/line/link_address.hpp"
 
 namespace ecs::app {
 

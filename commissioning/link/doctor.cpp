@@ -15,7 +15,7 @@ namespace {
 using protocol::Link;
 using protocol::LinkAddress;
 using protocol::LinkFailure;
-using protocol::SerialLine;
+using protocol::SerialPort;
 using protocol::UnitClient;
 
 constexpr int kQualityReads = 20;
@@ -98,15 +98,15 @@ bool other_unit_number(LinkAddress address, Examination& work) {
 }
 
 bool other_speed(LinkAddress address, Examination& work) {
-  const SerialLine given = std::get<SerialLine>(address.line);
+  const SerialPort given = std::get<SerialPort>(address.endpoint);
   for (const char parity : kParities) {
     work.note(fmt::format("trying {} to {} baud with parity {}", 9'600, 115'200, parity));
     for (const int baud : kBauds) {
-      SerialLine line = given;
+      SerialPort line = given;
       line.baud = baud;
       line.parity = parity;
       if (line == given) continue;
-      address.line = line;
+      address.endpoint = line;
       if (found_elsewhere(address, "speed",
                           fmt::format("the unit answers at {} baud, parity {}, not at {} baud, parity {}", baud, parity,
                                       given.baud, given.parity),
@@ -118,7 +118,7 @@ bool other_speed(LinkAddress address, Examination& work) {
 }
 
 bool echoes(const LinkAddress& address, Examination& work) {
-  const auto raw = raw_answer(std::get<SerialLine>(address.line), address.unit);
+  const auto raw = raw_answer(std::get<SerialPort>(address.endpoint), address.unit);
   if (!raw) return false;
   if (raw->is_echo()) {
     add(work, "echo", FindingState::problem, "the line gives back what is sent",
@@ -135,7 +135,7 @@ bool echoes(const LinkAddress& address, Examination& work) {
 }
 
 void examine_serial(const LinkAddress& address, Examination& work) {
-  const SerialLine& line = std::get<SerialLine>(address.line);
+  const SerialPort& line = std::get<SerialPort>(address.endpoint);
   if (const auto trouble = trouble_with(line.device)) {
     add(work, "port", FindingState::problem, trouble->message, trouble->action);
     return;

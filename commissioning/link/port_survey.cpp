@@ -86,7 +86,7 @@ speed_t speed_of(int baud) {
   return B115200;
 }
 
-void make_raw(int fd, const protocol::SerialLine& line) {
+void make_raw(int fd, const protocol::SerialPort& line) {
   termios mode{};
   if (::tcgetattr(fd, &mode) != 0) return;
   ::cfmakeraw(&mode);
@@ -154,7 +154,7 @@ bool PortAnswer::is_echo() const {
   return received.size() >= sent.size() && std::equal(sent.begin(), sent.end(), received.begin());
 }
 
-Result<PortAnswer> raw_answer(const protocol::SerialLine& line, int unit) {
+Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit) {
   const Descriptor port(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (port.get() < 0) return problem(ProblemKind::link, fmt::format("{}: {}", line.device, std::strerror(errno)));
   make_raw(port.get(), line);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "protocol/line/serial_line.hpp"
+#include "protocol/line/link_address.hpp"
 
 namespace ecs::app {
 
@@ -28,6 +28,6 @@ struct PortAnswer {
   std::vector<std::uint8_t> received;
   [[nodiscard]] bool is_echo() const;  ///< the line gives back what is sent
 };
-[[nodiscard]] Result<PortAnswer> raw_answer(const protocol::SerialLine& line, int unit);
+[[nodiscard]] Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit);
 
 }  // namespace ecs::app

@@ -19,8 +19,8 @@ constexpr auto kGlance = 5ms;  ///< how soon a cancel and a wish for the line ar
 constexpr int kFailuresToLose = 3;
 
 std::string where_of(const protocol::UnitClient& client) {
-  const auto& line = client.link().address().line;
-  if (const auto* serial = std::get_if<protocol::SerialLine>(&line)) return serial->device;
+  const auto& line = client.link().address().endpoint;
+  if (const auto* serial = std::get_if<protocol::SerialPort>(&line)) return serial->device;
   return "";
 }
 

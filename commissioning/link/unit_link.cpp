@@ -38,7 +38,7 @@ Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& ca
     auto process = started(*link);
     if (!process) return tl::unexpected(process.error());
     emulator = std::move(*process);
-    address.line = protocol::SerialLine{emulator->pty()};
+    address.endpoint = protocol::SerialPort{emulator->pty()};
   } else {
     address = std::get<protocol::LinkAddress>(choice.link);
   }

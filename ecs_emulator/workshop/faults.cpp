@@ -102,7 +102,7 @@ Result<void> miscount(const Workshop& workshop, Arguments& arguments) {
   return {};
 }
 
-Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol::LineFault fault) {
+Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol::LinkFault fault) {
   const auto count = arguments.integer("count", 0, 1'000'000);
   const double probability = arguments.number_or("probability", 0.0);
   const auto slow_ms = arguments.number("slow_ms");
@@ -161,9 +161,9 @@ Result<void> provoke(const Workshop& workshop, Arguments& arguments) {
     if (fault.in_unit && workshop.unit == nullptr) return problem(ProblemKind::usage, "no unit stands here");
     return fault.provoke(workshop, arguments);
   }
-  if (const auto line = protocol::line_fault_named(name)) return line_fault(workshop, arguments, *line);
+  if (const auto line = protocol::link_fault_named(name)) return line_fault(workshop, arguments, *line);
   return problem(ProblemKind::usage, fmt::format("name: expected {}{}, got \"{}\"", names,
-                                                 fmt::join(protocol::kLineFaultNames, ", "), name));
+                                                 fmt::join(protocol::kLinkFaultNames, ", "), name));
 }
 
 }  // namespace ecs::emulator

@@ -172,8 +172,8 @@ class Room {
 std::string ready_line(const protocol::LinkAddress& address, const ServeOptions& options,
                        const std::string& serial_number) {
   nlohmann::json line{{"pty", nullptr}, {"tcp", nullptr}, {"workshop", nullptr}};
-  if (const auto* serial = std::get_if<protocol::SerialLine>(&address.line)) line["pty"] = serial->device;
-  if (const auto* peer = std::get_if<protocol::TcpPeer>(&address.line))
+  if (const auto* serial = std::get_if<protocol::SerialPort>(&address.endpoint)) line["pty"] = serial->device;
+  if (const auto* peer = std::get_if<protocol::TcpPeer>(&address.endpoint))
     line["tcp"] = fmt::format("{}:{}", peer->host, peer->port);
   if (!options.workshop.empty()) line["workshop"] = options.workshop.string();
   line["link"] = protocol::to_text(address);

@@ -16,7 +16,7 @@ namespace ecs::emulator {
 struct Workshop {
   Simulation* simulation = nullptr;
   Unit* unit = nullptr;                  ///< null: no unit stands here
-  protocol::LineFaults* line = nullptr;  ///< null: no line
+  protocol::LinkFaults* line = nullptr;  ///< null: no line
 };
 
 /// Carries out one request, `{"action": "jog", …}`.

@@ -34,7 +34,7 @@ struct UploadOptions {
   std::size_t changed_bytes = 0;
 };
 
-/// Problems: kind `link` for the line, a failed command and a unit that sends nonsense; kind `refused` for what the
+/// Problems: kind `link` for the link, a failed command and a unit that sends nonsense; kind `refused` for what the
 /// unit declines to do, with its reason. Every call can be cancelled between two frames by the link's flag.
 class UnitClient {
  public:
@@ -86,7 +86,7 @@ class UnitClient {
                                           const ProgressCallback& progress = {});
 
   /// A map: begin staging, write, check, commit. Until the commit the old map stays active and whole; after a problem
-  /// or a cancel what was staged is abandoned, as far as the line allows. From the commit on, see commit_staged().
+  /// or a cancel what was staged is abandoned, as far as the link allows. From the commit on, see commit_staged().
   [[nodiscard]] Result<void> upload_image(std::span<const std::uint8_t> image, const UploadOptions& options = {},
                                           const ProgressCallback& progress = {});
 

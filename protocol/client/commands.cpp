@@ -59,7 +59,7 @@ constexpr std::string_view kOpensByItself =
 std::string another_is_active(const UnitStatus& now) {
   return fmt::format(
       "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
-      "line now; compare before compensating",
+      "link now; compare before compensating",
       now.image_length_bytes, now.commit_sequence);
 }
 
@@ -234,8 +234,8 @@ Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) 
   return done ? confirmed(*before, length, crc) : settled(*before, length, crc, std::move(done.error()));
 }
 
-/// Whether the unit at the end of the line now holds, active, what was committed: another host or another unit on the
-/// same line may have come between.
+/// Whether the unit at the end of the link now holds, active, what was committed: another host or another unit on the
+/// same link may have come between.
 Result<void> UnitClient::confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
   const auto now = status_when_idle();
   if (!now) return tl::unexpected(now.error());

@@ -1,5 +1,5 @@
 // One request and its own reply: echo, retries, silence after errors, and the words for each failure.
-// Does not live here: the descriptor and the library calls that wait (protocol/line/modbus_line.cpp).
+// Does not live here: the descriptor and the library calls that wait (protocol/line/modbus_link.cpp).
 #include "protocol/client/link.hpp"
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 #include <fmt/format.h>
 #include <modbus.h>
 
-#include "protocol/line/modbus_line.hpp"
+#include "protocol/line/modbus_link.hpp"
 
 namespace ecs::protocol {
 
 namespace {
 
-using Bytes = ModbusLine::Bytes;
-using Clock = ModbusLine::Clock;
+using Bytes = ModbusLink::Bytes;
+using Clock = ModbusLink::Clock;
 
 void put_word(Bytes& bytes, std::uint16_t word) {
   bytes.push_back(static_cast<std::uint8_t>(word >> 8));
@@ -75,15 +75,15 @@ std::uint16_t random_start() { return static_cast<std::uint16_t>(std::random_dev
 
 }  // namespace
 
-struct Link::Line {
-  Line(LinkAddress where, const LinkTiming& times, const std::atomic<bool>* flag)
-      : address(std::move(where)), timing(times), cancel_flag(flag), line(address, timing) {}
+struct Link::Connection {
+  Connection(LinkAddress where, const LinkTiming& times, const std::atomic<bool>* flag)
+      : address(std::move(where)), timing(times), cancel_flag(flag), modbus(address, timing) {}
 
   LinkAddress address;
   LinkTiming timing;
   const std::atomic<bool>* cancel_flag;
   bool heeds_cancel = true;
-  ModbusLine line;
+  ModbusLink modbus;
   LinkStatistics statistics;
   LinkFailure failure = LinkFailure::none;
   std::uint16_t echo = random_start();
@@ -103,14 +103,14 @@ struct Link::Line {
 };
 
 /// One request and its reply, taken for what it is: nothing here knows whether it is the reply to this request.
-tl::expected<Bytes, Trouble> Link::Line::transact(const Bytes& pdu) {
+tl::expected<Bytes, Trouble> Link::Connection::transact(const Bytes& pdu) {
   const auto listening = [this] { return cancelled(); };
   if (cancelled()) return tl::unexpected(Trouble{LinkFailure::cancelled, 0});
   const auto begun = Clock::now();
-  const auto sent = line.send(pdu);
+  const auto sent = modbus.send(pdu);
   if (!sent) return tl::unexpected(Trouble{sent.error(), 0});
   statistics.bytes_sent += *sent;
-  auto reply = line.receive(listening);
+  auto reply = modbus.receive(listening);
   if (!reply) return tl::unexpected(Trouble{reply.error(), 0});
   const double round_trip_ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
   statistics.bytes_received += reply->size() + (address.is_serial() ? 3 : 7);
@@ -125,8 +125,8 @@ tl::expected<Bytes, Trouble> Link::Line::transact(const Bytes& pdu) {
   return std::move(*reply);
 }
 
-tl::expected<Registers, Trouble> Link::Line::ask_once(const Block& request, const Registers& values,
-                                                      const Block& answer) {
+tl::expected<Registers, Trouble> Link::Connection::ask_once(const Block& request, const Registers& values,
+                                                            const Block& answer) {
   const auto reply = transact(read_write_request(request, values, answer));
   if (!reply) return tl::unexpected(reply.error());
   const std::size_t bytes = 2u * answer.count;
@@ -139,25 +139,25 @@ tl::expected<Registers, Trouble> Link::Line::ask_once(const Block& request, cons
   return registers;
 }
 
-void Link::Line::count(const Trouble& trouble) {
+void Link::Connection::count(const Trouble& trouble) {
   if (trouble.failure == LinkFailure::no_answer) ++statistics.timeouts;
   if (trouble.failure == LinkFailure::garbled) ++statistics.crc_errors;
   if (trouble.failure == LinkFailure::stale) ++statistics.stale_replies;
   if (trouble.failure == LinkFailure::exception) ++statistics.exceptions;
 }
 
-/// After an error the line stays silent until even the slowest reply has come, and is flushed.
-Trouble Link::Line::recover(Trouble trouble) {
+/// After an error the link stays silent until even the slowest reply has come, and is flushed.
+Trouble Link::Connection::recover(Trouble trouble) {
   count(trouble);
   const bool is_final = trouble.failure == LinkFailure::exception || trouble.failure == LinkFailure::disconnected;
   if (is_final) return trouble;
   late_replies_possible = true;
   if (trouble.failure == LinkFailure::cancelled) return trouble;
-  if (line.stay_quiet(timing.quiet_time, [this] { return cancelled(); })) return trouble;
-  return {line.connected() ? LinkFailure::cancelled : LinkFailure::disconnected, 0};
+  if (modbus.stay_quiet(timing.quiet_time, [this] { return cancelled(); })) return trouble;
+  return {modbus.connected() ? LinkFailure::cancelled : LinkFailure::disconnected, 0};
 }
 
-tl::unexpected<Problem> Link::Line::fail(const Trouble& trouble, int tries) {
+tl::unexpected<Problem> Link::Connection::fail(const Trouble& trouble, int tries) {
   failure = trouble.failure;
   const auto say = [&](std::string text) {
     return problem(ProblemKind::link, fmt::format("{}: {}", name(), std::move(text)));
@@ -174,64 +174,64 @@ tl::unexpected<Problem> Link::Line::fail(const Trouble& trouble, int tries) {
                              tries == 1 ? "try" : "tries"));
     case LinkFailure::stale:
       return say(fmt::format(
-          "only late replies to earlier requests ({} tries); the unit is too slow or two hosts use one line", tries));
+          "only late replies to earlier requests ({} tries); the unit is too slow or two hosts use one link", tries));
     case LinkFailure::exception:
       return say(
           fmt::format("the unit answers exception {}: {}", trouble.exception, exception_text(trouble.exception)));
     case LinkFailure::cancelled:
       return say("cancelled");
     default:
-      return say("the line is gone (port unplugged, or connection closed); connect again");
+      return say("the connection is lost (port unplugged, or closed by the other end); connect again");
   }
 }
 
-Link::Link(std::unique_ptr<Line> line) : line_(std::move(line)) {}
+Link::Link(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 Link::Link(Link&&) noexcept = default;
 Link& Link::operator=(Link&&) noexcept = default;
 Link::~Link() = default;
 
 Result<Link> Link::open(const LinkAddress& address, const LinkOptions& options) {
-  Link link(std::make_unique<Line>(address, options.timing.value_or(timing_of(address)), options.cancelled));
+  Link link(std::make_unique<Connection>(address, options.timing.value_or(timing_of(address)), options.cancelled));
   if (const auto connected = link.reconnect(); !connected) return tl::unexpected(connected.error());
   return link;
 }
 
 Result<void> Link::reconnect() {
-  const auto connected = line_->line.connect();
+  const auto connected = connection_->modbus.connect();
   if (connected) return {};
-  line_->failure = connected.error().failure;
+  connection_->failure = connected.error().failure;
   return tl::unexpected(connected.error().problem);
 }
 
 Result<Registers> Link::ask(const Block& request, Registers values, const Block& answer) {
-  auto& line = *line_;
-  ++line.statistics.requests;
+  auto& connection = *connection_;
+  ++connection.statistics.requests;
   Trouble trouble;
-  for (int tried = 1; tried <= line.timing.tries; ++tried) {
-    if (tried > 1) ++line.statistics.retries;
-    values.front() = ++line.echo;
-    auto reply = line.ask_once(request, values, answer);
+  for (int tried = 1; tried <= connection.timing.tries; ++tried) {
+    if (tried > 1) ++connection.statistics.retries;
+    values.front() = ++connection.echo;
+    auto reply = connection.ask_once(request, values, answer);
     if (reply) {
-      line.failure = LinkFailure::none;
+      connection.failure = LinkFailure::none;
       return std::move(*reply);
     }
-    trouble = line.recover(reply.error());
+    trouble = connection.recover(reply.error());
     const bool worth_another = trouble.failure == LinkFailure::no_answer || trouble.failure == LinkFailure::garbled ||
                                trouble.failure == LinkFailure::stale;
-    if (!worth_another) return line.fail(trouble, tried);
+    if (!worth_another) return connection.fail(trouble, tried);
   }
-  return line.fail(trouble, line.timing.tries);
+  return connection.fail(trouble, connection.timing.tries);
 }
 
 Result<void> Link::write_once(std::uint16_t first, std::span<const std::uint16_t> values) {
-  auto& line = *line_;
-  ++line.statistics.requests;
-  const auto reply = line.transact(write_request(first, values));
-  if (!reply) return line.fail(line.recover(reply.error()), 1);
+  auto& connection = *connection_;
+  ++connection.statistics.requests;
+  const auto reply = connection.transact(write_request(first, values));
+  if (!reply) return connection.fail(connection.recover(reply.error()), 1);
   Bytes expected{MODBUS_FC_WRITE_MULTIPLE_REGISTERS};
   put_words(expected, std::array{first, static_cast<std::uint16_t>(values.size())});
-  if (*reply != expected) return line.fail(line.recover({LinkFailure::stale, 0}), 1);
-  line.failure = LinkFailure::none;
+  if (*reply != expected) return connection.fail(connection.recover({LinkFailure::stale, 0}), 1);
+  connection.failure = LinkFailure::none;
   return {};
 }
 
@@ -246,12 +246,12 @@ bool Link::pause(std::chrono::nanoseconds span) const {
   return false;
 }
 
-void Link::heed_cancel(bool heed) { line_->heeds_cancel = heed; }
-bool Link::cancelled() const { return line_->cancelled(); }
-bool Link::connected() const { return line_->line.connected(); }
-LinkFailure Link::last_failure() const { return line_->failure; }
-const LinkStatistics& Link::statistics() const { return line_->statistics; }
-const LinkTiming& Link::timing() const { return line_->timing; }
-const LinkAddress& Link::address() const { return line_->address; }
+void Link::heed_cancel(bool heed) { connection_->heeds_cancel = heed; }
+bool Link::cancelled() const { return connection_->cancelled(); }
+bool Link::connected() const { return connection_->modbus.connected(); }
+LinkFailure Link::last_failure() const { return connection_->failure; }
+const LinkStatistics& Link::statistics() const { return connection_->statistics; }
+const LinkTiming& Link::timing() const { return connection_->timing; }
+const LinkAddress& Link::address() const { return connection_->address; }
 
 }  // namespace ecs::protocol

@@ -1,4 +1,4 @@
-// The host's end of a Modbus line: one request, one reply, checked; retried, counted, cancellable. The only place on
+// The host's end of a Modbus link: one request, one reply, checked; retried, counted, cancellable. The only place on
 // the client's side that knows libmodbus. Does not live here: what the registers mean (client.hpp).
 #pragma once
 
@@ -12,27 +12,12 @@
 #include <string>
 
 #include "base/result.hpp"
-#include "protocol/line/serial_line.hpp"
+#include "protocol/line/link_address.hpp"
+#include "protocol/line/link_failure.hpp"
 #include "protocol/registers/register_handler.hpp"
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
-
-/// What the last problem of a link was. Each has a message of its own.
-enum class LinkFailure {
-  none,
-  no_such_port,  ///< or no such host
-  no_permission,
-  not_a_serial_port,
-  port_in_use,
-  no_connection,  ///< TCP refused or not reachable
-  no_answer,
-  garbled,    ///< bad CRC, or a reply that is no reply to the request
-  stale,      ///< only late replies to earlier requests
-  exception,  ///< the unit answered with a Modbus exception
-  disconnected,
-  cancelled,
-};
 
 struct LinkStatistics {
   std::uint64_t requests = 0;  ///< transactions asked for
@@ -56,7 +41,7 @@ struct LinkOptions {
   std::optional<LinkTiming> timing;              ///< in place of timing_of(address)
 };
 
-/// One line to one unit. Destroying it closes and unlocks the port. Not for use from two threads at once.
+/// A link to one unit. Destroying it closes and unlocks the port. Not for use from two threads at once.
 class Link {
  public:
   [[nodiscard]] static Result<Link> open(const LinkAddress& address, const LinkOptions& options = {});
@@ -69,7 +54,7 @@ class Link {
   [[nodiscard]] Result<Registers> ask(const Block& request, Registers values, const Block& answer);
 
   /// Writes registers, function 16, one try only: the caller knows by another way what arrived. After a failure the
-  /// line has been quiet and is flushed.
+  /// link has been quiet and is flushed.
   [[nodiscard]] Result<void> write_once(std::uint16_t first, std::span<const std::uint16_t> values);
 
   /// Opens the same address again after `disconnected`.
@@ -89,9 +74,9 @@ class Link {
   [[nodiscard]] const LinkAddress& address() const;
 
  private:
-  struct Line;
-  explicit Link(std::unique_ptr<Line> line);
-  std::unique_ptr<Line> line_;
+  struct Connection;
+  explicit Link(std::unique_ptr<Connection> connection);
+  std::unique_ptr<Connection> connection_;
 };
 
 }  // namespace ecs::protocol

@@ -8,7 +8,7 @@
 #include "base/file.hpp"
 #include "protocol/client/client.hpp"
 #include "protocol/registers/unit_registers.hpp"
-#include "protocol/server/memory_window.hpp"
+#include "protocol/registers/window_block.hpp"
 
 namespace ecs::protocol {
 

@@ -3,38 +3,38 @@
 
 namespace ecs::protocol {
 
-std::optional<LineFault> line_fault_named(std::string_view name) {
-  for (std::size_t i = 0; i < kLineFaults; ++i)
-    if (kLineFaultNames[i] == name) return static_cast<LineFault>(i);
+std::optional<LinkFault> link_fault_named(std::string_view name) {
+  for (std::size_t i = 0; i < kLinkFaults; ++i)
+    if (kLinkFaultNames[i] == name) return static_cast<LinkFault>(i);
   return std::nullopt;
 }
 
-void LineFaults::next(LineFault fault, std::uint32_t transactions) {
+void LinkFaults::next(LinkFault fault, std::uint32_t transactions) {
   counted_[static_cast<std::size_t>(fault)] = transactions;
 }
 
-void LineFaults::with_probability(LineFault fault, double probability) {
+void LinkFaults::with_probability(LinkFault fault, double probability) {
   probability_[static_cast<std::size_t>(fault)] = probability;
 }
 
-void LineFaults::clear() {
+void LinkFaults::clear() {
   counted_ = {};
   probability_ = {};
 }
 
-std::optional<LineFault> LineFaults::draw() {
-  for (std::size_t i = 0; i < kLineFaults; ++i) {
+std::optional<LinkFault> LinkFaults::draw() {
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
     if (counted_[i] == 0) continue;
     --counted_[i];
-    return static_cast<LineFault>(i);
+    return static_cast<LinkFault>(i);
   }
-  for (std::size_t i = 0; i < kLineFaults; ++i)
+  for (std::size_t i = 0; i < kLinkFaults; ++i)
     if (probability_[i] > 0.0 && std::bernoulli_distribution(probability_[i])(random_))
-      return static_cast<LineFault>(i);
+      return static_cast<LinkFault>(i);
   return std::nullopt;
 }
 
-std::size_t LineFaults::place(std::size_t limit) {
+std::size_t LinkFaults::place(std::size_t limit) {
   return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random_);
 }
 

@@ -1,4 +1,4 @@
-// What can go wrong on a line, by name: for the virtual workshop and for tests.
+// What can go wrong on a link, by name: for the virtual workshop and for tests.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace ecs::protocol {
 
-enum class LineFault : std::uint8_t {
+enum class LinkFault : std::uint8_t {
   no_reply,        ///< the request is carried out, its reply is lost
   lost_request,    ///< the request never arrives
   bad_crc,         ///< one bit of the reply is wrong
@@ -20,34 +20,34 @@ enum class LineFault : std::uint8_t {
   cut_tail,        ///< the second half of the reply is missing
   stale_reply,     ///< the reply is held back and comes just before the next one
 };
-inline constexpr std::size_t kLineFaults = 8;
-inline constexpr std::array<std::string_view, kLineFaults> kLineFaultNames{
+inline constexpr std::size_t kLinkFaults = 8;
+inline constexpr std::array<std::string_view, kLinkFaults> kLinkFaultNames{
     "no_reply", "lost_request", "bad_crc", "slow_reply", "garbage_before", "drop_byte", "cut_tail", "stale_reply"};
-[[nodiscard]] constexpr std::string_view name_of(LineFault fault) {
-  return kLineFaultNames[static_cast<std::size_t>(fault)];
+[[nodiscard]] constexpr std::string_view name_of(LinkFault fault) {
+  return kLinkFaultNames[static_cast<std::size_t>(fault)];
 }
-[[nodiscard]] std::optional<LineFault> line_fault_named(std::string_view name);
+[[nodiscard]] std::optional<LinkFault> link_fault_named(std::string_view name);
 
 /// Decides, reproducibly, which transaction meets which fault. On TCP, which has no CRC of its own, only no_reply,
 /// lost_request, slow_reply and stale_reply act.
-class LineFaults {
+class LinkFaults {
  public:
-  explicit LineFaults(std::uint32_t seed = 1) : random_(seed) {}
+  explicit LinkFaults(std::uint32_t seed = 1) : random_(seed) {}
 
-  void next(LineFault fault, std::uint32_t transactions);  ///< the next n transactions
-  void with_probability(LineFault fault, double probability);
+  void next(LinkFault fault, std::uint32_t transactions);  ///< the next n transactions
+  void with_probability(LinkFault fault, double probability);
   void clear();
 
   /// At most one fault for each transaction: a counted one first, in the order of the enum.
-  [[nodiscard]] std::optional<LineFault> draw();
+  [[nodiscard]] std::optional<LinkFault> draw();
   /// A number below `limit`, for the place of a fault. @pre limit > 0
   [[nodiscard]] std::size_t place(std::size_t limit);
 
   double slow_ms = 150.0;
 
  private:
-  std::array<std::uint32_t, kLineFaults> counted_{};
-  std::array<double, kLineFaults> probability_{};
+  std::array<std::uint32_t, kLinkFaults> counted_{};
+  std::array<double, kLinkFaults> probability_{};
   std::mt19937 random_;
 };
 

@@ -1,5 +1,5 @@
 // One request frame in, one reply frame out, by libmodbus; the same for RTU and TCP.
-// Does not live here: where frames begin and end on a line (frame_cut.hpp), and the line (protocol/server/server.cpp).
+// Does not live here: where frames begin and end in a stream (frame_cut.hpp), the link (protocol/server/server.cpp).
 #pragma once
 
 #include <cstdint>

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "base/result.hpp"
-#include "protocol/client/link.hpp"
+#include "protocol/line/link_failure.hpp"
 
 namespace ecs::protocol {
 
-/// Why a port cannot be had, and the words for it.
+/// Why a port cannot be opened, and the message.
 struct PortProblem {
   LinkFailure failure = LinkFailure::none;
   Problem problem;

@@ -16,31 +16,31 @@ void ReplyChannel::put(Bytes reply, Clock::time_point start, std::chrono::nanose
   waiting_.push_back({start, std::move(reply)});
 }
 
-void ReplyChannel::put_spoilt(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time, LineFault fault,
-                              LineFaults& faults) {
+void ReplyChannel::put_spoilt(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time, LinkFault fault,
+                              LinkFaults& faults) {
   switch (fault) {
-    case LineFault::no_reply:
-    case LineFault::lost_request:
+    case LinkFault::no_reply:
+    case LinkFault::lost_request:
       return;
-    case LineFault::stale_reply:
+    case LinkFault::stale_reply:
       held_ = std::move(reply);
       return;
-    case LineFault::slow_reply:
+    case LinkFault::slow_reply:
       start += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(faults.slow_ms));
       break;
-    case LineFault::bad_crc:
+    case LinkFault::bad_crc:
       reply[faults.place(reply.size())] ^= static_cast<std::uint8_t>(1u << faults.place(8));
       break;
-    case LineFault::garbage_before: {
+    case LinkFault::garbage_before: {
       Bytes stray(1 + faults.place(5));
       for (auto& byte : stray) byte = static_cast<std::uint8_t>(faults.place(256));
       reply.insert(reply.begin(), stray.begin(), stray.end());
       break;
     }
-    case LineFault::drop_byte:
+    case LinkFault::drop_byte:
       reply.erase(reply.begin() + static_cast<std::ptrdiff_t>(faults.place(reply.size())));
       break;
-    case LineFault::cut_tail:
+    case LinkFault::cut_tail:
       reply.resize(reply.size() / 2);
       break;
   }

@@ -1,4 +1,4 @@
-// Replies on their way to one client: when which bytes go out, with the faults of the line applied.
+// Replies on their way to one client: when which bytes go out, with the faults of the link applied.
 #pragma once
 
 #include <chrono>
@@ -21,8 +21,8 @@ class ReplyChannel {
   /// @param byte_time  of one byte on the wire; 0: not paced. A frame is handed over when its last byte has passed
   void put(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time);
   /// The same with one of the faults that spoil a reply.
-  void put_spoilt(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time, LineFault fault,
-                  LineFaults& faults);
+  void put_spoilt(Bytes reply, Clock::time_point start, std::chrono::nanoseconds byte_time, LinkFault fault,
+                  LinkFaults& faults);
 
   /// What is due by `now`, in order; removed from the channel.
   [[nodiscard]] std::optional<Bytes> take_due(Clock::time_point now);

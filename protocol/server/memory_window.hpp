@@ -34,11 +34,4 @@ class MemoryWindow {
   std::uint64_t received_ = 0;
 };
 
-/// Bytes that block `number` of a window of `length` bytes carries; 0: no such block.
-[[nodiscard]] std::size_t bytes_in_block(std::uint32_t length, std::size_t number);
-/// Blocks of a window of `length` bytes.
-[[nodiscard]] std::size_t blocks_in(std::uint32_t length);
-/// The check of a block: CRC-16 (Modbus) over tag, number and payload bytes.
-[[nodiscard]] std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload);
-
 }  // namespace ecs::protocol

@@ -1,5 +1,5 @@
 // The unit's side of the register map: what a read or a write of registers means. The unit plugs in as a UnitPort.
-// Does not live here: the line (server.hpp), the order of the fields (protocol/registers/unit_registers.hpp).
+// Does not live here: the link (server.hpp), the order of the fields (protocol/registers/unit_registers.hpp).
 #pragma once
 
 #include <cstdint>

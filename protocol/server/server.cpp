@@ -5,16 +5,16 @@
 
 #include <unistd.h>
 
-#include "protocol/server/server_line.hpp"
+#include "protocol/server/server_link.hpp"
 
 namespace ecs::protocol {
 
 namespace {
 
 /// Which faults can act where the frames carry no CRC.
-bool acts_without_crc(LineFault fault) {
-  return fault == LineFault::no_reply || fault == LineFault::lost_request || fault == LineFault::slow_reply ||
-         fault == LineFault::stale_reply;
+bool acts_without_crc(LinkFault fault) {
+  return fault == LinkFault::no_reply || fault == LinkFault::lost_request || fault == LinkFault::slow_reply ||
+         fault == LinkFault::stale_reply;
 }
 
 timespec timespec_of(std::chrono::nanoseconds span) {
@@ -36,12 +36,12 @@ Descriptor::~Descriptor() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
+void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
                            Clock::time_point request_end, const WirePace& pace) {
   if (framing_ == Framing::rtu && !codec_.is_for_unit(frame)) return;
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
-  if (spoils && *drawn == LineFault::lost_request) return;
+  if (spoils && *drawn == LinkFault::lost_request) return;
   if (codec_.is_for_unit(frame)) last_request = Clock::now();
   auto reply = codec_.answer(frame, handler);
   if (reply.empty() || handler.silent()) return;
@@ -52,33 +52,33 @@ void ServerLine::carry_out(std::span<const std::uint8_t> frame, RegisterHandler&
     channel.put(std::move(reply), start, pace.byte_time);
 }
 
-ModbusServer::ModbusServer(std::unique_ptr<ServerLine> line) : line_(std::move(line)) {}
+ModbusServer::ModbusServer(std::unique_ptr<ServerLink> link) : link_(std::move(link)) {}
 ModbusServer::ModbusServer(ModbusServer&&) noexcept = default;
 ModbusServer& ModbusServer::operator=(ModbusServer&&) noexcept = default;
 ModbusServer::~ModbusServer() = default;
 
 Result<ModbusServer> ModbusServer::on_pty(const PtyOptions& options) {
-  return open_pty_line(options).map([](std::unique_ptr<ServerLine>&& line) { return ModbusServer(std::move(line)); });
+  return open_pty_link(options).map([](std::unique_ptr<ServerLink>&& link) { return ModbusServer(std::move(link)); });
 }
 
 Result<ModbusServer> ModbusServer::on_tcp(const TcpOptions& options) {
-  return open_tcp_line(options).map([](std::unique_ptr<ServerLine>&& line) { return ModbusServer(std::move(line)); });
+  return open_tcp_link(options).map([](std::unique_ptr<ServerLink>&& link) { return ModbusServer(std::move(link)); });
 }
 
-LinkAddress ModbusServer::address() const { return line_->address(); }
-std::vector<pollfd> ModbusServer::poll_fds() const { return line_->poll_fds(); }
-std::optional<ModbusServer::Clock::time_point> ModbusServer::next_deadline() const { return line_->next_deadline(); }
-LineFaults& ModbusServer::faults() { return line_->faults; }
-std::optional<ModbusServer::Clock::time_point> ModbusServer::last_request() const { return line_->last_request; }
+LinkAddress ModbusServer::address() const { return link_->address(); }
+std::vector<pollfd> ModbusServer::poll_fds() const { return link_->poll_fds(); }
+std::optional<ModbusServer::Clock::time_point> ModbusServer::next_deadline() const { return link_->next_deadline(); }
+LinkFaults& ModbusServer::faults() { return link_->faults; }
+std::optional<ModbusServer::Clock::time_point> ModbusServer::last_request() const { return link_->last_request; }
 
 std::size_t ModbusServer::serve_ready(RegisterHandler& handler, std::chrono::milliseconds timeout) {
   std::chrono::nanoseconds wait = timeout;
-  if (const auto deadline = line_->next_deadline())
+  if (const auto deadline = link_->next_deadline())
     wait = std::clamp<std::chrono::nanoseconds>(*deadline - Clock::now(), std::chrono::nanoseconds(0), wait);
-  auto fds = line_->poll_fds();
+  auto fds = link_->poll_fds();
   const timespec limit = timespec_of(wait);
   (void)::ppoll(fds.data(), fds.size(), &limit, nullptr);
-  return line_->step(handler);
+  return link_->step(handler);
 }
 
 }  // namespace ecs::protocol

@@ -1,4 +1,4 @@
-// The unit's end of the line: a Modbus server on a pseudo-terminal (RTU) or on TCP, driven by a single-threaded event
+// The unit's end of the link: a Modbus server on a pseudo-terminal (RTU) or on TCP, driven by a single-threaded event
 // loop; it never blocks longer than asked. Does not live here: what the registers mean (register_server.hpp).
 #pragma once
 
@@ -13,12 +13,12 @@
 
 #include "base/result.hpp"
 #include "protocol/line/faults.hpp"
-#include "protocol/line/serial_line.hpp"
+#include "protocol/line/link_address.hpp"
 #include "protocol/registers/register_handler.hpp"
 
 namespace ecs::protocol {
 
-class ServerLine;
+class ServerLink;
 
 struct PtyOptions {
   std::filesystem::path link_path;  ///< symbolic link to make to the pseudo-terminal; empty: none
@@ -41,7 +41,7 @@ class ModbusServer {
   [[nodiscard]] static Result<ModbusServer> on_tcp(const TcpOptions& options);
   ModbusServer(ModbusServer&&) noexcept;
   ModbusServer& operator=(ModbusServer&&) noexcept;
-  ~ModbusServer();  ///< closes the line and removes the symbolic link
+  ~ModbusServer();  ///< closes the link and removes the symbolic link
 
   /// What a client opens; with the symbolic link, if there is one.
   [[nodiscard]] LinkAddress address() const;
@@ -55,13 +55,13 @@ class ModbusServer {
   /// @return requests answered
   std::size_t serve_ready(RegisterHandler& handler, std::chrono::milliseconds timeout);
 
-  [[nodiscard]] LineFaults& faults();
+  [[nodiscard]] LinkFaults& faults();
   /// When the last valid request to this unit came; nothing: never ("link present", design of the unit).
   [[nodiscard]] std::optional<Clock::time_point> last_request() const;
 
  private:
-  explicit ModbusServer(std::unique_ptr<ServerLine> line);
-  std::unique_ptr<ServerLine> line_;
+  explicit ModbusServer(std::unique_ptr<ServerLink> link);
+  std::unique_ptr<ServerLink> link_;
 };
 
 }  // namespace ecs::protocol

@@ -41,7 +41,7 @@ TEST_CASE("mbpoll reads the identity and writes and reads registers over RTU") {
     return;
   }
   auto shop = Workshop::on_pty();
-  const auto device = std::get<SerialLine>(shop.address().line).device;
+  const auto device = std::get<SerialPort>(shop.address().endpoint).device;
   const auto mbpoll = [&](std::string_view arguments, std::string_view values = "") {
     return output_of(
         fmt::format("mbpoll -m rtu -a 1 -b 115200 -P none -t 4:hex -0 -1 -o 2 {} {} {}", arguments, device, values));
@@ -65,7 +65,7 @@ TEST_CASE("pymodbus reads the identity and writes and reads registers over TCP")
     return;
   }
   auto shop = Workshop::on_tcp();
-  const auto port = std::get<TcpPeer>(shop.address().line).port;
+  const auto port = std::get<TcpPeer>(shop.address().endpoint).port;
   const std::string script = fmt::format(R"(
 from pymodbus.client import ModbusTcpClient
 c = ModbusTcpClient("127.0.0.1", port={})

@@ -69,8 +69,8 @@ TEST_CASE("identity, status, monitor, commands and memory work over TCP") {
 }
 
 TEST_CASE("under every fault of the line a reading is right or a clear error, and the line recovers") {
-  for (std::size_t i = 0; i < kLineFaults; ++i) {
-    const auto fault = static_cast<LineFault>(i);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
+    const auto fault = static_cast<LinkFault>(i);
     CAPTURE(name_of(fault));
     auto shop = Workshop::on_pty();
     auto unit = shop.client();
@@ -84,7 +84,7 @@ TEST_CASE("under every fault of the line a reading is right or a clear error, an
       last = sample->number;
     }
     const auto& counts = unit.link().statistics();
-    if (fault != LineFault::slow_reply) CHECK(counts.retries >= 1);
+    if (fault != LinkFault::slow_reply) CHECK(counts.retries >= 1);
   }
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("a late reply is never taken for the reply to a later request") {
   const auto image = noise_image(2400);
   shop.in_server([&](ModbusServer& server, UnitModel& model) {
     std::copy(image.begin(), image.end(), model.bank_a.begin());
-    server.faults().with_probability(LineFault::stale_reply, 0.4);
+    server.faults().with_probability(LinkFault::stale_reply, 0.4);
   });
   auto unit = shop.client();
   // pieces of one length: only the echo tells their replies apart
@@ -109,7 +109,7 @@ TEST_CASE("a reply later than the response time-out is discarded as late") {
   auto shop = Workshop::on_pty();
   shop.in_server([](ModbusServer& server, UnitModel&) {
     server.faults().slow_ms = 230.0;
-    server.faults().next(LineFault::slow_reply, 1);
+    server.faults().next(LinkFault::slow_reply, 1);
   });
   auto unit = shop.client();
   const auto sample = unit.monitor();
@@ -121,7 +121,7 @@ TEST_CASE("a reply later than the response time-out is discarded as late") {
 TEST_CASE("late replies over TCP are told apart too") {
   auto shop = Workshop::on_tcp();
   auto unit = shop.client();
-  shop.fault(LineFault::stale_reply, 1);
+  shop.fault(LinkFault::stale_reply, 1);
   for (std::uint32_t n = 0; n < 3; ++n) {
     const auto sample = unit.monitor();
     REQUIRE(sample.has_value());
@@ -133,7 +133,7 @@ TEST_CASE("a repeated command is carried out once") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   CHECK(unit.output_off().has_value());
-  shop.fault(LineFault::no_reply, 2);
+  shop.fault(LinkFault::no_reply, 2);
   CHECK(unit.clear_fault().has_value());
   const auto log = shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; });
   CHECK(log == std::vector{CommandCode::output_off, CommandCode::clear_fault});
@@ -202,7 +202,7 @@ TEST_CASE("an absent unit and a wrong unit number give no answer on a serial lin
 TEST_CASE("a line that always garbles says so") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
-  shop.fault_often(LineFault::bad_crc, 1.0);
+  shop.fault_often(LinkFault::bad_crc, 1.0);
   const auto sample = unit.monitor();
   REQUIRE_FALSE(sample.has_value());
   CHECK(says(sample.error(), "garbled"));
@@ -224,7 +224,7 @@ TEST_CASE("each way a port cannot be opened has its own message") {
 
 TEST_CASE("a port without permission says so") {
   auto server = ModbusServer::on_pty({}).value();
-  const auto device = std::get<SerialLine>(server.address().line).device;
+  const auto device = std::get<SerialPort>(server.address().endpoint).device;
   REQUIRE(::chmod(device.c_str(), 0) == 0);
   const bool root = ::geteuid() == 0;
   constexpr uid_t kNobody = 65'534;
@@ -258,7 +258,7 @@ TEST_CASE("a line that disappears is an error at once, and every later call too"
     for (int n = 0; n < 3; ++n) {
       const auto sample = unit.monitor();
       REQUIRE_FALSE(sample.has_value());
-      CHECK(says(sample.error(), "the line is gone"));
+      CHECK(says(sample.error(), "the connection is lost"));
       CHECK(unit.link().last_failure() == LinkFailure::disconnected);
     }
     CHECK(std::chrono::steady_clock::now() - begun < 5s);
@@ -273,7 +273,7 @@ TEST_CASE("a cancel ends the wait for a reply") {
   auto options = shop.options(&cancelled);
   options.timing->response_timeout = 60s;
   UnitClient unit(Link::open(shop.address(), options).value());
-  shop.fault(LineFault::no_reply, 1);
+  shop.fault(LinkFault::no_reply, 1);
   std::thread later([&] {
     std::this_thread::sleep_for(100ms);
     cancelled = true;

@@ -6,6 +6,7 @@
 
 #include "base/file.hpp"
 #include "protocol/registers/unit_registers.hpp"
+#include "protocol/registers/window_block.hpp"
 #include "unit_model.hpp"
 
 using namespace ecs;

@@ -193,10 +193,10 @@ class Workshop {
     }
     return answer.get();
   }
-  void fault(LineFault fault, std::uint32_t transactions) {
+  void fault(LinkFault fault, std::uint32_t transactions) {
     in_server([=](ModbusServer& server, UnitModel&) { server.faults().next(fault, transactions); });
   }
-  void fault_often(LineFault fault, double probability) {
+  void fault_often(LinkFault fault, double probability) {
     in_server([=](ModbusServer& server, UnitModel&) { server.faults().with_probability(fault, probability); });
   }
   /// Pulls the plug: the line is closed, the unit lives on at another one that nobody knows.

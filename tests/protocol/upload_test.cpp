@@ -22,8 +22,8 @@ std::vector<std::uint8_t> active_image(Workshop& shop) {
 
 TEST_CASE("64 KB arrive whole under every fault of the line") {
   const auto image = noise_image(65'536);
-  for (std::size_t i = 0; i < kLineFaults; ++i) {
-    const auto fault = static_cast<LineFault>(i);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
+    const auto fault = static_cast<LinkFault>(i);
     CAPTURE(name_of(fault));
     auto shop = Workshop::on_pty();
     install_old(shop);
@@ -43,7 +43,7 @@ TEST_CASE("a map survives a line that spoils one frame in fifty, in every way") 
   const auto image = noise_image(20'000);
   auto shop = Workshop::on_pty();
   install_old(shop);
-  for (std::size_t i = 0; i < kLineFaults; ++i) shop.fault_often(static_cast<LineFault>(i), 0.0025);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) shop.fault_often(static_cast<LinkFault>(i), 0.0025);
   auto unit = shop.client();
   const auto sent = unit.upload_image(image);
   CHECK(active_image(shop) == (sent ? image : kOldImage));
@@ -56,7 +56,7 @@ TEST_CASE("only missing blocks are sent again") {
   bool struck = false;
   CHECK(unit.write_memory(kBankA.first, image,
                           [&](const Progress& progress) {
-                            if (!struck && progress.bytes_done > 2000) shop.fault(LineFault::lost_request, 1);
+                            if (!struck && progress.bytes_done > 2000) shop.fault(LinkFault::lost_request, 1);
                             struck = struck || progress.bytes_done > 2000;
                           })
             .has_value());
@@ -129,7 +129,7 @@ TEST_CASE("a unit that falls silent in the middle is reported, and the old map s
   options.timing->tries = 2;
   UnitClient unit(Link::open(shop.address(), options).value());
   const auto sent = unit.upload_image(noise_image(30'000), {}, [&](const Progress& progress) {
-    if (progress.bytes_done > 10'000) shop.fault_often(LineFault::lost_request, 1.0);
+    if (progress.bytes_done > 10'000) shop.fault_often(LinkFault::lost_request, 1.0);
   });
   REQUIRE_FALSE(sent.has_value());
   CHECK(sent.error().message.find("no answer") != std::string::npos);

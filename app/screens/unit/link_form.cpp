@@ -25,12 +25,12 @@ LinkForm::LinkForm(const LinkChoice& choice) {
   }
   const auto& address = std::get<protocol::LinkAddress>(choice.link);
   unit_ = fmt::format("{}", address.unit);
-  if (const auto* line = std::get_if<protocol::SerialLine>(&address.line)) {
+  if (const auto* line = std::get_if<protocol::SerialPort>(&address.endpoint)) {
     device_ = line->device;
     baud_ = fmt::format("{}", line->baud);
     format_ = fmt::format("8{}{}", line->parity, line->stop_bits);
   } else {
-    const auto& peer = std::get<protocol::TcpPeer>(address.line);
+    const auto& peer = std::get<protocol::TcpPeer>(address.endpoint);
     kind_ = LinkKind::network;
     host_ = peer.host;
     port_ = fmt::format("{}", peer.port);

@@ -13,7 +13,7 @@
 
 #include "protocol/line/frame_cut.hpp"
 #include "protocol/registers/frame_check.hpp"
-#include "protocol/server/server_line.hpp"
+#include "protocol/server/server_link.hpp"
 
 namespace ecs::protocol {
 
@@ -60,19 +60,19 @@ tl::unexpected<Problem> in_use(const std::filesystem::path& link, const std::fil
                         target.string(), user));
 }
 
-class PtyLine : public ServerLine {
+class PtyLink : public ServerLink {
  public:
-  PtyLine(FrameCodec codec, const PtyOptions& options, Descriptor master, Descriptor keeper, std::string slave)
-      : ServerLine(std::move(codec), Framing::rtu),
+  PtyLink(FrameCodec codec, const PtyOptions& options, Descriptor master, Descriptor keeper, std::string slave)
+      : ServerLink(std::move(codec), Framing::rtu),
         options_(options),
         master_(std::move(master)),
         keeper_(std::move(keeper)),
         slave_(std::move(slave)) {
     if (!options.paced) return;
-    const LinkTiming timing = timing_of(PtyLine::address());
+    const LinkTiming timing = timing_of(PtyLink::address());
     pace_ = {timing.byte_time, timing.frame_gap};
   }
-  ~PtyLine() override {
+  ~PtyLink() override {
     std::error_code ignored;
     if (link_made_ && std::filesystem::read_symlink(options_.link_path, ignored) == slave_)
       std::filesystem::remove(options_.link_path, ignored);
@@ -96,7 +96,7 @@ class PtyLine : public ServerLine {
   }
 
   [[nodiscard]] LinkAddress address() const override {
-    return {SerialLine{link_made_ ? options_.link_path.string() : slave_, options_.baud, 'N', 1}, options_.unit};
+    return {SerialPort{link_made_ ? options_.link_path.string() : slave_, options_.baud, 'N', 1}, options_.unit};
   }
   [[nodiscard]] std::vector<pollfd> poll_fds() const override { return {{master_.get(), POLLIN, 0}}; }
   [[nodiscard]] std::optional<Clock::time_point> next_deadline() const override {
@@ -175,7 +175,7 @@ tl::unexpected<Problem> pty_problem() {
 
 }  // namespace
 
-Result<std::unique_ptr<ServerLine>> open_pty_line(const PtyOptions& options) {
+Result<std::unique_ptr<ServerLink>> open_pty_link(const PtyOptions& options) {
   Descriptor master(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
   if (!master || ::grantpt(master.get()) != 0 || ::unlockpt(master.get()) != 0) return pty_problem();
   std::array<char, 128> name{};
@@ -187,9 +187,9 @@ Result<std::unique_ptr<ServerLine>> open_pty_line(const PtyOptions& options) {
   if (::tcsetattr(keeper.get(), TCSANOW, &raw) != 0) return pty_problem();
   auto codec = FrameCodec::make(Framing::rtu, options.unit);
   if (!codec) return tl::unexpected(codec.error());
-  auto line = std::make_unique<PtyLine>(std::move(*codec), options, std::move(master), std::move(keeper), name.data());
-  if (const auto linked = line->make_link(); !linked) return tl::unexpected(linked.error());
-  return line;
+  auto link = std::make_unique<PtyLink>(std::move(*codec), options, std::move(master), std::move(keeper), name.data());
+  if (const auto linked = link->make_link(); !linked) return tl::unexpected(linked.error());
+  return link;
 }
 
 }  // namespace ecs::protocol

@@ -1,6 +1,6 @@
 // libmodbus on the client's side: connect, send, receive, close.
 // Does not live here: what to do about a failure (protocol/client/link.cpp).
-#include "protocol/line/modbus_line.hpp"
+#include "protocol/line/modbus_link.hpp"
 
 #include <algorithm>
 #include <array>
@@ -41,20 +41,20 @@ bool host_is_known(const TcpPeer& peer) {
   return rc == 0;
 }
 
-bool is_line_lost(int error) {
+bool is_link_lost(int error) {
   constexpr std::array kLost{EIO, ECONNRESET, EPIPE, EBADF, ENXIO, ENODEV, ECONNABORTED, ENOTCONN, ECONNREFUSED};
   return std::find(kLost.begin(), kLost.end(), error) != kLost.end();
 }
 
 }  // namespace
 
-tl::expected<void, PortProblem> ModbusLine::connect() {
+tl::expected<void, PortProblem> ModbusLink::connect() {
   disconnect();
-  if (const auto* serial = std::get_if<SerialLine>(&address_.line)) return connect_serial(*serial);
-  return connect_tcp(std::get<TcpPeer>(address_.line));
+  if (const auto* serial = std::get_if<SerialPort>(&address_.endpoint)) return connect_serial(*serial);
+  return connect_tcp(std::get<TcpPeer>(address_.endpoint));
 }
 
-void ModbusLine::disconnect() {
+void ModbusLink::disconnect() {
   if (context_ != nullptr) {
     modbus_close(context_);
     modbus_free(context_);
@@ -63,21 +63,21 @@ void ModbusLine::disconnect() {
   lock_.reset();
 }
 
-tl::expected<void, PortProblem> ModbusLine::connect_serial(const SerialLine& line) {
-  auto lock = PortLock::take(line.device);
+tl::expected<void, PortProblem> ModbusLink::connect_serial(const SerialPort& port) {
+  auto lock = PortLock::take(port.device);
   if (!lock) return tl::unexpected(lock.error());
   lock_.emplace(std::move(*lock));
-  context_ = modbus_new_rtu(line.device.c_str(), line.baud, line.parity, 8, line.stop_bits);
+  context_ = modbus_new_rtu(port.device.c_str(), port.baud, port.parity, 8, port.stop_bits);
   if (prepare()) return {};
   const int error = errno;
   if (context_ != nullptr) modbus_free(context_);
   context_ = nullptr;
   lock_.reset();
-  return failed(LinkFailure::no_such_port, fmt::format("{}: cannot set up this port for {} baud: {}", line.device,
-                                                       line.baud, modbus_strerror(error)));
+  return failed(LinkFailure::no_such_port, fmt::format("{}: cannot set up this port for {} baud: {}", port.device,
+                                                       port.baud, modbus_strerror(error)));
 }
 
-tl::expected<void, PortProblem> ModbusLine::connect_tcp(const TcpPeer& peer) {
+tl::expected<void, PortProblem> ModbusLink::connect_tcp(const TcpPeer& peer) {
   if (!host_is_known(peer)) return failed(LinkFailure::no_such_port, fmt::format("{}: no such host", peer.host));
   context_ = modbus_new_tcp_pi(peer.host.c_str(), std::to_string(peer.port).c_str());
   if (prepare()) return {};
@@ -89,7 +89,7 @@ tl::expected<void, PortProblem> ModbusLine::connect_tcp(const TcpPeer& peer) {
                             peer.port, modbus_strerror(error)));
 }
 
-bool ModbusLine::prepare() {
+bool ModbusLink::prepare() {
   if (context_ == nullptr) return false;
   const Parts patience = parts_of(timing_.connect_timeout);
   const Parts response = parts_of(timing_.response_timeout);
@@ -105,10 +105,10 @@ bool ModbusLine::prepare() {
   return true;
 }
 
-tl::expected<std::size_t, LinkFailure> ModbusLine::send(std::span<const std::uint8_t> pdu) {
+tl::expected<std::size_t, LinkFailure> ModbusLink::send(std::span<const std::uint8_t> pdu) {
   if (!connected()) return tl::unexpected(LinkFailure::disconnected);
   std::this_thread::sleep_until(last_activity_ + timing_.frame_gap);
-  if (modbus_flush(context_) < 0 && is_line_lost(errno)) {
+  if (modbus_flush(context_) < 0 && is_link_lost(errno)) {
     disconnect();
     return tl::unexpected(LinkFailure::disconnected);
   }
@@ -121,7 +121,7 @@ tl::expected<std::size_t, LinkFailure> ModbusLine::send(std::span<const std::uin
   return tl::unexpected(LinkFailure::disconnected);
 }
 
-ModbusLine::Wait ModbusLine::wait_readable(Clock::time_point until, const std::function<bool()>& cancelled) const {
+ModbusLink::Wait ModbusLink::wait_readable(Clock::time_point until, const std::function<bool()>& cancelled) const {
   while (true) {
     if (cancelled()) return Wait::cancelled;
     const auto left = until - Clock::now();
@@ -136,7 +136,7 @@ ModbusLine::Wait ModbusLine::wait_readable(Clock::time_point until, const std::f
   }
 }
 
-tl::expected<ModbusLine::Bytes, LinkFailure> ModbusLine::receive(const std::function<bool()>& cancelled) {
+tl::expected<ModbusLink::Bytes, LinkFailure> ModbusLink::receive(const std::function<bool()>& cancelled) {
   if (!connected()) return tl::unexpected(LinkFailure::disconnected);
   switch (wait_readable(Clock::now() + timing_.response_timeout, cancelled)) {
     case Wait::over:
@@ -153,7 +153,7 @@ tl::expected<ModbusLine::Bytes, LinkFailure> ModbusLine::receive(const std::func
   const int length = modbus_receive_confirmation(context_, frame.data());
   const int error = errno;
   last_activity_ = Clock::now();
-  if (length < 0 && is_line_lost(error)) {
+  if (length < 0 && is_link_lost(error)) {
     disconnect();
     return tl::unexpected(LinkFailure::disconnected);
   }
@@ -166,7 +166,7 @@ tl::expected<ModbusLine::Bytes, LinkFailure> ModbusLine::receive(const std::func
                frame.begin() + (length - static_cast<std::ptrdiff_t>(tail)));
 }
 
-bool ModbusLine::stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled) {
+bool ModbusLink::stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled) {
   constexpr int kMostExtensions = 4;
   const auto give_up = Clock::now() + kMostExtensions * span;
   auto until = Clock::now() + span;
@@ -174,7 +174,7 @@ bool ModbusLine::stay_quiet(std::chrono::nanoseconds span, const std::function<b
     const Wait wait = wait_readable(std::min(until, give_up), cancelled);
     if (wait == Wait::lost) disconnect();
     if (wait == Wait::lost || wait == Wait::cancelled) return false;
-    if (modbus_flush(context_) < 0 && is_line_lost(errno)) disconnect();
+    if (modbus_flush(context_) < 0 && is_link_lost(errno)) disconnect();
     if (wait == Wait::over) return connected();
     until = Clock::now() + span;
   }

@@ -1,5 +1,5 @@
 // Link addresses and the times of a line.
-#include "protocol/line/serial_line.hpp"
+#include "protocol/line/link_address.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,12 +8,12 @@ using namespace ecs::protocol;
 
 TEST_CASE("a serial address names device, baud, format and unit, with defaults") {
   CHECK(link_address_of("rtu:/dev/ttyUSB0:115200").value() ==
-        LinkAddress{SerialLine{"/dev/ttyUSB0", 115'200, 'N', 1}, 1});
+        LinkAddress{SerialPort{"/dev/ttyUSB0", 115'200, 'N', 1}, 1});
   CHECK(link_address_of("rtu:/dev/ttyS1:9600:8E1:17").value() ==
-        LinkAddress{SerialLine{"/dev/ttyS1", 9600, 'E', 1}, 17});
-  CHECK(link_address_of("rtu:/dev/ttyS1:9600:8o2").value() == LinkAddress{SerialLine{"/dev/ttyS1", 9600, 'O', 2}, 1});
+        LinkAddress{SerialPort{"/dev/ttyS1", 9600, 'E', 1}, 17});
+  CHECK(link_address_of("rtu:/dev/ttyS1:9600:8o2").value() == LinkAddress{SerialPort{"/dev/ttyS1", 9600, 'O', 2}, 1});
   CHECK(link_address_of("rtu:/dev/serial/by-path/pci-0000:00:14.0-port0:19200").value() ==
-        LinkAddress{SerialLine{"/dev/serial/by-path/pci-0000:00:14.0-port0", 19'200, 'N', 1}, 1});
+        LinkAddress{SerialPort{"/dev/serial/by-path/pci-0000:00:14.0-port0", 19'200, 'N', 1}, 1});
 }
 
 TEST_CASE("a TCP address names host, port and unit") {
@@ -53,7 +53,7 @@ TEST_CASE("a wrong address is a usage problem that says what was expected") {
 
 TEST_CASE("times follow from the speed: 3.5 characters up to 19200 baud, 1.75 ms above") {
   using namespace std::chrono_literals;
-  const auto at = [](int baud) { return timing_of({SerialLine{"/dev/x", baud, 'N', 1}, 1}); };
+  const auto at = [](int baud) { return timing_of({SerialPort{"/dev/x", baud, 'N', 1}, 1}); };
   CHECK(at(9600).byte_time == 1'041'667ns);
   CHECK(at(9600).frame_gap == 3'645'833ns);
   CHECK(at(19'200).frame_gap == 1'822'917ns);

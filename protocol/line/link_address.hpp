@@ -12,13 +12,13 @@
 
 namespace ecs::protocol {
 
-/// An RS-232, RS-485 or pseudo-terminal line. RTU always has 8 data bits.
-struct SerialLine {
+/// An RS-232, RS-485 or pseudo-terminal port. RTU always has 8 data bits.
+struct SerialPort {
   std::string device;
   int baud = 115'200;
   char parity = 'N';  ///< N, E or O
   int stop_bits = 1;  ///< 1 or 2
-  friend bool operator==(const SerialLine&, const SerialLine&) = default;
+  friend bool operator==(const SerialPort&, const SerialPort&) = default;
 };
 
 struct TcpPeer {
@@ -30,9 +30,9 @@ struct TcpPeer {
 inline constexpr int kDefaultUnit = 1;
 
 struct LinkAddress {
-  std::variant<SerialLine, TcpPeer> line;
+  std::variant<SerialPort, TcpPeer> endpoint;
   int unit = kDefaultUnit;  ///< Modbus unit number, 1 … 247
-  [[nodiscard]] bool is_serial() const { return std::holds_alternative<SerialLine>(line); }
+  [[nodiscard]] bool is_serial() const { return std::holds_alternative<SerialPort>(endpoint); }
   friend bool operator==(const LinkAddress&, const LinkAddress&) = default;
 };
 

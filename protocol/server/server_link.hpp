@@ -1,4 +1,4 @@
-// The two kinds of line a server sits on; what they share is one step of the event loop.
+// The two kinds of link a server sits on; what they share is one step of the event loop.
 #pragma once
 
 #include <memory>
@@ -26,27 +26,27 @@ class Descriptor {
   int fd_ = -1;
 };
 
-/// How long bytes take on this line.
+/// How long bytes take on this link.
 struct WirePace {
   std::chrono::nanoseconds byte_time{};  ///< 0: not paced
   std::chrono::nanoseconds gap{};        ///< silence between request and reply
 };
 
-class ServerLine {
+class ServerLink {
  public:
   using Clock = std::chrono::steady_clock;
-  virtual ~ServerLine() = default;
+  virtual ~ServerLink() = default;
   [[nodiscard]] virtual LinkAddress address() const = 0;
   [[nodiscard]] virtual std::vector<pollfd> poll_fds() const = 0;
   [[nodiscard]] virtual std::optional<Clock::time_point> next_deadline() const = 0;
   /// Reads what is there, answers what is complete and due, writes what is due. @return requests answered
   virtual std::size_t step(RegisterHandler& handler) = 0;
 
-  LineFaults faults;
+  LinkFaults faults;
   std::optional<Clock::time_point> last_request;
 
  protected:
-  ServerLine(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
+  ServerLink(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
   /// Carries out one request and puts its reply, spoilt or not, into the channel. The reply begins one gap after
   /// `request_end`, when the request's last byte had passed the wire, or now if that is over.
   void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, ReplyChannel& channel,
@@ -57,7 +57,7 @@ class ServerLine {
   Framing framing_;
 };
 
-[[nodiscard]] Result<std::unique_ptr<ServerLine>> open_pty_line(const PtyOptions& options);
-[[nodiscard]] Result<std::unique_ptr<ServerLine>> open_tcp_line(const TcpOptions& options);
+[[nodiscard]] Result<std::unique_ptr<ServerLink>> open_pty_link(const PtyOptions& options);
+[[nodiscard]] Result<std::unique_ptr<ServerLink>> open_tcp_link(const TcpOptions& options);
 
 }  // namespace ecs::protocol

@@ -1,5 +1,5 @@
-// Reading and writing link addresses; the times of a line.
-#include "protocol/line/serial_line.hpp"
+// Reading and writing link addresses; the times of a link (MODBUS over Serial Line V1.02, 2.5.1.1).
+#include "protocol/line/link_address.hpp"
 
 #include <algorithm>
 #include <array>
@@ -40,18 +40,18 @@ std::string joined(const std::vector<std::string_view>& fields, std::size_t coun
   return fmt::format("{}", fmt::join(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(count), ":"));
 }
 
-Result<void> take_format(SerialLine& line, std::string_view format, std::string_view text) {
+Result<void> take_format(SerialPort& port, std::string_view format, std::string_view text) {
   const char parity = static_cast<char>(format[1] & ~0x20);
   if (format[0] != '8') return wrong(text, fmt::format("Modbus RTU needs 8 data bits, got {}", format), kRtuForm);
   if (format[2] != '1' && format[2] != '2')
     return wrong(text, fmt::format("1 or 2 stop bits, got {}", format), kRtuForm);
-  line.parity = parity;
-  line.stop_bits = format[2] - '0';
+  port.parity = parity;
+  port.stop_bits = format[2] - '0';
   return {};
 }
 
 Result<LinkAddress> rtu_address_of(std::string_view text, std::vector<std::string_view> fields) {
-  SerialLine line;
+  SerialPort port;
   int unit = kDefaultUnit;
   if (fields.size() >= 4 && looks_like_format(fields[fields.size() - 2])) {
     const auto number = integer_within(fields.back(), 1, 247);
@@ -60,7 +60,7 @@ Result<LinkAddress> rtu_address_of(std::string_view text, std::vector<std::strin
     fields.pop_back();
   }
   if (fields.size() >= 3 && looks_like_format(fields.back())) {
-    if (const auto taken = take_format(line, fields.back(), text); !taken) return tl::unexpected(taken.error());
+    if (const auto taken = take_format(port, fields.back(), text); !taken) return tl::unexpected(taken.error());
     fields.pop_back();
   }
   if (fields.size() < 2 || fields.front().empty()) return wrong(text, "device or baud rate is missing", kRtuForm);
@@ -68,9 +68,9 @@ Result<LinkAddress> rtu_address_of(std::string_view text, std::vector<std::strin
   if (!baud || std::find(kBaudRates.begin(), kBaudRates.end(), *baud) == kBaudRates.end())
     return wrong(text, fmt::format("baud rate one of {}, got \"{}\"", fmt::join(kBaudRates, " "), fields.back()),
                  kRtuForm);
-  line.baud = *baud;
-  line.device = joined(fields, fields.size() - 1);
-  return LinkAddress{line, unit};
+  port.baud = *baud;
+  port.device = joined(fields, fields.size() - 1);
+  return LinkAddress{port, unit};
 }
 
 Result<LinkAddress> tcp_address_of(std::string_view text, std::string_view rest) {
@@ -106,10 +106,10 @@ Result<LinkAddress> link_address_of(std::string_view text) {
 }
 
 std::string to_text(const LinkAddress& address) {
-  if (const auto* serial = std::get_if<SerialLine>(&address.line))
+  if (const auto* serial = std::get_if<SerialPort>(&address.endpoint))
     return fmt::format("rtu:{}:{}:8{}{}:{}", serial->device, serial->baud, serial->parity, serial->stop_bits,
                        address.unit);
-  const auto& peer = std::get<TcpPeer>(address.line);
+  const auto& peer = std::get<TcpPeer>(address.endpoint);
   const bool is_v6 = peer.host.find(':') != std::string::npos;
   return fmt::format("tcp:{}{}{}:{}:{}", is_v6 ? "[" : "", peer.host, is_v6 ? "]" : "", peer.port, address.unit);
 }
@@ -121,7 +121,7 @@ LinkTiming timing_of(const LinkAddress& address) {
   LinkTiming timing;
   timing.connect_timeout = 3s;
   timing.byte_timeout = 40ms;
-  const auto* serial = std::get_if<SerialLine>(&address.line);
+  const auto* serial = std::get_if<SerialPort>(&address.endpoint);
   if (serial != nullptr) {
     const int bits = 9 + serial->stop_bits + (serial->parity == 'N' ? 0 : 1);
     const double byte_ns = 1e9 * bits / serial->baud;

@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 
 #include "protocol/line/frame_cut.hpp"
-#include "protocol/server/server_line.hpp"
+#include "protocol/server/server_link.hpp"
 
 namespace ecs::protocol {
 
@@ -24,10 +24,10 @@ struct Connection {
   bool ended = false;
 };
 
-class TcpLine : public ServerLine {
+class TcpLink : public ServerLink {
  public:
-  TcpLine(FrameCodec codec, const TcpOptions& options, Descriptor listener, std::uint16_t port)
-      : ServerLine(std::move(codec), Framing::tcp), options_(options), listener_(std::move(listener)), port_(port) {}
+  TcpLink(FrameCodec codec, const TcpOptions& options, Descriptor listener, std::uint16_t port)
+      : ServerLink(std::move(codec), Framing::tcp), options_(options), listener_(std::move(listener)), port_(port) {}
 
   [[nodiscard]] LinkAddress address() const override { return {TcpPeer{"127.0.0.1", port_}, options_.unit}; }
   [[nodiscard]] std::vector<pollfd> poll_fds() const override {
@@ -105,7 +105,7 @@ tl::unexpected<Problem> listen_problem(std::uint16_t port) {
 
 }  // namespace
 
-Result<std::unique_ptr<ServerLine>> open_tcp_line(const TcpOptions& options) {
+Result<std::unique_ptr<ServerLink>> open_tcp_link(const TcpOptions& options) {
   Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!listener) return listen_problem(options.port);
   const int on = 1;
@@ -122,7 +122,7 @@ Result<std::unique_ptr<ServerLine>> open_tcp_line(const TcpOptions& options) {
     return listen_problem(options.port);
   auto codec = FrameCodec::make(Framing::tcp, options.unit);
   if (!codec) return tl::unexpected(codec.error());
-  return std::make_unique<TcpLine>(std::move(*codec), options, std::move(listener), ntohs(place.sin_port));
+  return std::make_unique<TcpLink>(std::move(*codec), options, std::move(listener), ntohs(place.sin_port));
 }
 
 }  // namespace ecs::protocol

@@ -1,4 +1,4 @@
-// One connected libmodbus line: a request frame out, the reply frame in. It calls the library only while connected,
+// One connected libmodbus context: a request frame out, the reply frame in. It calls the library only while connected,
 // because libmodbus 3.1.6 aborts the process otherwise, and waits by its own poll(), because the library's waits
 // cannot be interrupted. Does not live here: retries, echo (protocol/client/link.hpp).
 #pragma once
@@ -14,22 +14,22 @@
 
 #include <tl/expected.hpp>
 
+#include "protocol/line/link_address.hpp"
 #include "protocol/line/port_lock.hpp"
-#include "protocol/line/serial_line.hpp"
 
 struct _modbus;  // libmodbus
 
 namespace ecs::protocol {
 
-class ModbusLine {
+class ModbusLink {
  public:
   using Bytes = std::vector<std::uint8_t>;
   using Clock = std::chrono::steady_clock;
 
-  ModbusLine(LinkAddress address, const LinkTiming& timing) : address_(std::move(address)), timing_(timing) {}
-  ModbusLine(const ModbusLine&) = delete;
-  ModbusLine& operator=(const ModbusLine&) = delete;
-  ~ModbusLine() { disconnect(); }
+  ModbusLink(LinkAddress address, const LinkTiming& timing) : address_(std::move(address)), timing_(timing) {}
+  ModbusLink(const ModbusLink&) = delete;
+  ModbusLink& operator=(const ModbusLink&) = delete;
+  ~ModbusLink() { disconnect(); }
 
   [[nodiscard]] tl::expected<void, PortProblem> connect();
   void disconnect();
@@ -48,7 +48,7 @@ class ModbusLine {
  private:
   enum class Wait { ready, over, lost, cancelled };
   [[nodiscard]] Wait wait_readable(Clock::time_point until, const std::function<bool()>& cancelled) const;
-  [[nodiscard]] tl::expected<void, PortProblem> connect_serial(const SerialLine& line);
+  [[nodiscard]] tl::expected<void, PortProblem> connect_serial(const SerialPort& port);
   [[nodiscard]] tl::expected<void, PortProblem> connect_tcp(const TcpPeer& peer);
   [[nodiscard]] bool prepare();
 

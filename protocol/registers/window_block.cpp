@@ -1,0 +1,26 @@
+// Counting and checking the blocks of a bulk write.
+#include "protocol/registers/window_block.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "protocol/registers/frame_check.hpp"
+#include "protocol/registers/register_map.hpp"
+
+namespace ecs::protocol {
+
+std::size_t blocks_in(std::uint32_t length) { return (length + kBlockBytes - 1) / kBlockBytes; }
+
+std::size_t bytes_in_block(std::uint32_t length, std::size_t number) {
+  const std::size_t before = number * kBlockBytes;
+  return before >= length ? 0 : std::min(kBlockBytes, length - before);
+}
+
+std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(tag >> 8), static_cast<std::uint8_t>(tag & 0xFF),
+                                  static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number & 0xFF)};
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return crc16_of(bytes);
+}
+
+}  // namespace ecs::protocol
