@@ -76,7 +76,7 @@ Result<void> judge(VerbContext& context, const ReportArguments& arguments, const
   if (content.diagnosis) return {};
   context.console.progress("diagnosing the error model", 0.6, 5.0);
   model::DiagnoseOptions options;
-  options.blanks = static_cast<std::size_t>(arguments.blanks);
+  options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   const auto diagnosis = model::diagnose(model, before, options);
   if (!diagnosis) return tl::unexpected(diagnosis.error());
   content.diagnosis = reported(*diagnosis);

@@ -95,7 +95,7 @@ std::string table_of(const Diagnosis& d, bool named, std::string_view title) {
   for (const Candidate& candidate : d.candidates) {
     if (candidate.named != named) continue;
     if (text.empty()) text = fmt::format("\n{}\n{}", title, kHead);
-    text += evidence_row(candidate, d.blanks);
+    text += evidence_row(candidate, d.noise_replicates);
     if (named) text += details(candidate);
   }
   return text;
@@ -153,9 +153,9 @@ std::string diagnosis_text(const Diagnosis& d) {
                                          rows_text(d.outliers), d.outliers.size(), d.observations),
                              0, 2);
   text += "\n";
-  if (d.blanks > 0)
+  if (d.noise_replicates > 0)
     text += paragraph(fmt::format("{} candidates were tried, and {} blanks of noise alone on the same design",
-                                  d.candidates_tried, d.blanks));
+                                  d.candidates_tried, d.noise_replicates));
   text += notes_text(d.notes);
   return text;
 }

@@ -146,7 +146,7 @@ Json json_of(const Diagnosis& d) {
           {"outliers", d.outliers},
           {"notes", d.notes},
           {"candidates_tried", d.candidates_tried},
-          {"blanks", d.blanks}};
+          {"blanks", d.noise_replicates}};
 }
 
 }  // namespace ecs::app

@@ -1,3 +1,6 @@
+// The answer from a search: candidates in order of evidence, their proof by cross-validation (Stone 1974), the chance
+// of a false name from replicates of noise (Westfall and Young 1993); large sets are searched on a stratified sample
+// (Cochran 1977, 5), one reading at random from each stretch of the file.
 #include "model/diagnosis/diagnose.hpp"
 
 #include <algorithm>
@@ -23,10 +26,25 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// An even choice of readings, the same whatever the file's order: every reading of rare kinds is likely to stay.
+/// Any number: the same data always give the same choice.
+constexpr std::uint64_t kSeed = 20261120;
+/// Candidates listed, and of them those that are proved on readings not fitted to: what a person reads, and pays for.
+constexpr std::size_t kMostListed = 12, kMostProved = 4;
+/// Probabilities are given down to 1e-300: below, a double ends.
+constexpr double kMostDigits = 300.0;
+/// Bins in which a dependence is shown: a choice; a line on a screen.
+constexpr std::size_t kMostBins = 24;
+/// A dependence that noise alone shows more often, or of a smaller share of the residual, is not ranked.
+constexpr double kTellingChance = 1e-3, kTellingShare = 0.01;
+/// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
+constexpr double kFewestSpare = 6.0;
+
+double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
+
+/// An even choice of readings: every reading of rare kinds is likely to stay.
 std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
   std::vector<std::size_t> chosen;
-  std::mt19937_64 random(20261120);
+  std::mt19937_64 random(kSeed);
   const double step = static_cast<double>(n) / static_cast<double>(wanted);
   for (std::size_t i = 0; i < wanted; ++i) {
     const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
@@ -72,7 +90,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     }
   for (const Group* group : groups)
     for (const Choice& weaker : group->weaker)
-      if (!listed(instance(weaker)) && list.size() < 12) list.push_back({instance(weaker), weaker, false, {}});
+      if (!listed(instance(weaker)) && list.size() < kMostListed) list.push_back({instance(weaker), weaker, false, {}});
   return list;
 }
 
@@ -141,9 +159,9 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
         std::clamp((rms_um * rms_um - candidate.rms_after_um * candidate.rms_after_um) / above_noise, 0.0, 1.0);
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
-      std::pow(10.0, -std::min(300.0, minus_log_p(ranked.choice.gain, freedom, std::max(4.0, noise.pure.dof))));
-  const double least = 1.0 / (static_cast<double>(in.found.blank_scores.size()) + 1.0);  // blanks show no less
-  candidate.false_naming = std::max(least, tail_probability(in.found.blank_scores, ranked.choice.score()));
+      probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, noise.pure.dof)));
+  const double least = 1.0 / (static_cast<double>(in.found.replicate_scores.size()) + 1.0);  // they show no less
+  candidate.false_naming = std::max(least, tail_probability(in.found.replicate_scores, ranked.choice.score()));
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
   candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.base.columns.cols());
   if (prove) {
@@ -172,9 +190,6 @@ void take_parameters(Candidate& candidate, const Fit& after) {
   }
 }
 
-/// A dependence that noise alone shows more often is not ranked.
-constexpr double kTellingChance = 1e-3;
-
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
                                     const std::vector<StructureTest>& tests) {
   std::vector<Dependence> list;
@@ -183,15 +198,15 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
     one.variable = variable.name;
     one.strength = share_of(variable, residual, noise.pure.noise_um);
     for (const StructureTest& test : tests)
-      if (test.variable == variable.name) one.p_value = std::pow(10.0, -std::min(300.0, test.minus_log_p));
+      if (test.variable == variable.name) one.p_value = probability_from(test.minus_log_p);
     const ResidualView view =
         residual_view(data, std::vector<double>(residual.data(), residual.data() + residual.size()),
-                      noise.pure.noise_um, variable.name, 24);
+                      noise.pure.noise_um, variable.name, kMostBins);
     for (const ResidualBin& bin : view.bins) {
       one.at.push_back(0.5 * (bin.from + bin.to));
       one.mean_um.push_back(bin.mean_um);
     }
-    if (one.strength > 0.01 && one.p_value < kTellingChance) list.push_back(std::move(one));
+    if (one.strength > kTellingShare && one.p_value < kTellingChance) list.push_back(std::move(one));
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Dependence& a, const Dependence& b) { return a.strength > b.strength; });
@@ -224,17 +239,17 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Regressors&
 
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
-  if (found.cross_validated_share < kForeseen)
+  if (found.cross_validated_share < kLeastCrossValidated)
     return fmt::format(
-        "the best effects of the library foresee only {:.0f} % of the residual at targets that they were not fitted to",
-        100.0 * std::max(0.0, found.cross_validated_share));
+        "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
+        kPercent * std::max(0.0, found.cross_validated_share));
   const auto most =
       std::max_element(found.after.begin(), found.after.end(),
                        [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
   if (most == found.after.end()) return "the best effects of the library leave structure";
   return fmt::format(
       "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
-      most->variable, 100.0 * found.structure_p_after);
+      most->variable, kPercent * found.structure_p_after);
 }
 
 Result<Diagnosis> reported(const ReportInput& in) {
@@ -244,7 +259,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.rms_um = rms_of(in.base.residual);
   diagnosis.verdict = verdict_of(in.found, in.options);
   diagnosis.candidates_tried = in.found.families.size();
-  diagnosis.blanks = in.found.blank_scores.size();
+  diagnosis.noise_replicates = in.found.replicate_scores.size();
 
   Model with = in.model;
   const std::vector<RankedCandidate> order = ranked_candidates(in.found, diagnosis.verdict == Verdict::missing_effect);
@@ -267,8 +282,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const double held_out_before =
       order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.base.columns, in.base.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    Candidate candidate =
-        candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um, held_out_before, i < 4);
+    Candidate candidate = candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um,
+                                       held_out_before, i < kMostProved);
     if (candidate.named) take_parameters(candidate, after);
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
@@ -305,7 +320,8 @@ Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const 
   const Regressors regressors(data);
   const auto base = base_of(model, regressors, options.plain, nullptr);
   if (!base) return tl::unexpected(base.error());
-  if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + 6.0) return too_few(data, *base);
+  if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare)
+    return too_few(data, *base);
   if (data.size() <= options.largest_search)
     return reported(
         {model, regressors, *base, searched(regressors, *base, all_candidates(model, regressors), options), options});

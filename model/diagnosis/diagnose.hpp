@@ -22,7 +22,7 @@ enum class Verdict : std::uint8_t {
 [[nodiscard]] std::string_view name_of(Verdict verdict);
 
 struct DiagnoseOptions {
-  std::size_t blanks = 400;                      ///< simulated data sets of noise alone
+  std::size_t noise_replicates = 400;            ///< simulated data sets of noise alone
   double false_naming_limit = 0.005;             ///< a cause is named only below this family-wise probability
   std::size_t most_effects = 3;                  ///< that may be missing at once
   std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all
@@ -50,7 +50,7 @@ struct Candidate {
 struct Dependence {
   std::string variable;         ///< "x_mm", "approach", "run", "time_s", …
   double strength = 0.0;        ///< share of the residual variance, 0 … 1
-  double p_value = 1.0;         ///< against blanks
+  double p_value = 1.0;         ///< against noise alone
   std::vector<double> at;       ///< shape: centres of bins of the variable
   std::vector<double> mean_um;  ///< shape: mean residual there
 };
@@ -68,9 +68,10 @@ struct Diagnosis {
   std::vector<int> outliers;          ///< row numbers
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
   std::size_t candidates_tried = 0;
-  std::size_t blanks = 0;
+  std::size_t noise_replicates = 0;  ///< that were searched
 };
 
+/// Refuses data without readings, a model that cannot act on them, and a flag that was set.
 [[nodiscard]] Result<Diagnosis> diagnose(const Model& model, const Observations& data,
                                          const DiagnoseOptions& options = {});
 

@@ -1,8 +1,12 @@
+// Fall of χ² by each further column: sequential sums of squares from the Cholesky factor of the products (Golub and Van
+// Loan 2013, 4.2); the price per column is Schwarz's (1978), by the caller.
 #include "model/diagnosis/gains.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -11,6 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Functions of a curve beyond its leading ones, at least: fewer are a line and a bow, which have effects of their own.
 constexpr std::size_t kFewestCurveFunctions = 4;
 
 /// Gain of the first 1, 2, … columns in this order, from products; columns that add nothing gain nothing.
@@ -62,7 +67,7 @@ Choice best_variant(const Family& family, const std::vector<std::vector<Index>>&
                     const VectorXd& z, const VectorXd& original, double absorbed, const CostOf& cost) {
   Choice best;
   best.gain = -1.0;
-  double best_score = -1e300;
+  double best_score = -kBeyondAll;
   for (const std::vector<Index>& variant : variants) {
     if (variant.empty() || variant.back() >= static_cast<Index>(z.size())) continue;
     const Gains gains = gains_in_order(gram, z, variant, original, absorbed);
@@ -96,7 +101,7 @@ Choice best_curve(const std::vector<std::vector<Index>>& variants, const MatrixX
   best.gain = -1.0;
   if (variants.empty()) return best;
   const Gains gains = gains_in_order(gram, z, variants.back(), original, absorbed);
-  double best_score = -1e300;
+  double best_score = -kBeyondAll;
   for (const std::vector<Index>& variant : variants) {
     const std::size_t last = variant.size() - 1;
     if (gains.free[last] == 0) continue;

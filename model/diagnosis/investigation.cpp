@@ -1,3 +1,6 @@
+// The level that a score must exceed, from replicates of noise searched in the same way (parametric bootstrap: Efron
+// and Tibshirani 1993, 6.5; the largest of all tests: Westfall and Young 1993), noise and search in turn until neither
+// moves.
 #include "model/diagnosis/investigation.hpp"
 
 #include <algorithm>
@@ -16,30 +19,48 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well.
+/// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well (400
+/// repeats know its square to 7 %).
 constexpr double kLeastShare = 0.07;
-/// What refining a period and adding harmonics may gain on noise, which the blanks are not given.
+/// What refining a period and adding harmonics may gain on noise, which the replicates are not given: two more free
+/// parameters at three a parameter. A choice.
 constexpr double kRefinement = 6.0;
-/// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be.
+/// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be. A
+/// choice, on the safe side of naming.
 constexpr double kLeastStructure = 0.08;
 constexpr double kStructureChance = 0.4;
 /// The same for a third effect, which a mixture of two nearly right ones calls for too easily.
 constexpr double kLateShare = 0.3;
+/// An effect scores at least this (beyond kRefinement), whatever the replicates: e^(8/2) = 55 to 1 by Schwarz's
+/// approximation of the Bayes factor.
+constexpr double kLeastEntry = 8.0;
+/// Noise that changed by more than this is looked at again; twice, then it is what it is.
+constexpr double kNoiseFell = 0.85, kNoiseRose = 1.15;
+constexpr int kMostRounds = 2;
+/// Part of the freedom of repeats that a test of structure relies on: correlated repeats tell less than their number. A
+/// choice.
+constexpr double kFreedomOfTests = 0.6;
+/// Structure that a named effect may leave, a share of what it explains: its own shape is known to about 1 % of its
+/// size at best (of its square 2 %), and at most this many squares of the noise.
+constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
+/// Scores of noise are between these; sixty halvings of that find the level to the last digit.
+constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
+constexpr int kHalvings = 60;
 
-MatrixXf without_absorbed(const MatrixXd& q, MatrixXf blanks) {
-  if (q.cols() == 0) return blanks;
+MatrixXf without_absorbed(const MatrixXd& q, MatrixXf noise_replicates) {
+  if (q.cols() == 0) return noise_replicates;
   const MatrixXf qf = q.cast<float>();
-  const MatrixXf products = qf.transpose() * blanks;
-  blanks.noalias() -= qf * products;
-  return blanks;
+  const MatrixXf products = qf.transpose() * noise_replicates;
+  noise_replicates.noalias() -= qf * products;
+  return noise_replicates;
 }
 
 /// Least score that noise alone reaches with at most the given chance.
-double score_at(const std::vector<double>& blank_scores, double chance) {
-  double low = -50.0, high = 1000.0;
-  for (int i = 0; i < 60; ++i) {
+double score_at(const std::vector<double>& replicate_scores, double chance) {
+  double low = kLowestScore, high = kHighestScore;
+  for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
-    (tail_probability(blank_scores, middle) > chance ? low : high) = middle;
+    (tail_probability(replicate_scores, middle) > chance ? low : high) = middle;
   }
   return high;
 }
@@ -56,17 +77,17 @@ LinearProblem joined(const Base& base, const Search& search, const std::vector<C
   return all;
 }
 
-double chance_of_largest(const std::vector<StructureTest>& tests, const std::vector<double>& blanks) {
+double chance_of_largest(const std::vector<StructureTest>& tests, const std::vector<double>& of_replicates) {
   double largest = 0.0;
   for (const StructureTest& test : tests) largest = std::max(largest, test.minus_log_p);
-  return tail_probability(blanks, largest);
+  return tail_probability(of_replicates, largest);
 }
 
 /// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
 bool changed(const NoiseModel& a, const NoiseModel& b) {
   for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    const double ratio = b.groups[g].sigma() / std::max(a.groups[g].sigma(), 1e-300);
-    if (ratio < 0.85 || ratio > 1.15) return true;
+    const double ratio = b.groups[g].sigma() / std::max(a.groups[g].sigma(), kLeastDivisor);
+    if (ratio < kNoiseFell || ratio > kNoiseRose) return true;
   }
   return false;
 }
@@ -98,7 +119,7 @@ double rms_of(const VectorXd& r) {
   return r.size() == 0 ? 0.0 : std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
 }
 
-Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* told_fit) {
+Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit) {
   auto assembly = Assembly::of(model, regressors);
   if (!assembly) return tl::unexpected(assembly.error());
   Base base;
@@ -116,7 +137,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
       base.columns.conservativeResize(Eigen::NoChange, base.columns.cols() + 1);
       base.columns.rightCols(1) = assembly->slope(s, j, sizes, regressors);
     }
-  if (told_fit != nullptr) *told_fit = told(*assembly, regressors, base.core);
+  if (fit != nullptr) *fit = reported(*assembly, regressors, base.core);
   return base;
 }
 
@@ -134,19 +155,21 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
   found.noise = noise_of(data, base.residual, smooth, found.left_out);
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
-    const double noise_freedom = std::max(4.0, 0.6 * found.noise.pure.dof);
+    const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
     const Search search(regressors, whitener, base.columns, base.target, candidates, options.cancelled);
     found.families = search.families();
-    const MatrixXf blanks = without_absorbed(
-        search.base().q, whitener(simulated_noise(data, found.noise, options.blanks, found.left_out)).cast<float>());
-    if (found.blank_scores.empty()) {
-      found.blank_scores = search.best_scores(blanks);
-      found.entry_score = kRefinement + std::max(8.0, score_at(found.blank_scores, options.false_naming_limit));
+    const MatrixXf noise_replicates = without_absorbed(
+        search.base().q,
+        whitener(simulated_noise(data, found.noise, options.noise_replicates, found.left_out)).cast<float>());
+    if (found.replicate_scores.empty()) {
+      found.replicate_scores = search.best_scores(noise_replicates);
+      found.entry_score =
+          kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
     }
     const double n = static_cast<double>(data.size());
     found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
     const VectorXd residual = residual_of(joined(base, search, found.solution.chosen), whitener);
-    if (round < 2) {
+    if (round < kMostRounds) {
       const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
       const NoiseModel noise = noise_of(data, residual, smooth, outliers);
       if (outliers != found.left_out || changed(found.noise, noise)) {
@@ -160,10 +183,10 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     found.solution = search.refined(found.solution.chosen);
     const Structure structure(data, whitener, noise_freedom);
     found.before = structure.tests(search.base());
-    found.structure_p_before = chance_of_largest(found.before, structure.largest_of_blanks(search.base(), blanks));
+    found.structure_p_before = chance_of_largest(found.before, structure.largest_of(search.base(), noise_replicates));
     if (!found.solution.chosen.empty())
       found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution.chosen);
-    if (found.cross_validated_share < kForeseenAlone &&
+    if (found.cross_validated_share < kLeastCrossValidatedAlone &&
         found.structure_p_before > kStructureChance * options.false_naming_limit) {
       // no structure but for an effect without proof: that is noise
       found.solution = search.solution({});
@@ -177,20 +200,20 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_of_largest(
           found.after,
-          structure.largest_of_blanks(found.solution.space, without_absorbed(found.solution.space.q, blanks)));
+          structure.largest_of(found.solution.space, without_absorbed(found.solution.space.q, noise_replicates)));
     }
     return found;
   }
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  if (found.cross_validated_share < kForeseen) return false;
+  if (found.cross_validated_share < kLeastCrossValidated) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess < kLeastStructure + std::min(0.02 * explained, 0.2);
+  return excess < kLeastStructure + std::min(kLeftOfExplained * explained, kMostLeft);
 }
 
 }  // namespace ecs::model

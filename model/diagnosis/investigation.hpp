@@ -1,5 +1,5 @@
-// The search on one choice of readings: noise, blanks, the best set of effects, what is left. Internal (Eigen).
-// Does not live here: how it is told (diagnose.cpp).
+// The search on one choice of readings: noise and replicates of it, the best set of effects, what is left. Internal to
+// model/ (Eigen). Does not live here: how it is reported (diagnose.cpp).
 #pragma once
 
 #include <vector>
@@ -13,12 +13,13 @@
 
 namespace ecs::model {
 
-/// Least share of what is above noise that an explanation foresees at targets not fitted to.
-inline constexpr double kForeseen = 0.25;
-/// The same where nothing but the effect itself speaks against noise.
-inline constexpr double kForeseenAlone = 0.5;
+/// Least share of what is above noise that an explanation predicts at targets not fitted to. A choice: overfitted noise
+/// predicts nothing or less, a true effect seen at every fifth target still about half.
+inline constexpr double kLeastCrossValidated = 0.25;
+/// The same where nothing but the effect itself speaks against noise: then it has to predict half.
+inline constexpr double kLeastCrossValidatedAlone = 0.5;
 
-/// The model as it stands: what it absorbs and what it leaves.
+/// The model as it is: what it absorbs and what it leaves.
 struct Base {
   Eigen::MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
   Eigen::VectorXd target;    ///< readings less the part held
@@ -31,7 +32,7 @@ struct Found {
   Solution solution;
   std::vector<Group> groups;
   std::vector<Family> families;
-  std::vector<double> blank_scores;
+  std::vector<double> replicate_scores;      ///< best of each noise replicate
   std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
   double structure_p_before = 1.0, structure_p_after = 1.0;
   double entry_score = 0.0;
@@ -48,8 +49,8 @@ struct LinearProblem {
 /// √(mean r²)
 [[nodiscard]] double rms_of(const Eigen::VectorXd& r);
 
-/// Fits the model with every function of its curves. @param told_fit  where the fit is told too; may be null
-[[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* told_fit);
+/// Fits the model with every function of its curves. @param fit  where the fit is reported too; may be null
+[[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit);
 
 [[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
 

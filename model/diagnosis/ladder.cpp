@@ -142,7 +142,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   added.model.effects.push_back(*effect);
   auto after = state_of(added.model, regressors);
   if (!after) return tl::unexpected(after.error());
-  const Fit fit = told(after->assembly, regressors, after->core);
+  const Fit fit = reported(after->assembly, regressors, after->core);
   added.model = with_values(added.model, fit);
   hold_nonlinear(added.model.effects.back(), fit.effects.back());
   added.effect = fit.effects.back();

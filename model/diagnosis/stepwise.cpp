@@ -1,3 +1,5 @@
+// Forward selection (Efroymson 1960) on several branches at once (beam search: Lowerre 1976), then exchange of earlier
+// choices (Miller 2002, 3.5); scores are falls of χ² less Schwarz's price (1978).
 #include "model/diagnosis/stepwise.hpp"
 
 #include <algorithm>
@@ -9,17 +11,34 @@ namespace {
 
 /// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
 constexpr double kIndistinguishable = 9.0;
-/// A rival that needs more parameters for the same fit stays one while its score is at most this much lower.
+/// A rival that needs more parameters for the same fit stays one while its score is at most this much lower: about two
+/// coefficients at Schwarz's price for 1000 readings.
 constexpr double kRivalScoreMargin = 15.0;
-/// Evidence that differs by less than this does not speak against the simpler effect.
+/// Evidence that differs by less than this does not speak against the simpler effect (2 ln of odds of 4.5 to 1; Kass
+/// and Raftery 1995: positive from 2 to 6).
 constexpr double kEven = 3.0;
-/// Fits that differ by less than this are the same fit.
+/// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
 constexpr double kSame = 0.05;
+/// Breadth of the search: choices, each trading processor time against a set that is not met.
 constexpr std::size_t kFirstBranches = 24;
 constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before they are ranked
 constexpr std::size_t kLaterBranches = 5;
 constexpr std::size_t kBeam = 12;
-constexpr double kWorthFollowing = 0.2;  ///< of the best score
+constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
+constexpr double kWorthFollowing = 0.2;                     ///< of the best score
+constexpr int kExchanges = 3;
+/// An exchange must raise the score by this: less is rounding, and would go round in circles.
+constexpr double kLeastProgress = 0.01;
+/// Share of a member's gain that another needs to be looked at exactly; less where its nonlinear parameter can still
+/// move. A choice: the screening is that far from the exact gain at most.
+constexpr double kNearGain = 0.8, kNearGainMovable = 0.5;
+/// Fits of equal evidence may differ by three times what cannot be told apart, where the other is simpler.
+constexpr double kSimplerMargin = 3.0 * kIndistinguishable;
+/// Weaker explanations kept for the list of a group.
+constexpr std::size_t kMostWeaker = 6;
+/// Free functions that shapes over one axis may have together: two, and this share of its targets. More follow any
+/// values at all.
+constexpr double kFreeFunctions = 2.0, kFunctionsATarget = 0.7;
 
 std::vector<std::size_t> key_of(const std::vector<Choice>& chosen) {
   std::vector<std::size_t> key;
@@ -45,7 +64,7 @@ bool is_drift(EffectId id) {
          id == EffectId::dead_path;
 }
 
-/// Whether effects may be missing together: one cause does not stand twice in one place; three free shapes over the
+/// Whether effects may be missing together: one cause occurs once in one place; three free shapes over the
 /// same axis explain anything, and so do three drifts of the same sense.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
@@ -68,14 +87,13 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
         return false;
     }
     if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
-    // more functions than this share of the targets follow any values at all
-    if (shapes > 1 && static_cast<double>(functions) > 2.0 + 0.7 * static_cast<double>(search.targets(*one.axis)))
-      return false;
+    const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
+    if (shapes > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
   return true;
 }
 
-/// Whether a shape stands for another because it is the same, not because it bends to anything: at most one free
+/// Whether a shape replaces another because it is the same, not because it bends to anything: at most one free
 /// parameter more, free curves among themselves apart.
 bool is_alike(const Search& search, const Choice& member, const Choice& other) {
   const EffectId a = search.families()[member.family].effect.id, b = search.families()[other.family].effect.id;
@@ -93,7 +111,7 @@ double worth(const Solution& solution, double entry_score) {
 
 /// Tries to put another effect in the place of each, and to do without it.
 Solution exchanged(const Search& search, Solution best, double entry_score) {
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < kExchanges; ++round) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
       const Solution rest = search.solution(without_member(best.chosen, i));
@@ -102,12 +120,12 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
         changed = true;
         break;
       }
-      for (const Choice& other : search.expand(rest.space, 5)) {
+      for (const Choice& other : search.expand(rest.space, kExchangeExact)) {
         if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
         if (other.family == best.chosen[i].family) continue;
         Solution tried = search.refined(with(rest.chosen, other));
         if (!plausible(search, tried.chosen)) continue;
-        if (worth(tried, entry_score) > worth(best, entry_score) + 0.01) {
+        if (worth(tried, entry_score) > worth(best, entry_score) + kLeastProgress) {
           best = std::move(tried);
           changed = true;
           break;
@@ -157,12 +175,12 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     Group group;
     group.member = search.choice_at(rest.space, solution.chosen[i].family, solution.chosen[i].nonlinear);
     group.member.columns = solution.chosen[i].columns;
-    std::vector<Choice> all = search.expand(rest.space, 4);
+    std::vector<Choice> all = search.expand(rest.space, kRivalExact);
     for (Choice& other : all) {
       if (other.family == group.member.family) continue;
       const bool movable = !nonlinear_parameter_of(search.families()[other.family].effect.id).empty();
-      if (other.gain < (movable ? 0.5 : 0.8) * group.member.gain - kIndistinguishable) {
-        if (other.score() >= entry_score && group.weaker.size() < 6) group.weaker.push_back(other);
+      if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
+        if (other.score() >= entry_score && group.weaker.size() < kMostWeaker) group.weaker.push_back(other);
         continue;
       }
       const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
@@ -171,14 +189,14 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
                             other.gain >= group.member.gain - kIndistinguishable &&
                             other.score() >= group.member.score() - kRivalScoreMargin;
       const bool same_evidence = other.parameters <= group.member.parameters &&
-                                 other.gain >= group.member.gain - 3.0 * kIndistinguishable &&
+                                 other.gain >= group.member.gain - kSimplerMargin &&
                                  other.score() >= group.member.score() - kIndistinguishable;
       if (same_fit || same_evidence)
         group.rivals.push_back(other);
-      else if (other.score() >= entry_score && group.weaker.size() < 6)
+      else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // of equals the one with fewer parameters, then the one that stands first in the library
+    // of equals the one with fewer parameters, then the one that comes first in the library
     for (Choice& rival : group.rivals) {
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;

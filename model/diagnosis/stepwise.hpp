@@ -1,8 +1,7 @@
 // From single candidates to a set of missing effects: forward steps on several branches, exchange of earlier choices,
-// and the rivals that do as well. Internal (Eigen). Does not live here: the gains themselves (search.hpp).
+// and the rivals that do as well. Internal to model/ (Eigen). Does not live here: the gains themselves (search.hpp).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "model/diagnosis/search.hpp"
@@ -19,7 +18,7 @@ struct StepwiseOptions {
 /// The best set of effects; empty where none reaches the entry score. Does not depend on the order of the families.
 [[nodiscard]] Solution best_solution(const Search& search, const StepwiseOptions& options);
 
-/// A member of a solution and those who could stand in its place.
+/// A member of a solution and the rivals that these data cannot distinguish from it.
 struct Group {
   Choice member;
   std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more

@@ -1,3 +1,6 @@
+// Lack of fit by adding functions: the F test of columns added to a regression (Fisher 1922; Draper and Smith
+// 1998, 6.1), one test a variable, its largest judged by the largest of replicates of noise (Westfall and Young
+// 1993, 2.3).
 #include "model/diagnosis/structure.hpp"
 
 #include <algorithm>
@@ -17,6 +20,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
+
+/// Readings of a sense below which a variable is not cut into levels: two levels of two.
+constexpr std::size_t kFewestReadings = 4;
+/// Values closer than this share of their range are one level.
+constexpr double kSameLevel = 1e-6;
+/// Places [mm] of a parked axis closer than this are one: ten times what makes two targets.
+constexpr double kSameParked_mm = 10.0 * kSamePlace_mm;
+/// Levels of a position (a full line of targets), and of a condition: a choice; more levels are more freedom to fit.
+constexpr std::size_t kMostLevels = 40, kMostConditionLevels = 8;
+/// Half waves over the travel: of the difference of approaches, of a run, of what compensation does. A choice: shapes
+/// shorter than an eighth of the travel are left to the levels of the position.
+constexpr std::size_t kWavesOfApproach = 8, kWavesOfRun = 4, kWavesOfMap = 6;
+/// Runs beyond which a run is no variable, and beyond which its shape over the travel is not looked at: a choice, each
+/// run costs two to six functions.
+constexpr std::size_t kMostRuns = 60, kMostRunsWithShape = 12;
+/// Half waves in time: nothing faster than four minutes, which turbulence may do (design.md 3.4: up to about a minute
+/// is noise); two at least, twelve at most.
+constexpr double kFastest_s = 240.0, kFewestWavesOfTime = 2.0, kMostWavesOfTime = 12.0;
 
 /// Functions collected one by one.
 class Functions {
@@ -48,18 +69,18 @@ std::vector<Sense> senses_of(const Observations& data) {
   return {senses.begin(), senses.end()};
 }
 
-/// Functions of one column of numbers within one sense: one per value if there are few, else eight equal shares.
+/// Functions of one column of numbers within one sense: one per value if there are few, else `most` equal shares.
 template <class Value, class Weight>
 void add_levels(Functions& functions, const Observations& data, Sense sense, const Value& value, std::size_t most,
                 const Weight& weight) {
   std::vector<double> values;
   for (std::size_t k = 0; k < data.size(); ++k)
     if (data.sense[k] == sense && !std::isnan(value(k))) values.push_back(value(k));
-  if (values.size() < 4) return;
+  if (values.size() < kFewestReadings) return;
   std::sort(values.begin(), values.end());
   const double width = values.back() - values.front();
   if (width <= 0.0) return;
-  std::vector<double> levels = distinct(values, 1e-6 * width);
+  std::vector<double> levels = distinct(values, kSameLevel * width);
   std::vector<double> ends;  // upper ends of all bins but the last
   if (levels.size() <= most) {
     for (std::size_t i = 0; i + 1 < levels.size(); ++i) ends.push_back(0.5 * (levels[i] + levels[i + 1]));
@@ -67,8 +88,8 @@ void add_levels(Functions& functions, const Observations& data, Sense sense, con
     for (std::size_t i = 1; i < most; ++i) ends.push_back(values[i * values.size() / most]);
     ends = distinct(ends, 0.0);
   }
-  double before = -1e300;
-  ends.push_back(1e300);
+  double before = -kBeyondAll;
+  ends.push_back(kBeyondAll);
   for (const double end : ends) {
     functions.add([&](std::size_t k) {
       const bool inside = data.sense[k] == sense && value(k) > before && value(k) <= end;
@@ -87,7 +108,7 @@ std::vector<double> scaled_positions(const Observations& data) {
   std::vector<double> scaled(data.size());
   for (const Sense sense : senses_of(data))
     for (const Axis a : kAllAxes) {
-      double least = 1e300, greatest = -1e300;
+      double least = kBeyondAll, greatest = -kBeyondAll;
       for (std::size_t k = 0; k < data.size(); ++k)
         if (data.sense[k] == sense && data.axis[k] == a) {
           least = std::min(least, data.p_mm(k, a));
@@ -110,12 +131,12 @@ void add_curves_by_parking(const Observations& data, Axis parked, Sense sense, c
     std::vector<double> places;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (mine(k)) places.push_back(data.p_mm(k, parked));
-    places = distinct(std::move(places), 1e-4);
+    places = distinct(std::move(places), kSamePlace_mm);
     if (places.size() < 2 || places.size() > kMostPlaces) continue;
     for (const double place : places)
       for (std::size_t m = 1; m <= kWaves; ++m)
         functions.add([&](std::size_t k) {
-          return mine(k) && std::abs(data.p_mm(k, parked) - place) < 1e-3
+          return mine(k) && std::abs(data.p_mm(k, parked) - place) < kSameParked_mm
                      ? std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0))
                      : 0.0;
         });
@@ -128,7 +149,7 @@ void add_positions(const Observations& data, const std::vector<double>& scaled, 
     Functions functions(data.size());
     for (const Sense sense : senses_of(data)) {
       add_levels(
-          functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, 40, kOne);
+          functions, data, sense, [&](std::size_t k) { return data.p_mm(k, a); }, kMostLevels, kOne);
       add_curves_by_parking(data, a, sense, scaled, functions);
     }
     if (!functions.empty()) out.push_back({kNames[index_of(a)], functions.matrix()});
@@ -150,7 +171,7 @@ void add_approach(const Observations& data, const std::vector<double>& scaled, s
         return data.sense[k] == sense && data.axis[k] == a ? static_cast<double>(data.approach[k]) : 0.0;
       };
       functions.add(d);
-      for (std::size_t m = 1; m <= 8; ++m)
+      for (std::size_t m = 1; m <= kWavesOfApproach; ++m)
         functions.add([&](std::size_t k) {
           return d(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
         });
@@ -165,7 +186,7 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
       std::set<int> runs;
       for (std::size_t k = 0; k < data.size(); ++k)
         if (data.sense[k] == sense && data.axis[k] == a) runs.insert(data.run[k]);
-      if (runs.size() < 2 || runs.size() > 60) continue;
+      if (runs.size() < 2 || runs.size() > kMostRuns) continue;
       const double share = 1.0 / static_cast<double>(runs.size());
       for (const int run : runs) {  // differences between runs: what all runs share depends on other variables
         const auto in_run = [&](std::size_t k) {
@@ -175,8 +196,8 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
         functions.add(in_run);
         functions.add([&](std::size_t k) { return in_run(k) * scaled[k]; });
         functions.add([&](std::size_t k) { return in_run(k) * data.approach[k]; });
-        if (runs.size() <= 12)
-          for (std::size_t m = 2; m <= 4; ++m)
+        if (runs.size() <= kMostRunsWithShape)
+          for (std::size_t m = 2; m <= kWavesOfRun; ++m)
             functions.add([&](std::size_t k) {
               return in_run(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
             });
@@ -192,10 +213,10 @@ void add_time(const Observations& data, std::vector<Variable>& out) {
     if (!std::isnan(t)) last = std::max(last, t);
   if (last <= 0.0) return;
   Functions functions(data.size());
-  const double slowest_pairs = std::clamp(last / 240.0, 2.0, 12.0);  // nothing faster than four minutes
+  const double waves = std::clamp(last / kFastest_s, kFewestWavesOfTime, kMostWavesOfTime);
   for (const Sense sense : senses_of(data)) {
     functions.add([&](std::size_t k) { return data.sense[k] == sense ? data.time_s[k] / last : 0.0; });
-    for (double m = 1.0; m <= slowest_pairs; m += 1.0)
+    for (double m = 1.0; m <= waves; m += 1.0)
       functions.add([&](std::size_t k) {
         return data.sense[k] == sense ? std::cos(m * std::numbers::pi * data.time_s[k] / last) : 0.0;
       });
@@ -209,7 +230,7 @@ void add_condition(const Observations& data, const std::string& name, const Colu
   if (column.empty()) return;
   Functions functions(data.size());
   const auto value = [&](std::size_t k) { return cell(column, k); };
-  double sum = 0.0, count = 0.0, least = 1e300, greatest = -1e300;
+  double sum = 0.0, count = 0.0, least = kBeyondAll, greatest = -kBeyondAll;
   for (const double v : column)
     if (!std::isnan(v)) {
       sum += v;
@@ -217,10 +238,10 @@ void add_condition(const Observations& data, const std::string& name, const Colu
       least = std::min(least, v);
       greatest = std::max(greatest, v);
     }
-  if (count < 4.0 || greatest <= least) return;
+  if (count < static_cast<double>(kFewestReadings) || greatest <= least) return;
   const auto centred = [&](std::size_t k) { return (value(k) - sum / count) / (greatest - least); };
   for (const Sense sense : senses_of(data)) {
-    add_levels(functions, data, sense, value, 8, kOne);
+    add_levels(functions, data, sense, value, kMostConditionLevels, kOne);
     functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * scaled[k] : 0.0; });
     functions.add([&](std::size_t k) { return data.sense[k] == sense ? centred(k) * data.approach[k] : 0.0; });
   }
@@ -234,7 +255,7 @@ void add_compensated(const Observations& data, const std::vector<double>& scaled
   for (const Sense sense : senses_of(data)) {
     const auto on = [&](std::size_t k) { return data.sense[k] == sense && data.compensated[k] ? 1.0 : 0.0; };
     functions.add(on);
-    for (std::size_t m = 1; m <= 6; ++m)
+    for (std::size_t m = 1; m <= kWavesOfMap; ++m)
       functions.add([&](std::size_t k) {
         return on(k) * std::cos(0.5 * static_cast<double>(m) * std::numbers::pi * (scaled[k] + 1.0));
       });
@@ -291,15 +312,15 @@ std::vector<StructureTest> Structure::tests(const Space& space) const {
   return tests;
 }
 
-std::vector<double> Structure::largest_of_blanks(const Space& space, const MatrixXf& blanks) const {
-  std::vector<double> largest(static_cast<std::size_t>(blanks.cols()), 0.0);
+std::vector<double> Structure::largest_of(const Space& space, const MatrixXf& noise_replicates) const {
+  std::vector<double> largest(static_cast<std::size_t>(noise_replicates.cols()), 0.0);
   for (std::size_t v = 0; v < variables_.size(); ++v) {
     Space more = space;
     absorb(more, white_[v]);
     const Index fresh = more.q.cols() - space.q.cols();
     if (fresh == 0) continue;
-    const MatrixXf products = more.q.rightCols(fresh).cast<float>().transpose() * blanks;
-    for (Index b = 0; b < blanks.cols(); ++b) {
+    const MatrixXf products = more.q.rightCols(fresh).cast<float>().transpose() * noise_replicates;
+    for (Index b = 0; b < noise_replicates.cols(); ++b) {
       double& top = largest[static_cast<std::size_t>(b)];
       top = std::max(top, minus_log_p(static_cast<double>(products.col(b).squaredNorm()), static_cast<double>(fresh),
                                       noise_freedom_));

@@ -1,5 +1,5 @@
 // Whether what is left depends on anything: position, approach, run, time, sensors, feed, load, compensation.
-// Internal to this room (Eigen). Does not live here: what effect that may be (search.hpp).
+// Internal to model/ (Eigen). Does not live here: what effect that may be (search.hpp).
 #pragma once
 
 #include <string>
@@ -33,8 +33,8 @@ class Structure {
 
   /// Tests of what is left in `space`, one per variable.
   [[nodiscard]] std::vector<StructureTest> tests(const Space& space) const;
-  /// The largest minus_log_p of each blank (columns: independent noise of size one).
-  [[nodiscard]] std::vector<double> largest_of_blanks(const Space& space, const Eigen::MatrixXf& blanks) const;
+  /// The largest minus_log_p of each noise replicate (readings × replicates, whitened, what `space` absorbs taken off).
+  [[nodiscard]] std::vector<double> largest_of(const Space& space, const Eigen::MatrixXf& noise_replicates) const;
 
   [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
 
@@ -44,7 +44,8 @@ class Structure {
   double noise_freedom_;
 };
 
-/// Share of Σ r² that functions of a variable explain beyond what noise does, 0 … 1.
+/// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
+/// does, 0 … 1.
 [[nodiscard]] double share_of(const Variable& variable, const Eigen::VectorXd& residual, double noise_um);
 
 /// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.

@@ -1,3 +1,4 @@
+// Sentences from numbers; no method of its own.
 #include "model/diagnosis/words.hpp"
 
 #include <cmath>
@@ -10,7 +11,14 @@ namespace {
 
 using enum EffectId;
 
-std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
+/// A period is a pitch, a tenth to ten times it, where it agrees to a percent: a fit knows it no better than that on a
+/// short travel, and ratios of small whole numbers are further apart.
+constexpr double kSamePitch = 0.01;
+constexpr int kMostOfPitch = 10;
+/// Targets a period that show its shape, and a period to suggest where none was fitted.
+constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0;
+
+std::string percent(double share) { return fmt::format("{:.3g} %", kPercent * share); }
 
 /// "half the screw pitch" for a period that matches a fact of the machine within a percent; "" if none does.
 std::string pitch_match(const EffectInstance& effect, const Observations& data) {
@@ -20,10 +28,10 @@ std::string pitch_match(const EffectInstance& effect, const Observations& data) 
   if (!axis) return "";
   const auto named = [&](const std::optional<double>& pitch, const char* name) -> std::string {
     if (!pitch) return "";
-    for (int n = 1; n <= 10; ++n) {
-      if (std::abs(period->second * n / *pitch - 1.0) < 0.01)
+    for (int n = 1; n <= kMostOfPitch; ++n) {
+      if (std::abs(period->second * n / *pitch - 1.0) < kSamePitch)
         return n == 1 ? fmt::format("the {}", name) : fmt::format("1/{} of the {}", n, name);
-      if (std::abs(period->second / (n * *pitch) - 1.0) < 0.01) return fmt::format("{} times the {}", n, name);
+      if (std::abs(period->second / (n * *pitch) - 1.0) < kSamePitch) return fmt::format("{} times the {}", n, name);
     }
     return "";
   };
@@ -51,11 +59,12 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
     text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} um",
                         *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
-  if (candidate.false_naming * static_cast<double>(diagnosis.blanks) < 1.0)
-    text += fmt::format("; in none of {} data sets of noise alone does anything look as good", diagnosis.blanks);
+  if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
+    text +=
+        fmt::format("; in none of {} data sets of noise alone does anything look as good", diagnosis.noise_replicates);
   else if (candidate.false_naming < 1.0)
     text += fmt::format("; noise alone looks as good in {:.2g} % of data sets like this one",
-                        100.0 * candidate.false_naming);
+                        kPercent * candidate.false_naming);
   if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())
     text += fmt::format("; the period {:.5g} mm is {}", candidate.effect.fitted.at("period_mm"), pitch);
   return text + fmt::format(". What tells it apart: {}.", info.tells_apart);
@@ -85,8 +94,9 @@ std::string separating_measurement(const EffectInstance& effect, const std::vect
         "Measure along {} again on a second line, the other axes parked as far as possible from the first.", a);
   if (effect.id == cyclic) {
     const auto period = effect.fitted.find("period_mm");
-    const double p = period == effect.fitted.end() ? 10.0 : period->second;
-    return fmt::format("Measure three periods of {} in steps of {:.3g} mm in the middle of the travel.", a, p / 10.0);
+    const double p = period == effect.fitted.end() ? kUsualPeriod_mm : period->second;
+    return fmt::format("Measure three periods of {} in steps of {:.3g} mm in the middle of the travel.", a,
+                       p / kTargetsAPeriod);
   }
   if (any(effect, rivals, {backlash, reversal_curve, reversal_spike}))
     return fmt::format(

@@ -1,3 +1,5 @@
+// Lack of fit against the scatter of repeats: the F test (Fisher 1922; Draper and Smith 1998, 2.1), here without the
+// loss of freedom by the fit; share of a variable by one-way analysis of variance of binned residuals.
 #include "model/fit/compare.hpp"
 
 #include <algorithm>
@@ -13,6 +15,11 @@
 
 namespace ecs::model {
 namespace {
+
+/// Degrees of freedom of repeats below which no F is given: a choice; F(k, 3) exceeds 9 in one case of twenty.
+constexpr double kFewestPureFreedom = 4.0;
+/// Values of a variable closer than this share of its range are one value: far finer than any bin.
+constexpr double kSameValue = 1e-6;
 
 std::vector<std::string> variables_in(const Observations& data) {
   std::vector<std::string> names{"x_mm",         "y_mm",         "z_mm",
@@ -41,8 +48,8 @@ ResidualBin bin_of(const std::vector<std::pair<double, double>>& pairs, std::siz
   return bin;
 }
 
-std::optional<LackOfFit> lack_of_fit_of_rows(const Observations& data, const std::vector<double>& residual,
-                                             const std::vector<std::size_t>& rows, const Repeats& repeats) {
+std::optional<LackOfFit> lack_of_fit_of_rows(const std::vector<double>& residual, const std::vector<std::size_t>& rows,
+                                             const Repeats& repeats) {
   std::map<std::size_t, std::vector<double>> nodes;
   for (const std::size_t k : rows) nodes[repeats.node_of[k]].push_back(residual[k]);
   double between = 0.0, within = 0.0, pure_freedom = 0.0;
@@ -53,12 +60,11 @@ std::optional<LackOfFit> lack_of_fit_of_rows(const Observations& data, const std
     for (const double r : each.second) within += (r - mean) * (r - mean);
     pure_freedom += n - 1.0;
   }
-  if (pure_freedom < 4.0 || within <= 0.0) return std::nullopt;
+  if (pure_freedom < kFewestPureFreedom || within <= 0.0) return std::nullopt;
   const double freedom = static_cast<double>(nodes.size());
   LackOfFit test;
   test.F = between / freedom / (within / pure_freedom);
   test.p = std::exp(ln_f_tail(test.F, freedom, pure_freedom));
-  static_cast<void>(data);
   return test;
 }
 
@@ -80,7 +86,7 @@ std::vector<DirectionSummary> directions_of(const Fit& fit, const Observations& 
       one.peak_um = std::max(one.peak_um, std::abs(fit.residual[k]));
     }
     one.rms_um = rms_of(r);
-    one.lack_of_fit = lack_of_fit_of_rows(data, fit.residual, rows, repeats);
+    one.lack_of_fit = lack_of_fit_of_rows(fit.residual, rows, repeats);
     list.push_back(one);
   }
   return list;
@@ -154,8 +160,8 @@ ResidualView residual_view(const Observations& data, const std::vector<double>& 
   if (pairs.empty() || pairs.front().first == pairs.back().first) return view;
   std::vector<double> values;
   for (const auto& pair : pairs) values.push_back(pair.first);
-  const bool by_value = distinct(values, 1e-6 * (values.back() - values.front())).size() <= most_bins;
-  const double tolerance = 1e-6 * (values.back() - values.front());
+  const double tolerance = kSameValue * (values.back() - values.front());
+  const bool by_value = distinct(values, tolerance).size() <= most_bins;
   double explained = 0.0;
   for (std::size_t from = 0; from < pairs.size();) {
     std::size_t to = from + 1;

@@ -1,5 +1,5 @@
 // The fit of an assembly to readings: outliers, noise, nonlinear parameters, one factorisation. Internal (Eigen).
-// Does not live here: how the result is told (fit.cpp).
+// Does not live here: how the result is reported (fit.cpp).
 #pragma once
 
 #include <memory>

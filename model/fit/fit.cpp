@@ -232,7 +232,7 @@ std::optional<LackOfFit> lack_of_fit_of(const Observations& data, const VectorXd
   return test;
 }
 
-Fit told(const Assembly& assembly, const Regressors& regressors, const CoreFit& core) {
+Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreFit& core) {
   const Observations& data = regressors.data();
   Fit fit;
   Index nonlinear = core.sizes.size();
@@ -277,7 +277,7 @@ Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& 
   CoreOptions core;
   core.plain = options.plain;
   const CoreFit result = fitted(*assembly, regressors, core);
-  return told(*assembly, regressors, result);
+  return reported(*assembly, regressors, result);
 }
 
 Model with_values(Model model, const Fit& fit) {

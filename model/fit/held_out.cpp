@@ -1,3 +1,6 @@
+// Cross-validation by parts (Stone 1974; Geisser 1975), each row weighed by the variance of its prediction; least
+// squares by the complete orthogonal decomposition (Golub and Van Loan 2013, 5.4.7) or by LDLᵀ of the scaled normal
+// equations.
 #include "model/fit/held_out.hpp"
 
 #include <algorithm>
@@ -6,6 +9,7 @@
 #include <set>
 
 #include "model/data/curve_basis.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 
@@ -13,12 +17,30 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+/// Parts of a cross-validation: five or ten are usual (Hastie, Tibshirani and Friedman 2009, 7.10); five cost half.
+constexpr std::size_t kMostParts = 5;
+/// Runs from which whole runs are held out: with two each part would be fitted to one run alone.
+constexpr std::size_t kFewestRuns = 3;
+/// Neighbours held out together where there are no runs: a choice; single ones would be predicted by correlated noise.
+constexpr std::size_t kBlock = 4;
+/// A column of which less than this is left beside the others (of its norm) depends on them: half the digits of a
+/// double.
+constexpr double kDependent = 1e-7;
+/// Added to a diagonal of 1, so that columns that depend on each other share a size: far below noise.
+constexpr double kRidge = 1e-9;
+/// A row counts for at most this many mean squares: three sigmas, so that no outlier decides.
+constexpr double kMostSquare = 9.0;
+/// What is above noise counts as at least this much a row: below it the share of it is chance. A choice.
+constexpr double kLeastAboveNoise = 0.05;
+
+}  // namespace
+
 Parts parts_of(const Observations& data) {
-  constexpr std::size_t kMostParts = 5;
-  constexpr std::size_t kBlock = 4;
   Parts parts;
   const std::set<int> runs(data.run.begin(), data.run.end());
-  parts.by_run = runs.size() >= 3;
+  parts.by_run = runs.size() >= kFewestRuns;
   parts.count = parts.by_run ? std::min(runs.size(), kMostParts) : kMostParts;
   for (std::size_t k = 0; k < data.size(); ++k) {
     const std::size_t number =
@@ -30,16 +52,16 @@ Parts parts_of(const Observations& data) {
 
 Parts parts_by_target(const Observations& data) {
   Parts parts;
-  parts.count = 5;
+  parts.count = kMostParts;
   parts.of.assign(data.size(), 0);
   std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
   for (std::size_t k = 0; k < data.size(); ++k)
     targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
-  for (auto& each : targets) each.second = distinct(std::move(each.second), 1e-4);
+  for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
   for (std::size_t k = 0; k < data.size(); ++k) {
     const auto& list = targets[{data.sense[k], data.axis[k]}];
     const double p = data.p_mm(k, data.axis[k]);
-    const auto rank = std::upper_bound(list.begin(), list.end(), p + 1e-5) - list.begin();
+    const auto rank = std::upper_bound(list.begin(), list.end(), p + 0.1 * kSamePlace_mm) - list.begin();
     parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
   }
   return parts;
@@ -50,17 +72,17 @@ VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
   VectorXd norm = white.colwise().norm();
   for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(1e-7);
+  decomposition.setThreshold(kDependent);
   decomposition.compute(white * norm.asDiagonal());
   return norm.asDiagonal() * VectorXd(decomposition.solve(target));
 }
 
 namespace {
 
-/// Calls `tell` with the place and the residual of every reading, predicted from the other parts.
-template <class Tell>
+/// Calls `take` with the number and the residual of every reading, predicted from the other parts.
+template <class Take>
 void predict_parts(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                   const Parts& parts, const MatrixXd& columns, const VectorXd& target, const Tell& tell) {
+                   const Parts& parts, const MatrixXd& columns, const VectorXd& target, const Take& take) {
   for (std::size_t part = 0; part < parts.count; ++part) {
     std::vector<bool> hidden = left_out;
     for (std::size_t k = 0; k < hidden.size(); ++k)
@@ -70,7 +92,7 @@ void predict_parts(const Observations& data, const NoiseModel& noise, const std:
     for (std::size_t k = 0; k < hidden.size(); ++k) {
       if (parts.of[k] != part || left_out[k]) continue;
       const auto at = static_cast<Index>(k);
-      tell(k, target(at) - (sizes.size() > 0 ? columns.row(at).dot(sizes) : 0.0));
+      take(k, target(at) - (sizes.size() > 0 ? columns.row(at).dot(sizes) : 0.0));
     }
   }
 }
@@ -80,7 +102,7 @@ void predict_parts(const Observations& data, const NoiseModel& noise, const std:
 double cross_validated_part(const Parts& parts, const MatrixXd& columns, const VectorXd& target,
                             const VectorXd& before) {
   const double n = static_cast<double>(target.size());
-  const double most = 9.0 * std::max(1.0, before.squaredNorm() / n);
+  const double most = kMostSquare * std::max(1.0, before.squaredNorm() / n);
   double gained = 0.0, there = 0.0, weights = 0.0;
   for (std::size_t part = 0; part < parts.count; ++part) {
     MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
@@ -91,9 +113,9 @@ double cross_validated_part(const Parts& parts, const MatrixXd& columns, const V
       products.noalias() += row.transpose() * row;
       right += row.transpose() * target(static_cast<Index>(k));
     }
-    const VectorXd scale = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const VectorXd scale = products.diagonal().cwiseMax(kLeastDivisor).cwiseSqrt().cwiseInverse();
     products = scale.asDiagonal() * products * scale.asDiagonal();
-    products.diagonal().array() += 1e-9;
+    products.diagonal().array() += kRidge;
     const Eigen::LDLT<MatrixXd> solver(products);
     const VectorXd sizes = scale.asDiagonal() * VectorXd(solver.solve(scale.asDiagonal() * right));
     for (std::size_t k = 0; k < parts.of.size(); ++k) {
@@ -108,7 +130,7 @@ double cross_validated_part(const Parts& parts, const MatrixXd& columns, const V
       weights += weight;
     }
   }
-  return gained / std::max(there, 0.05 * weights);
+  return gained / std::max(there, kLeastAboveNoise * weights);
 }
 
 double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,

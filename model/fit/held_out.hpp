@@ -1,4 +1,5 @@
-// Proof on readings that a term was not fitted to. Internal (Eigen).
+// Cross-validation: what columns predict in readings that they were not fitted to. Internal to model/ (Eigen).
+// Does not live here: which columns (model/diagnosis/).
 #pragma once
 
 #include <Eigen/Dense>
@@ -20,12 +21,14 @@ struct Parts {
 [[nodiscard]] Parts parts_by_target(const Observations& data);
 
 /// Share of what is above noise that columns predict in rows which they were not fitted to, each row weighed by how
-/// well the other parts can predict it at all. All whitened.
+/// well the other parts can predict it at all; at most 1, below 0 where they predict worse than nothing. All whitened.
+/// @param columns (readings × columns)  @param target  readings, fitted by the columns
 /// @param before  the rows without the columns
 [[nodiscard]] double cross_validated_part(const Parts& parts, const Eigen::MatrixXd& columns,
                                           const Eigen::VectorXd& target, const Eigen::VectorXd& before);
 
-/// √(mean r²) over all readings but the outliers, each predicted from the fit to the other parts.
+/// √(mean r²) [unit of the target] over all readings but the outliers, each predicted from the fit to the other parts.
+/// @param columns  (readings × columns), not whitened
 [[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                   const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 

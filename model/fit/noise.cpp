@@ -1,3 +1,6 @@
+// Pure error from repeats (Box, Hunter and Hunter 2005, 10.3): white noise plus one correlated over seconds (first
+// order Gauss-Markov process: Uhlenbeck and Ornstein 1930), and replicates of it by the parametric bootstrap (Efron and
+// Tibshirani 1993, 6.5), their size drawn from a scaled inverse χ². Does not live here: the mixture (noise_shapes.cpp).
 #include "model/fit/noise.hpp"
 
 #include <algorithm>
@@ -9,11 +12,45 @@
 #include <tuple>
 
 #include "model/fit/noise_shapes.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
 
-double rounded(double value, double step) { return std::isnan(value) ? -1e300 : std::round(value / step) * step; }
+/// Feeds [mm/min] and loads [kg] closer than this are one condition: rounding in a file.
+constexpr double kSameCondition = 1e-3;
+/// Both approaches are used where at least one place in three, and ten of them, has both: a choice; fewer pairs give a
+/// worse estimate than all deviations do.
+constexpr std::size_t kPlacesAPair = 3, kFewestPairs = 10;
+/// Mean squares that differ by half are no difference of runs; beyond, two standard deviations of the ratio of two mean
+/// squares of n, 2/√n each.
+constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
+/// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
+/// readings.
+constexpr std::size_t kFewestDeviations = 8;
+/// The last digit of a file is at least this [um]; steps below it are rounding of the arithmetic.
+constexpr double kNoStep_um = 1e-9, kFinestStep_um = 1e-4;
+/// A reading is a multiple of the step where it is off by at most this share of the step.
+constexpr double kOffStep = 1e-3;
+/// A step of the readings q makes noise of q/√12 = 0.29 q; a little less, so that it is no more than a floor.
+constexpr double kFloorOfStep = 0.25;
+/// No noise is smaller than this share of what is left, nor than this [um]: readings made by arithmetic have none.
+constexpr double kFloorOfResidual = 2e-3, kFloor_um = 1e-9;
+/// Part of the variance that stays white: the whitener divides by it.
+constexpr double kLeastWhite = 0.02;
+/// Independent deviations per reading: a choice; fewer would take the likelihood for nothing.
+constexpr double kLeastInformation = 0.05;
+/// Part of the freedom of repeats that the size of replicates is drawn with: correlated repeats tell less than their
+/// number. A choice: a smaller part names less and later.
+constexpr double kFreedomOfReplicates = 0.7;
+/// Any number: the same data always give the same replicates.
+constexpr std::uint64_t kSeed = 7;
+
+double rounded(double value, double step) { return std::isnan(value) ? -kBeyondAll : std::round(value / step) * step; }
+std::array<double, kAxes> rounded(const Vector3& p) {
+  return {rounded(p[0], kSamePlace_mm), rounded(p[1], kSamePlace_mm), rounded(p[2], kSamePlace_mm)};
+}
+
 /// Deviations from the mean of the repeats, widened for the mean that was taken off; NaN where there is no repeat.
 std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen::VectorXd& residual,
                                             const std::vector<bool>& left_out) {
@@ -39,23 +76,21 @@ struct Halves {
   std::vector<double> difference, sum;
 };
 Halves halves_of(const Observations& data, const std::vector<double>& deviation) {
-  using Key = std::tuple<Sense, Axis, int, double, double, double>;
+  using Key = std::tuple<Sense, Axis, int, std::array<double, kAxes>>;
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::map<Key, std::pair<std::size_t, std::size_t>> places;
   std::size_t complete = 0, usable = 0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (std::isnan(deviation[k]) || data.approach[k] == 0) continue;
     ++usable;
-    const Vector3& p = data.position_mm[k];
-    const Key key{data.sense[k],       data.axis[k],        data.run[k],
-                  rounded(p[0], 1e-4), rounded(p[1], 1e-4), rounded(p[2], 1e-4)};
+    const Key key{data.sense[k], data.axis[k], data.run[k], rounded(data.position_mm[k])};
     auto& place = places.try_emplace(key, kNone, kNone).first->second;
     std::size_t& side = data.approach[k] > 0 ? place.first : place.second;
     if (side == kNone) side = k;
     if (place.first != kNone && place.second != kNone) ++complete;
   }
   Halves halves;
-  if (complete * 3 < usable || complete < 10) return halves;
+  if (complete * kPlacesAPair < usable || complete < kFewestPairs) return halves;
   halves.difference.assign(data.size(), kNotMeasured);
   for (const auto& each : places) {
     const auto [forward, reverse] = each.second;
@@ -72,7 +107,8 @@ bool runs_differ(const Halves& halves) {
   for (const double v : halves.difference)
     if (!std::isnan(v)) d.push_back(v * v);
   for (const double v : halves.sum) s.push_back(v * v);
-  const double far = 1.5 + 4.0 / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
+  const double far =
+      kRatioOfRuns + kTwoSigmaOfRatio / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
   return robust_mean_square(std::move(s)) > far * robust_mean_square(std::move(d));
 }
 
@@ -80,7 +116,7 @@ bool runs_differ(const Halves& halves) {
 bool many(const std::vector<double>& deviation) {
   const auto there = static_cast<std::size_t>(
       std::count_if(deviation.begin(), deviation.end(), [](double d) { return !std::isnan(d); }));
-  return there >= 8 && there * 2 >= deviation.size();
+  return there >= kFewestDeviations && there * 2 >= deviation.size();
 }
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
@@ -131,11 +167,11 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
   double smallest = 0.0;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const double gap = sorted[i] - sorted[i - 1];
-    if (gap > 1e-9 && (smallest == 0.0 || gap < smallest)) smallest = gap;
+    if (gap > kNoStep_um && (smallest == 0.0 || gap < smallest)) smallest = gap;
   }
-  if (smallest < 1e-4) return 0.0;
+  if (smallest < kFinestStep_um) return 0.0;
   for (const double v : sorted)
-    if (std::abs(v / smallest - std::round(v / smallest)) > 1e-3) return 0.0;
+    if (std::abs(v / smallest - std::round(v / smallest)) > kOffStep) return 0.0;
   return smallest;
 }
 
@@ -166,17 +202,17 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
 namespace {
 
 Repeats numbered(const Observations& data, bool conditions) {
-  using Key = std::tuple<Sense, Axis, int, std::array<double, 6>>;
+  using Key = std::tuple<Sense, Axis, int, std::array<double, kAxes>, double, double, bool>;
   std::map<Key, std::size_t> nodes;
   Repeats repeats;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::array<double, 6> place{rounded(data.position_mm[k][0], 1e-4),
-                                      rounded(data.position_mm[k][1], 1e-4),
-                                      rounded(data.position_mm[k][2], 1e-4),
-                                      conditions ? rounded(cell(data.feed_mm_min, k), 1e-3) : 0.0,
-                                      conditions ? rounded(cell(data.load_kg, k), 1e-3) : 0.0,
-                                      data.compensated[k] ? 1.0 : 0.0};
-    const Key key{data.sense[k], data.axis[k], data.approach[k], place};
+    const Key key{data.sense[k],
+                  data.axis[k],
+                  data.approach[k],
+                  rounded(data.position_mm[k]),
+                  conditions ? rounded(cell(data.feed_mm_min, k), kSameCondition) : 0.0,
+                  conditions ? rounded(cell(data.load_kg, k), kSameCondition) : 0.0,
+                  data.compensated[k]};
     repeats.node_of.push_back(nodes.try_emplace(key, nodes.size()).first->second);
   }
   repeats.nodes = nodes.size();
@@ -241,7 +277,8 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   noise.pure.dof = from_places ? size - nodes : size - static_cast<double>(smooth.cols());
   noise.pure.dof = std::max(noise.pure.dof, 1.0);
 
-  noise.shapes = likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, 0.05, 1.0));
+  noise.shapes =
+      likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));
   const NoiseShape& best =
       *std::max_element(noise.shapes.begin(), noise.shapes.end(),
                         [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
@@ -252,12 +289,13 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     for (const std::size_t k : group.rows)
       group_square += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
     group_square /= static_cast<double>(group.rows.size());
-    const double floor = std::max({0.25 * resolution_of(data, group), 2e-3 * std::sqrt(group_square), 1e-9});
+    const double floor =
+        std::max({kFloorOfStep * resolution_of(data, group), kFloorOfResidual * std::sqrt(group_square), kFloor_um});
     for (NoiseShape& shape : noise.shapes) {
       if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
       shape.variance[g] = std::max(shape.variance[g], floor * floor);
     }
-    group.white = std::sqrt(std::max(1.0 - best.share, 0.02) * best.variance[g]);
+    group.white = std::sqrt(std::max(1.0 - best.share, kLeastWhite) * best.variance[g]);
     group.correlated = std::sqrt(best.share * best.variance[g]);
     group.time = best.time;
     sum += group.sigma() * group.sigma() * static_cast<double>(group.rows.size());
@@ -270,13 +308,13 @@ Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& nois
                                 const std::vector<bool>& left_out) {
   Eigen::MatrixXd sets =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(count));
-  std::mt19937_64 random(7);
+  std::mt19937_64 random(kSeed);
   std::normal_distribution<double> normal;
   std::vector<double> weights;
   for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
   std::discrete_distribution<std::size_t> any(weights.begin(), weights.end());
   const std::vector<std::size_t> pass = passes_of(data);
-  const double freedom = std::max(4.0, 0.7 * noise.pure.dof);
+  const double freedom = std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof);
   std::chi_squared_distribution<double> spread(freedom);
   for (Eigen::Index b = 0; b < sets.cols(); ++b) {
     const NoiseShape& shape = noise.shapes[any(random)];

@@ -1,5 +1,5 @@
 // The noise of a data set: white plus turbulence correlated over seconds, per sense and moving axis, from repeats where
-// there are any; and the whitening that makes it independent, of size one. Internal to this room (Eigen).
+// there are any; and the whitening that makes it independent, of size one. Internal to model/ (Eigen).
 // Does not live here: what is not noise (model/diagnosis/structure.hpp).
 #pragma once
 
@@ -13,6 +13,13 @@
 
 namespace ecs::model {
 
+/// Positions closer than this are one target: a tenth of a micrometre, finer than an axis of a machine tool resolves.
+inline constexpr double kSamePlace_mm = 1e-4;
+
+/// Least degrees of freedom that the noise is given: an inverse χ² of fewer has no variance, and the few widest
+/// replicates would decide everything.
+inline constexpr double kFewestNoiseFreedom = 4.0;
+
 /// Readings of one sense along one moving axis: one instrument, one noise.
 struct NoiseGroup {
   Sense sense = Sense::EX;
@@ -24,7 +31,7 @@ struct NoiseGroup {
   [[nodiscard]] double sigma() const;
 };
 
-/// One way in which the noise may be made, and how likely the data make it.
+/// One mixture of white and correlated noise, and how likely the data make it.
 struct NoiseShape {
   double share = 0.0;            ///< of the correlated part in the variance
   double time = 1.0;             ///< correlation time: s, or readings where there is no time
@@ -40,7 +47,7 @@ struct NoiseModel {
   [[nodiscard]] std::vector<double> sigma_by_row(std::size_t n) const;
 };
 
-/// Place of a reading among its repeats: readings with equal numbers differ in run only.
+/// Number of the node of each reading: readings of one node differ in run only.
 struct Repeats {
   std::vector<std::size_t> node_of;  ///< per reading
   std::size_t nodes = 0;
@@ -53,13 +60,16 @@ struct Repeats {
 /// Number of the pass of each reading: same run, approach, axis, sense and parked place.
 [[nodiscard]] std::vector<std::size_t> passes_of(const Observations& data);
 
-/// @param residual  readings less what is believed so far
+/// White and correlated part of each group, from repeats where at least half the readings have them, else from what
+/// smooth columns leave.
+/// @param residual  readings less what the model says so far, um or um/m, canonical order
 /// @param smooth    columns that a smooth machine could produce (used where there are no repeats)
 /// @param left_out  outliers
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
 
-/// Data sets of noise alone, one per column, each made in one of the ways that the data leave possible.
+/// Data sets of noise alone (readings × count), each of one shape that the data leave possible, drawn by its weight;
+/// the same for the same data. Rows left out are 0.
 [[nodiscard]] Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
                                               const std::vector<bool>& left_out);
 

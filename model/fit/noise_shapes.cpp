@@ -1,14 +1,46 @@
+// Restricted maximum likelihood (Patterson and Thompson 1971) on a grid of mixtures, by the innovations of a Kalman
+// filter (Schweppe 1965), squares winsorised (Huber 1964); levels of small groups drawn together where Bartlett's test
+// (1937) finds them equal (empirical Bayes: Efron and Morris 1973).
 #include "model/fit/noise_shapes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
+
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
 
-/// What takes more readings than that is no turbulence, where there is no time.
-constexpr double kReadings = 20.0;
+/// What takes longer is no turbulence: readings where there is no time, else seconds (about three correlation times of
+/// the slowest shape).
+constexpr double kReadings = 20.0, kSlow_s = 200.0;
+/// Correlation times tried, in readings where there is no time, else in seconds: air in a workshop moves in seconds to
+/// a minute (design.md 3.4); steps of less than two cost little likelihood between them.
+constexpr std::array kTimes_readings{1.0, 2.0, 4.0};
+constexpr std::array kTimes_s{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
+/// Shares of the correlated part tried: an even grid, closer to 1, where the likelihood changes fastest.
+constexpr std::array kShares{0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97};
+/// A square counts as at most so many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
+constexpr double kMostSquareOfNoise = 20.0;
+/// Polynomial of a pass: at most of this degree, and at most one order for so many readings.
+constexpr Eigen::Index kMostDegree = 5, kReadingsAnOrder = 6;
+/// Smallest time between ends and pivot of a polynomial: no division by 0, no ln of 0.
+constexpr double kLeastWidth = 1e-9, kLeastPivot = 1e-12;
+/// Degrees of freedom of a pass, and of a group, below which their own level is not believed. A choice.
+constexpr double kFewestPassFreedom = 4.0, kFewestGroupFreedom = 6.0;
+/// Deviations of a group below which its scatter limits nothing.
+constexpr std::size_t kFewestDeviationsOfGroup = 4;
+/// Standard deviations beyond which a statistic is no chance.
+constexpr double kThreeSigma = 3.0;
+/// Passes below which a median of their low orders says nothing; the ratio is kept within a thousandth and a thousand.
+constexpr std::size_t kFewestPasses = 3;
+constexpr double kLeastRatio = 1e-3, kGreatestRatio = 1e3;
+/// Weight in nats, a reading, of the square by which a shape claims more than the scatter there is. A choice: the
+/// scatter is known to a few per cent itself, so that a small excess costs little and a double one everything.
+constexpr double kPriceOfExcess = 0.1;
 
 /// Readings of one pass in order, with the time of each.
 struct Pass {
@@ -45,10 +77,10 @@ struct PassFit {
 };
 PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, double share, double time, double slow) {
   const auto n = static_cast<Eigen::Index>(pass.rows.size());
-  const double first = pass.time.front(), last = pass.time.back(), width = std::max(last - first, 1e-9);
+  const double first = pass.time.front(), last = pass.time.back(), width = std::max(last - first, kLeastWidth);
   const auto by_length = static_cast<Eigen::Index>(width / slow);
   const Eigen::Index least = slow > kReadings ? 1 : 0;  // a line at least, where there is time
-  const Eigen::Index degree = last > first ? std::min<Eigen::Index>({5, n / 6, least + by_length}) : 0;
+  const Eigen::Index degree = last > first ? std::min({kMostDegree, n / kReadingsAnOrder, least + by_length}) : 0;
   Eigen::MatrixXd columns(n, degree + 2);  // the polynomial, then the deviations
   for (Eigen::Index i = 0; i < n; ++i) {
     const double u = 2.0 * (pass.time[static_cast<std::size_t>(i)] - first) / width - 1.0;
@@ -79,7 +111,7 @@ PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, doub
   fit.low.assign(turned.data(), turned.data() + degree + 1);
   y -= columns.leftCols(degree + 1) * qr.solve(y);
   for (Eigen::Index j = 0; j <= degree; ++j)
-    fit.ln_determinant += 2.0 * std::log(std::max(std::abs(qr.matrixQR()(j, j)), 1e-12));
+    fit.ln_determinant += 2.0 * std::log(std::max(std::abs(qr.matrixQR()(j, j)), kLeastPivot));
   fit.residual.assign(y.data(), y.data() + n);
   fit.freedom = static_cast<double>(n - degree - 1);
   return fit;
@@ -88,15 +120,16 @@ PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, doub
 /// The passes without the few that scatter far more than the others of their group: something happened there.
 std::vector<Pass> quiet_passes(std::vector<Pass> passes, const std::vector<double>& deviation, std::size_t groups,
                                double slow) {
+  // a choice: a pass of 2.5 times the median level is no chance; where a fifth of them are so, that is the noise
   constexpr double kFar = 2.5, kMostShare = 0.2;
   std::vector<std::vector<double>> squares(groups);
   std::vector<double> square(passes.size(), kNotMeasured), limit(passes.size(), 0.0);
   for (std::size_t i = 0; i < passes.size(); ++i) {
     const PassFit fit = fitted_pass(passes[i], deviation, 0.0, 1.0, slow);
-    if (fit.freedom < 4.0) continue;
+    if (fit.freedom < kFewestPassFreedom) continue;
     square[i] = 0.0;
     for (const double r : fit.residual) square[i] += r * r / fit.freedom;
-    limit[i] = kFar * (1.0 + 3.0 * std::sqrt(2.0 / fit.freedom));
+    limit[i] = kFar * (1.0 + kThreeSigma * std::sqrt(2.0 / fit.freedom));
     squares[passes[i].group].push_back(square[i]);
   }
   std::vector<Pass> quiet;
@@ -106,10 +139,9 @@ std::vector<Pass> quiet_passes(std::vector<Pass> passes, const std::vector<doubl
     for (std::size_t i = 0; i < passes.size(); ++i)
       if (passes[i].group == g) mine.push_back(i);
     if (!all.empty()) {
-      const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-      std::nth_element(all.begin(), middle, all.end());
+      const double middle = upper_median(std::move(all));
       for (const std::size_t i : mine)
-        if (square[i] > limit[i] * *middle) loud.push_back(i);
+        if (square[i] > limit[i] * middle) loud.push_back(i);
     }
     if (static_cast<double>(loud.size()) > kMostShare * static_cast<double>(mine.size())) loud.clear();
     for (const std::size_t i : mine)
@@ -122,8 +154,8 @@ std::vector<Pass> quiet_passes(std::vector<Pass> passes, const std::vector<doubl
 /// predicts may be structure, at a price; less cannot be.
 double agreement_of_low_orders(const std::vector<Pass>& passes, const std::vector<PassFit>& fits,
                                const std::vector<double>& variance) {
-  constexpr double kPriceOfStructure = 5.0;
-  constexpr double kEfficiency = 0.4;  // of a median
+  constexpr double kPriceOfStructure = 5.0;  // nats: odds of 150 to 1 against structure that imitates noise
+  constexpr double kEfficiency = 0.4;        // of a median of squares against their mean (0.37 for χ² of one degree)
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> squares;
   for (std::size_t i = 0; i < passes.size(); ++i)
     for (std::size_t j = 0; j < fits[i].low.size(); ++j)
@@ -131,10 +163,8 @@ double agreement_of_low_orders(const std::vector<Pass>& passes, const std::vecto
         squares[{passes[i].group, j}].push_back(fits[i].low[j] * fits[i].low[j] / variance[passes[i].group]);
   double both = 0.0, less = 0.0;
   for (auto& [key, list] : squares) {
-    if (list.size() < 3) continue;
-    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
-    std::nth_element(list.begin(), middle, list.end());
-    const double ratio = std::clamp(*middle / 0.4549, 1e-3, 1e3);
+    if (list.size() < kFewestPasses) continue;
+    const double ratio = std::clamp(upper_median(list) / kMedianChi2, kLeastRatio, kGreatestRatio);
     const double nats = 0.5 * kEfficiency * static_cast<double>(list.size()) * (std::log(ratio) + 1.0 - ratio);
     both += nats;
     if (ratio < 1.0) less += nats;
@@ -145,18 +175,14 @@ double agreement_of_low_orders(const std::vector<Pass>& passes, const std::vecto
 /// Evidence of a shape against white noise, pass by pass; a pass that speaks for it far louder than the others tells of
 /// some event in it.
 double evidence_of(std::vector<double> nats, const std::vector<double>& nats_white) {
+  // a choice: six median deviations are four sigmas; below two nats no pass is loud
   constexpr double kLoud = 6.0, kLeast = 2.0;
   for (std::size_t i = 0; i < nats.size(); ++i) nats[i] -= nats_white[i];
-  const auto median_of = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   if (nats.empty()) return 0.0;
-  const double middle = median_of(nats);
+  const double middle = upper_median(nats);
   std::vector<double> away;
   for (const double n : nats) away.push_back(std::abs(n - middle));
-  const double most = std::max(kLeast, middle + kLoud * median_of(away));
+  const double most = std::max(kLeast, middle + kLoud * upper_median(std::move(away)));
   double sum = 0.0;
   for (const double n : nats) sum += std::min(n, most);
   return sum;
@@ -166,7 +192,7 @@ double evidence_of(std::vector<double> nats, const std::vector<double>& nats_whi
 /// strongly where the groups agree as equal noises do (Bartlett's test), a little where they do not.
 void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom, double information,
                    std::vector<double>& variance) {
-  constexpr double kAgreeing = 40.0, kDiffering = 4.0;
+  constexpr double kAgreeing = 40.0, kDiffering = 4.0;  // degrees of freedom that the common level counts for: a choice
   for (const bool rotations : {false, true}) {
     double all = 0.0, sum = 0.0, logs = 0.0, count = 0.0;
     const auto counts = [&](std::size_t g) {
@@ -183,7 +209,7 @@ void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<doub
     if (count < 2.0) continue;
     const double common = sum / all;
     const double bartlett = all * std::log(common) - logs;
-    const bool agree = bartlett < count - 1.0 + 3.0 * std::sqrt(2.0 * (count - 1.0));
+    const bool agree = bartlett < count - 1.0 + kThreeSigma * std::sqrt(2.0 * (count - 1.0));
     const double prior = agree ? kAgreeing : kDiffering;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const double f = freedom[g] * information;
@@ -196,9 +222,7 @@ void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<doub
 
 double robust_mean_square(std::vector<double> squares) {
   if (squares.empty()) return 0.0;
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  const double limit = 20.0 * *middle / 0.4549;
+  const double limit = kMostSquareOfNoise * upper_median(squares) / kMedianChi2;
   double sum = 0.0, count = 0.0;
   for (const double s : squares)
     if (s <= limit || limit <= 0.0) {
@@ -210,20 +234,21 @@ double robust_mean_square(std::vector<double> squares) {
 
 std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vector<NoiseGroup>& groups,
                                       const std::vector<double>& deviation, double information) {
-  const double slow = data.time_s.empty() ? kReadings : 200.0;  // what takes longer is no turbulence
+  const double slow = data.time_s.empty() ? kReadings : kSlow_s;
   const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation), deviation, groups.size(), slow);
-  const std::vector<double> times =
-      data.time_s.empty() ? std::vector<double>{1.0, 2.0, 4.0} : std::vector<double>{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
+  const std::span<const double> times =
+      data.time_s.empty() ? std::span<const double>(kTimes_readings) : std::span<const double>(kTimes_s);
   std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
   for (const double time : times)
-    for (const double share : {0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97}) shapes.push_back({share, time, 0.0, {}});
-  double most = -1e300;
+    for (const double share : kShares) shapes.push_back({share, time, 0.0, {}});
+  double most = -kBeyondAll;
   std::vector<double> scatter;
   for (const NoiseGroup& group : groups) {
     std::vector<double> squares;
     for (const std::size_t k : group.rows)
       if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
-    scatter.push_back(squares.size() < 4 ? kNotMeasured : robust_mean_square(std::move(squares)));
+    scatter.push_back(squares.size() < kFewestDeviationsOfGroup ? kNotMeasured
+                                                                : robust_mean_square(std::move(squares)));
   }
   std::vector<double> nats_white;
   for (NoiseShape& shape : shapes) {
@@ -243,13 +268,13 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
       level[g] = robust_mean_square(squares[g]) * count[g] / freedom[g];
       all += level[g] * freedom[g];
       all_freedom += freedom[g];
-      if (freedom[g] >= 6.0) shape.variance[g] = level[g];
+      if (freedom[g] >= kFewestGroupFreedom) shape.variance[g] = level[g];
     }
     std::vector<double> nats;
     for (std::size_t i = 0; i < passes.size(); ++i) {
-      const double at = std::max(level[passes[i].group], 1e-300);
+      const double at = std::max(level[passes[i].group], kLeastDivisor);
       double sum = 0.0;
-      for (const double r : fits[i].residual) sum += std::min(r * r / at, 20.0);
+      for (const double r : fits[i].residual) sum += std::min(r * r / at, kMostSquareOfNoise);
       nats.push_back(-0.5 * (fits[i].ln_determinant + fits[i].freedom * std::log(at) + sum));
     }
     if (shape.share == 0.0) nats_white = nats;
@@ -268,7 +293,8 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
       there += n * scatter[g];
       rows += n;
     }
-    if (there > 0.0 && claimed > there) shape.weight -= 0.1 * rows * information * std::pow(claimed / there - 1.0, 2);
+    if (there > 0.0 && claimed > there)
+      shape.weight -= kPriceOfExcess * rows * information * std::pow(claimed / there - 1.0, 2);
     most = std::max(most, shape.weight);
   }
   double sum = 0.0;

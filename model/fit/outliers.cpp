@@ -1,3 +1,5 @@
+// Hampel's identifier: distance from a median in units of the median absolute deviation (Hampel 1974; Davies and Gather
+// 1993), against the largest of n normal deviates, √(2 ln n) (Donoho and Johnstone 1994).
 #include "model/fit/outliers.hpp"
 
 #include <algorithm>
@@ -5,9 +7,23 @@
 #include <map>
 
 #include "model/fit/noise.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
+
+/// Neighbours looked at on either side: a choice; more smooth a curve away, fewer leave the median to chance.
+constexpr std::size_t kReach = 3;
+/// Readings of a pass below which neighbours say nothing: at least three of them beside the reading.
+constexpr std::size_t kFewestInPass = 4;
+/// Repeats below which the median of the others is one reading.
+constexpr std::size_t kFewestRepeats = 3;
+/// Readings below which no scale is known well enough, and of which at most one may be an outlier: isolated means rare.
+constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 12;
+/// Beyond the largest of n normal deviates by this much: the scale is estimated, and noise has longer tails. A choice.
+constexpr double kMargin = 2.5;
+/// √(2 ln n) holds for many; below this n it is taken at this n.
+constexpr std::size_t kFewestForLimit = 10;
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -21,18 +37,17 @@ double robust_scale(const std::vector<double>& values) {
   std::vector<double> sizes;
   for (const double v : values)
     if (!std::isnan(v)) sizes.push_back(std::abs(v));
-  return 1.4826 * median(std::move(sizes));
+  return kSigmaPerMad * median(std::move(sizes));
 }
 
 /// Distance of each reading from the median of its neighbours in the same pass; NaN where there are too few.
 std::vector<double> from_neighbours(const Observations& data, const Eigen::VectorXd& residual) {
-  constexpr std::size_t kReach = 3;
   std::map<std::size_t, std::vector<std::size_t>> passes;
   const std::vector<std::size_t> pass = passes_of(data);
   for (std::size_t k = 0; k < pass.size(); ++k) passes[pass[k]].push_back(k);
   std::vector<double> distance(data.size(), kNotMeasured);
   for (const auto& [number, rows] : passes) {
-    if (rows.size() < 4) continue;
+    if (rows.size() < kFewestInPass) continue;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       std::vector<double> near;
       for (std::size_t j = i > kReach ? i - kReach : 0; j <= std::min(i + kReach, rows.size() - 1); ++j)
@@ -50,7 +65,7 @@ std::vector<double> from_repeats(const Observations& data, const Eigen::VectorXd
   for (std::size_t k = 0; k < data.size(); ++k) nodes[repeats.node_of[k]].push_back(k);
   std::vector<double> distance(data.size(), kNotMeasured);
   for (const auto& rows : nodes) {
-    if (rows.size() < 3) continue;
+    if (rows.size() < kFewestRepeats) continue;
     for (const std::size_t k : rows) {
       std::vector<double> others;
       for (const std::size_t j : rows)
@@ -66,7 +81,7 @@ std::vector<double> from_repeats(const Observations& data, const Eigen::VectorXd
 std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
   const std::size_t n = data.size();
   std::vector<bool> out(n, false);
-  if (n < 12) return out;
+  if (n < kFewestReadings) return out;
   const std::vector<double> near = from_neighbours(data, residual);
   const std::vector<double> repeats = from_repeats(data, residual);
   std::map<std::pair<Sense, Axis>, std::vector<std::size_t>> groups;
@@ -77,7 +92,8 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
       for (const std::size_t k : rows) values.push_back(all[k]);
       return values;
     };
-    const double limit = 2.5 + std::sqrt(2.0 * std::log(static_cast<double>(std::max<std::size_t>(rows.size(), 10))));
+    const double limit =
+        kMargin + std::sqrt(2.0 * std::log(static_cast<double>(std::max(rows.size(), kFewestForLimit))));
     const double near_scale = robust_scale(part(near)), repeat_scale = robust_scale(part(repeats));
     std::vector<std::pair<double, std::size_t>> found;
     for (const std::size_t k : rows) {
@@ -88,7 +104,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
       const bool odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
       if (odd) found.emplace_back(std::isnan(by_near) ? by_repeats : by_near, k);
     }
-    if (found.size() * 12 > rows.size()) continue;  // too many to be isolated
+    if (found.size() * kReadingsAnOutlier > rows.size()) continue;  // too many to be isolated
     for (const auto& each : found) out[each.second] = true;
   }
   return out;

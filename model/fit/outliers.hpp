@@ -1,5 +1,5 @@
 // Isolated readings that agree neither with their neighbours in the pass nor with their repeats.
-// Internal to this room (Eigen). Does not live here: what a fit does with them (fit.cpp).
+// Internal to model/ (Eigen). Does not live here: what a fit does with them (fit.cpp).
 #pragma once
 
 #include <vector>
@@ -10,7 +10,9 @@
 
 namespace ecs::model {
 
-/// @param residual  readings less what is believed
+/// One flag per reading, canonical order; none is set below 12 readings, nor in a sense where more than one in twelve
+/// would be. Source: outliers.cpp.
+/// @param residual  readings less what the model says, um or um/m
 [[nodiscard]] std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual);
 
 }  // namespace ecs::model

@@ -1,9 +1,18 @@
-// Tail probabilities that the tests of this room need.
+// Tail probabilities, intervals and the constants that robust estimates share. Sources: statistics.cpp.
 #pragma once
 
 #include <vector>
 
 namespace ecs::model {
+
+/// A median absolute deviation times this is a standard deviation: 1/Φ⁻¹(3/4) of a normal distribution.
+inline constexpr double kSigmaPerMad = 1.4826;
+/// Median of χ² of one degree of freedom: a median square divided by it is a variance.
+inline constexpr double kMedianChi2 = 0.4549;
+/// Keeps a quotient finite where the divisor may be 0; far below the square of anything measured.
+inline constexpr double kLeastDivisor = 1e-300;
+/// Larger than any value met: where the search for a least or greatest value begins. Finite, as are differences of it.
+inline constexpr double kBeyondAll = 1e300;
 
 /// ln of the chance that a χ² variable of k degrees of freedom exceeds x.
 [[nodiscard]] double ln_chi2_tail(double x, double k);
@@ -12,16 +21,19 @@ namespace ecs::model {
 /// Two-sided chance of a normal variable beyond ±z.
 [[nodiscard]] double normal_two_sided(double z);
 
-/// Chance that a blank reaches `value`: the share of blanks that do, and beyond them an exponential tail fitted to the
-/// upper fifth of them.
-[[nodiscard]] double tail_probability(std::vector<double> blanks, double value);
+/// Chance, 0 … 1, that noise alone reaches `value`: the share of the replicates that do, and beyond them an exponential
+/// tail fitted to the upper fifth of them. 1 without replicates.
+[[nodiscard]] double tail_probability(std::vector<double> noise_replicates, double value);
 
-/// Clopper-Pearson interval of a share.
+/// Interval of a share, 0 … 1, that holds with at least the given confidence (Clopper and Pearson 1934).
 struct Interval {
   double low = 0.0;
   double high = 1.0;
 };
 [[nodiscard]] Interval clopper_pearson(unsigned hits, unsigned trials, double confidence = 0.95);
+
+/// The middle of the ordered values, of an even number the upper of the two. @pre  values are not empty
+[[nodiscard]] double upper_median(std::vector<double> values);
 
 /// √(mean of squares); 0 for none.
 [[nodiscard]] double rms_of(const std::vector<double>& values);

@@ -1,4 +1,5 @@
-// Whitening by the innovations of a Kalman filter for white plus exponentially correlated noise.
+// Whitening by the innovations of a Kalman filter (Kalman 1960; Kailath 1968) for white noise plus a first order
+// Gauss-Markov process: one pass over the readings of a group in order of time.
 #include <cmath>
 
 #include "model/fit/noise.hpp"

@@ -75,7 +75,7 @@ class PlanJudge {
     expect_values();
     factorise();
     PlanCheck check;
-    const Fit fit = told(assembly_, regressors_, core_);
+    const Fit fit = reported(assembly_, regressors_, core_);
     check.effects = fit.effects;
     check.condition = fit.condition;
     check.undetermined = fit.undetermined;

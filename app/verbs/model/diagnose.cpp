@@ -14,7 +14,7 @@ namespace {
 
 struct DiagnoseArguments {
   ModelArguments common;
-  int blanks = static_cast<int>(model::DiagnoseOptions{}.blanks);
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
   bool plain = false;
   std::string plot;
 };
@@ -31,7 +31,7 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
   const auto work = model_work(context, arguments.common);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
-  options.blanks = static_cast<std::size_t>(arguments.blanks);
+  options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   options.plain = arguments.plain;
   options.cancelled = &interrupted();
   const auto diagnosis = model::diagnose(work->model, work->data, options);

@@ -23,7 +23,7 @@ struct RevealArguments {
   std::string folder;
   std::string diagnosis;
   std::string machine;
-  int blanks = static_cast<int>(model::DiagnoseOptions{}.blanks);
+  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
 };
 
 struct Revealed {
@@ -70,7 +70,7 @@ Result<FoundAnswer> answer_of(VerbContext& context, const std::string& folder, c
   const auto work = model_work(context, inputs);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
-  options.blanks = static_cast<std::size_t>(arguments.blanks);
+  options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   const auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), inputs.model));
   return answer_in(one_line(json_of(*diagnosis)), folder);
