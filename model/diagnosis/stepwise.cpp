@@ -1,5 +1,5 @@
 // Forward selection (Efroymson 1960) on several branches at once (beam search: Lowerre 1976), then exchange of earlier
-// choices (Miller 2002, 3.5); scores are falls of χ² less Schwarz's price (1978).
+// choices (Miller 2002); scores are falls of χ² less Schwarz's price (1978).
 #include "model/diagnosis/stepwise.hpp"
 
 #include <algorithm>

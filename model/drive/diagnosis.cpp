@@ -1,4 +1,6 @@
-// The search for the wrong constant of a servo axis. Does not live here: the fit of given constants (fit.cpp).
+// The search for the wrong constant of a servo axis: constants one by one, then in pairs, by least loss; constants
+// whose sensitivities are nearly collinear are one group (collinearity index: Brun, Reichert and Künsch 2001). Does not
+// live here: the fit of given constants (fit.cpp).
 #include "model/drive/diagnosis.hpp"
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "model/drive/fit.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -15,14 +18,23 @@ namespace {
 /// of the angle between their sensitivities. The thesis's own model is no closer to its oscilloscope (rise 67 and 74
 /// ms).
 constexpr double kAlike = 0.06;
-/// What a change leaves of the difference it was to explain, without being told from a full explanation.
+/// Share of the largest signal that a change may leave and still explain the recording: what the equations leave out. A
+/// choice: smaller names a second constant for what the model is not made for.
 constexpr double kModelError = 0.004;
-/// A change that leaves more than this share of the loss is no candidate.
+/// A change that leaves more than this share of the loss is no candidate. A choice, to keep the list short.
 constexpr double kLeastFall = 0.95;
-/// A pair has one of so many of the best single directions in it.
+/// A pair has one of so many of the best single directions in it: a choice of processor time.
 constexpr std::size_t kMostFirsts = 4;
 /// Sensitivities below this share of the largest are no sensitivities.
 constexpr double kSilent = 1e-3;
+/// An rms may exceed the noise by this factor and still be noise: the noise is known to 10 % or so from second
+/// differences.
+constexpr double kNoiseMargin = 1.2;
+/// Share of the largest value of a further signal that may be left: signals beside the D/A voltage are calibrated less
+/// well. A choice.
+constexpr double kFurtherError = 0.02;
+/// Whole pulses of the position error counter add up to half a pulse.
+constexpr double kPulsePart = 0.5;
 
 struct Single {
   DriveConstant constant = DriveConstant::Kd;
@@ -39,7 +51,7 @@ class DriveSearch {
     found_.observations = trace_.time_s.size();
     found_.notes = trace_.notes;
     found_.noise_V = trace_.dac().noise;
-    found_.floor_V = std::hypot(1.2 * found_.noise_V, 0.5 * given_.drive[DriveConstant::Kd]);
+    found_.floor_V = std::hypot(kNoiseMargin * found_.noise_V, kPulsePart * given_.drive[DriveConstant::Kd]);
     found_.rms_V = fitter_.rms(given_, 0);
     found_.measured = shape_of(trace_.time_s, trace_.dac().value, found_.noise_V);
     found_.as_given = simulated_shape(given_);
@@ -56,7 +68,8 @@ class DriveSearch {
     const double tolerance = std::hypot(found_.floor_V, kModelError * largest());
     if (fitter_.rms(fit, 0, true) > tolerance) return false;
     for (std::size_t s = 1; s < trace_.signals.size(); ++s)
-      if (fitter_.rms(fit, s, true) > std::hypot(1.2 * trace_.signals[s].noise, 0.02 * largest_of(s))) return false;
+      if (fitter_.rms(fit, s, true) > std::hypot(kNoiseMargin * trace_.signals[s].noise, kFurtherError * largest_of(s)))
+        return false;
     return true;
   }
   [[nodiscard]] double largest_of(std::size_t signal) const {
@@ -150,7 +163,7 @@ void DriveSearch::compare_signals(DriveCandidate& candidate, const std::vector<c
         difference.peak = std::max(difference.peak, std::abs(a));
         b_most = std::max(b_most, std::abs(b));
       }
-      const double smaller = std::max(1e-300, std::min(a_square, b_square));
+      const double smaller = std::max(kLeastDivisor, std::min(a_square, b_square));
       difference.members.push_back({candidate.alternatives[i].constant, std::sqrt(square / smaller), b_most});
     }
     candidate.signals.push_back(std::move(difference));
@@ -178,7 +191,7 @@ void DriveSearch::gather_groups() {
     for (std::size_t i = head; i < singles_.size(); ++i) {
       if (taken[i]) continue;
       const bool alike = i == head || (sine_between(columns, first.constant, singles_[i].constant) < kAlike &&
-                                       singles_[i].rms_V <= 1.2 * close);
+                                       singles_[i].rms_V <= kNoiseMargin * close);
       if (!alike) continue;
       taken[i] = true;
       candidate.alternatives.push_back(change_of(singles_[i].constant, singles_[i].fit));
@@ -200,11 +213,11 @@ std::vector<std::vector<DriveConstant>> DriveSearch::directions() const {
   std::vector<std::vector<DriveConstant>> found;
   for (const DriveConstant c : order) {
     if (std::find(silent.begin(), silent.end(), c) != silent.end()) continue;
-    const auto home = std::find_if(found.begin(), found.end(), [&](const auto& direction) {
+    const auto direction_of_c = std::find_if(found.begin(), found.end(), [&](const auto& direction) {
       return sine_between(columns, direction.front(), c) < kAlike;
     });
-    if (home != found.end())
-      home->push_back(c);
+    if (direction_of_c != found.end())
+      direction_of_c->push_back(c);
     else
       found.push_back({c});
   }
@@ -246,7 +259,7 @@ void DriveSearch::try_pairs() {
       candidate.like_second = {all[b].begin() + 1, all[b].end()};
       pairs.emplace_back(std::move(candidate), std::abs(best.ln_factor.at(one)) + std::abs(best.ln_factor.at(two)));
     }
-  // of pairs that explain alike the smaller change stands first
+  // of pairs that explain alike the smaller change comes first
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   std::vector<DriveCandidate> ranked;
   for (auto& [candidate, far] : pairs) ranked.push_back(std::move(candidate));

@@ -42,7 +42,7 @@ struct SignalDifference {
   DriveSignal signal = DriveSignal::tacho;
   double peak = 0.0;                      ///< with the first member mended
   std::vector<MemberDifference> members;  ///< all but the first
-  /// Least over the members: 0.25 and more tells the first from all others.
+  /// Least over the members: kClearDifference and more distinguishes the first from all others.
   [[nodiscard]] double least() const;
 };
 
@@ -73,7 +73,7 @@ struct DriveDiagnosis {
   std::vector<std::string> notes;
 };
 
-/// Two mended axes whose signals differ by this share of their rms are told apart at a glance.
+/// Two mended axes whose signals differ by this share of their rms are distinguished at a glance: a choice.
 inline constexpr double kClearDifference = 0.25;
 
 [[nodiscard]] DriveDiagnosis diagnose_drive(const DriveParameters& drive, const DriveTrace& trace);

@@ -1,17 +1,48 @@
-// Gauss-Newton with damping on the logarithms of drive constants. Does not live here: the simulation.
+// Levenberg-Marquardt (Levenberg 1944; Marquardt 1963) on the logarithms of drive constants, Huber's loss (Huber 1964)
+// by weights (Holland and Welsch 1977), derivatives by differences. Does not live here: the simulation.
 #include "model/drive/fit.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "model/fit/statistics.hpp"
+
 namespace ecs::model {
 namespace {
 
-constexpr double kHuber = 4.0;         // residuals beyond so many scales count by their size, not their square
+/// Residuals beyond so many scales count by their size, not their square: a choice, far enough out to cost normal noise
+/// nothing (Huber's 1.345 costs 5 %).
+constexpr double kHuber = 4.0;
+/// Factors looked at: 1/100 to 100; a constant further off is another machine.
 constexpr double kFarthest = 4.60517;  // ln 100
-constexpr double kSmallStep = 1e-5;    // of ln, for derivatives
+/// Change of ln for derivatives: half the digits of the simulation; wider where two sides are taken.
+constexpr double kSmallStep = 1e-5, kWideStep = 1e-3;
+/// Samples that the start of the move is looked for with, and starts tried, before halving down to kFinestStart_s.
 constexpr std::size_t kCoarseSamples = 160;
 constexpr int kCoarseStarts = 60;
+constexpr double kFinestStart_s = 1e-5;
+/// Damping: begins at, falls and rises by (Marquardt 1963); iterations and attempts that a descent ends after at most.
+constexpr double kFirstDamping = 1e-3, kDampingFalls = 0.1, kDampingRises = 10.0;
+constexpr int kMostIterations = 15, kMostAttempts = 6;
+/// Added to the diagonal, a share of its largest: keeps constants without influence from dividing by 0.
+constexpr double kRidge = 1e-12;
+/// A descent ends where the loss falls by less than this share; earlier while the scale is still coarse.
+constexpr double kSettled = 1e-5, kNearlySettled = 1e-3, kCoarseScale = 3.0;
+/// Zero of the recorder: its prior in steps of its converter; farthest in priors; change for derivatives in priors.
+constexpr double kZeroQuanta = 1.5, kFarthestZero = 3.0, kZeroStep = 1e-3;
+/// Step of the simulation: a tenth of a millisecond, a third of the current regulator's time constant as printed (0.3
+/// ms); coarser where that would be more than so many steps.
+constexpr double kStep_s = 1e-4, kMostSteps = 40'000.0;
+/// The move began within this many sample intervals, and this share of the rise (or of 0.1 s), of where it shows.
+constexpr double kStartIntervals = 3.0, kStartOfRise = 0.1, kUsualRise_s = 0.1;
+/// The scale is taken again while it falls by more than this, at most so often.
+constexpr double kScaleFell = 0.7;
+constexpr int kMostScales = 3;
+/// Factors tried from: e^-4 to e^4 (about 1/55 to 55) in steps of e^0.4 = 1.5; valleys of the loss are wider.
+constexpr double kWidestTry = 4.0, kTrySpacing = 0.4, kRounding = 1e-9;
+/// Samples beyond so many noises are glitches where at most one in a hundred is.
+constexpr double kGlitch = 8.0;
+constexpr std::size_t kSamplesAGlitch = 100;
 
 double loss(double r, double scale) {
   const double size = std::abs(r), edge = kHuber * scale;
@@ -34,9 +65,7 @@ Eigen::VectorXd root_weights(const Eigen::VectorXd& r, double scale) {
 double scale_of(const Eigen::VectorXd& r) {
   std::vector<double> sizes;
   for (const double x : r) sizes.push_back(std::abs(x));
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(1.0, 1.4826 * *middle);
+  return std::max(1.0, kSigmaPerMad * upper_median(std::move(sizes)));
 }
 
 DriveParameters changed(DriveParameters drive, const std::vector<DriveConstant>& free, const Eigen::VectorXd& ln) {
@@ -81,7 +110,7 @@ struct DriveFitter::Descent {
                                (2.0 * shift);
     for (Eigen::Index j = 0; j < zeros(); ++j) {
       Eigen::VectorXd moved = at.tail(zeros());
-      const double small = 1e-3 * fitter.prior_of_zero(static_cast<std::size_t>(j));
+      const double small = kZeroStep * fitter.prior_of_zero(static_cast<std::size_t>(j));
       moved[j] += small;
       columns.col(constants() + 1 + j) = (fitter.residuals(now, at[constants()], moved) - residual) / small;
     }
@@ -98,7 +127,7 @@ struct DriveFitter::Descent {
     }
     next[constants()] = std::clamp(next[constants()], fitter.earliest_s_, fitter.latest_s_);
     for (Eigen::Index j = 0; j < zeros(); ++j) {
-      const double most = 3.0 * fitter.prior_of_zero(static_cast<std::size_t>(j));
+      const double most = kFarthestZero * fitter.prior_of_zero(static_cast<std::size_t>(j));
       next[constants() + 1 + j] = std::clamp(next[constants() + 1 + j], -most, most);
     }
     return next;
@@ -118,23 +147,23 @@ struct DriveFitter::Descent {
 
   void run(double with_scale) {
     scale = with_scale;
-    double damping = 1e-3;
-    for (int iteration = 0; iteration < 15; ++iteration) {
+    double damping = kFirstDamping;
+    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       const double cost = loss(residual, scale);
       const Eigen::VectorXd weight = root_weights(residual, scale);
       weighted = weight.asDiagonal() * jacobian();
       normal = weighted.transpose() * weighted;
       const Eigen::VectorXd gradient = weighted.transpose() * (weight.asDiagonal() * residual);
       bool better = false;
-      for (int attempt = 0; attempt < 6 && !better; ++attempt) {
+      for (int attempt = 0; attempt < kMostAttempts && !better; ++attempt) {
         Eigen::MatrixXd damped = normal;
         damped.diagonal() *= 1.0 + damping;
-        damped.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff() + 1e-300;
+        damped.diagonal().array() += kRidge * normal.diagonal().maxCoeff() + kLeastDivisor;
         const Eigen::VectorXd next = at - damped.ldlt().solve(gradient);
         better = next.allFinite() && accept(bounded(next));
-        damping *= better ? 0.1 : 10.0;
+        damping *= better ? kDampingFalls : kDampingRises;
       }
-      if (!better || cost - loss(residual, scale) < (scale > 3.0 ? 1e-3 : 1e-5) * cost) return;
+      if (!better || cost - loss(residual, scale) < (scale > kCoarseScale ? kNearlySettled : kSettled) * cost) return;
     }
   }
 
@@ -159,7 +188,7 @@ struct DriveFitter::Descent {
     found.cost = loss(residual);
     found.possible = now.bounded;
     Eigen::MatrixXd curvature = normal;
-    curvature.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff() + 1e-300;
+    curvature.diagonal().array() += kRidge * normal.diagonal().maxCoeff() + kLeastDivisor;
     const Eigen::MatrixXd inverse = curvature.inverse(), covariance = inverse * std::pow(scale_of(residual), 2);
     const Eigen::VectorXd counting = inverse * (weighted.transpose() * half_pulse());
     for (Eigen::Index j = 0; j < constants(); ++j) {
@@ -175,10 +204,10 @@ DriveFitter::DriveFitter(const DriveTrace& trace) : trace_(trace) {
   const double span = trace.time_s.back() - trace.time_s.front();
   // a recorder triggered late shows the response from its middle on
   duration_s_ = span + std::min(trace.move.duration_s(), 2.0 * span);
-  step_s_ = std::max(1e-4, duration_s_ / 40000.0);
+  step_s_ = std::max(kStep_s, duration_s_ / kMostSteps);
   const StepShape shape = shape_of(trace.time_s, trace.dac().value, trace.dac().noise);
   const double interval = span / static_cast<double>(trace.time_s.size() - 1);
-  const double width = std::max(3.0 * interval, 0.1 * shape.rise_s.value_or(0.1));
+  const double width = std::max(kStartIntervals * interval, kStartOfRise * shape.rise_s.value_or(kUsualRise_s));
   latest_s_ = shape.start_s ? *shape.start_s + width : trace.time_s.front();
   earliest_s_ = shape.start_s ? *shape.start_s - width : trace.time_s.front() - (duration_s_ - span);
 }
@@ -188,7 +217,7 @@ DriveResponse DriveFitter::response(const DriveParameters& drive) const {
 }
 
 double DriveFitter::prior_of_zero(std::size_t signal) const {
-  return std::max(1.5 * trace_.signals[signal].quantum, trace_.signals[signal].noise);
+  return std::max(kZeroQuanta * trace_.signals[signal].quantum, trace_.signals[signal].noise);
 }
 
 /// Recorded less simulated; a clipped sample agrees with everything beyond the edge.
@@ -231,7 +260,7 @@ double DriveFitter::best_start(const DriveResponse& response) const {
       least = cost;
       best = earliest_s_ + n * width;
     }
-  for (; width > 1e-5; width *= 0.5)
+  for (; width > kFinestStart_s; width *= 0.5)
     for (const double at : {best - 0.5 * width, best + 0.5 * width})
       if (const double cost = cost_at(at); cost < least) {
         least = cost;
@@ -256,9 +285,9 @@ DriveFit DriveFitter::fitted(const DriveFit& start, const std::vector<DriveConst
   descent.begin();
   // first as if all that is left were noise, then by the noise that most samples show, at last by the recorder's
   descent.run(std::max(1.0, std::sqrt(descent.residual.squaredNorm() / static_cast<double>(descent.residual.size()))));
-  for (int n = 0; n < 3; ++n) {
+  for (int n = 0; n < kMostScales; ++n) {
     const double scale = scale_of(descent.residual);
-    if (scale > 0.7 * descent.scale) break;
+    if (scale > kScaleFell * descent.scale) break;
     descent.run(scale);
   }
   return descent.fit();
@@ -269,8 +298,7 @@ DriveFit DriveFitter::best_factor(const DriveFit& start, DriveConstant constant)
     double ln = 0.0, start_s = 0.0, cost = 0.0;
   };
   std::vector<Try> tries;
-  constexpr double kSpacing = 0.4;
-  for (double ln = -4.0; ln <= 4.0 + 1e-9; ln += kSpacing) {
+  for (double ln = -kWidestTry; ln <= kWidestTry + kRounding; ln += kTrySpacing) {
     DriveParameters drive = start.drive;
     drive[constant] *= std::exp(ln);
     const DriveResponse then = response(drive);
@@ -301,7 +329,6 @@ Eigen::MatrixXd DriveFitter::sensitivities(const DriveFit& at) const {
   const DriveResponse now = response(at.drive);
   const Eigen::VectorXd here = residuals(now, at.start_s, at.zero);
   const Eigen::Index rows = here.size() - at.zero.size();
-  const double small = 1e-3;
   const auto slope = [&](const DriveResponse& up, const DriveResponse& down, double width) -> Eigen::VectorXd {
     return (residuals(down, at.start_s, at.zero) - residuals(up, at.start_s, at.zero)).head(rows) / width;
   };
@@ -310,7 +337,8 @@ Eigen::MatrixXd DriveFitter::sensitivities(const DriveFit& at) const {
     const auto with = [&](double ln) {
       return response(changed(at.drive, {info.id}, Eigen::VectorXd::Constant(1, ln)));
     };
-    columns.col(static_cast<Eigen::Index>(index_of(info.id))) = slope(with(small), with(-small), 2.0 * small);
+    columns.col(static_cast<Eigen::Index>(index_of(info.id))) =
+        slope(with(kWideStep), with(-kWideStep), 2.0 * kWideStep);
   }
   Eigen::MatrixXd nuisance(rows, 1 + at.zero.size());
   const double shift = step_s_;
@@ -341,9 +369,9 @@ double DriveFitter::rms(const DriveFit& at, std::size_t signal, bool without_gli
   for (std::size_t k = 0; k < simulated.size(); ++k)
     squares.push_back(std::pow(difference(signal, k, simulated[k]), 2));
   if (without_glitches) {
-    const double beyond = std::pow(8.0 * trace_.signals[signal].noise, 2);
+    const double beyond = std::pow(kGlitch * trace_.signals[signal].noise, 2);
     const auto glitches = std::count_if(squares.begin(), squares.end(), [&](double s) { return s > beyond; });
-    if (static_cast<std::size_t>(glitches) * 100 <= squares.size())
+    if (static_cast<std::size_t>(glitches) * kSamplesAGlitch <= squares.size())
       std::erase_if(squares, [&](double s) { return s > beyond; });
   }
   double sum = 0.0;

@@ -1,4 +1,6 @@
-// Exact integration of the piecewise linear servo axis. Does not live here: comparing it with a recording.
+// Exact integration of the piecewise linear servo axis (thesis 3.2.1, appendix A): matrix exponential by scaling and
+// squaring (Moler and Van Loan 2003, method 3), events by the false position with bisection (Dowell and Jarratt 1971).
+// Does not live here: comparing it with a recording (fit.cpp).
 #include "model/drive/simulation.hpp"
 
 #include <algorithm>
@@ -19,7 +21,7 @@ constexpr std::array<DriveSignalInfo, kDriveSignals> kSignals{{
 }};
 
 /// State of the axis and a constant one, so that the equations are a matrix.
-enum Place : std::size_t { kError, kIntegral, kCurrent, kSpeed, kAngle, kOne };
+enum StateIndex : std::size_t { kError, kIntegral, kCurrent, kSpeed, kAngle, kOne };
 constexpr std::size_t kSize = 6;
 using State = std::array<double, kSize>;
 using Matrix = std::array<State, kSize>;
@@ -45,6 +47,22 @@ Matrix unit() {
   return m;
 }
 
+/// Scaling: a norm below a quarter, where ten terms of the series leave 0.25^11/11! = 6e-15.
+constexpr double kScaledNorm = 0.25;
+constexpr int kTerms = 10;
+/// A span below this share of a step is over.
+constexpr double kOver = 1e-12;
+/// Speed [rad/s] and current [A] beyond which the loop is unstable: a thousand times what any motor does.
+constexpr double kRunawaySpeed = 1e6, kRunawayCurrent = 1e8;
+/// Guards, in shares of what decides: beyond by rounding is not beyond; the converter leaves its limit later than it
+/// reached it, so that it does not go to and fro.
+constexpr double kBeyond = 1e-12, kHysteresis = 1e-9;
+/// A crossing is found where the guard is above 0 by at most this, or the span that holds it is below this; every third
+/// try halves, sixty tries end it in any case.
+constexpr double kFound = 1e-11, kNarrow = 1e-13;
+constexpr int kMostTries = 60, kHalvingEvery = 3;
+constexpr double kSecondsAMinute = 60.0;
+
 /// e^(a·t): Taylor series of a fraction small enough, squared back.
 Matrix exponential(const Matrix& a, double t) {
   double norm = 0.0;
@@ -53,10 +71,10 @@ Matrix exponential(const Matrix& a, double t) {
     for (const double x : row) sum += std::abs(x * t);
     norm = std::max(norm, sum);
   }
-  const int halvings = norm > 0.25 ? static_cast<int>(std::ceil(std::log2(norm / 0.25))) : 0;
+  const int halvings = norm > kScaledNorm ? static_cast<int>(std::ceil(std::log2(norm / kScaledNorm))) : 0;
   const double part = std::ldexp(t, -halvings);
   Matrix sum = unit(), term = unit();
-  for (int n = 1; n <= 10; ++n) {
+  for (int n = 1; n <= kTerms; ++n) {
     term = a * term;
     for (State& row : term)
       for (double& x : row) x *= part / n;
@@ -71,7 +89,7 @@ Matrix exponential(const Matrix& a, double t) {
 struct Mode {
   bool demanding = true;
   int limited = 0;   ///< D/A converter at its upper (1) or lower (-1) limit
-  int friction = 0;  ///< sense of the motion it acts against; 0: the motor stands
+  int friction = 0;  ///< sense of the motion it acts against; 0: the motor is at rest
   auto operator<=>(const Mode&) const = default;
 };
 
@@ -79,8 +97,8 @@ class ServoAxis {
  public:
   ServoAxis(const DriveParameters& drive, const DriveMove& move, double step_s)
       : drive_(drive),
-        demand_pulses_s_(std::copysign(move.feed_mm_min, move.distance_mm) / 60.0 * drive[DriveConstant::Ke] * 2.0 *
-                         std::numbers::pi / drive[DriveConstant::pitch]),
+        demand_pulses_s_(std::copysign(move.feed_mm_min, move.distance_mm) / kSecondsAMinute *
+                         drive[DriveConstant::Ke] * 2.0 * std::numbers::pi / drive[DriveConstant::pitch]),
         demand_s_(move.duration_s()),
         step_s_(step_s) {
     state_[kOne] = 1.0;
@@ -90,10 +108,10 @@ class ServoAxis {
   bool advance() {
     double left = step_s_;
     constexpr int kMostEvents = 40;  // beyond them the rest of the step goes without
-    for (int events = 0; left > 1e-12 * step_s_; ++events) {
+    for (int events = 0; left > kOver * step_s_; ++events) {
       double span = left;
       if (mode_.demanding) span = std::min(span, demand_s_ - time_s_);
-      if (span <= 1e-12 * step_s_) {
+      if (span <= kOver * step_s_) {
         mode_.demanding = false;
         continue;
       }
@@ -108,9 +126,9 @@ class ServoAxis {
       }
       time_s_ += span;
       left -= span;
-      if (mode_.demanding && demand_s_ - time_s_ <= 1e-12 * step_s_) mode_.demanding = false;
+      if (mode_.demanding && demand_s_ - time_s_ <= kOver * step_s_) mode_.demanding = false;
     }
-    return std::abs(state_[kSpeed]) < 1e6 && std::abs(state_[kCurrent]) < 1e8;
+    return std::abs(state_[kSpeed]) < kRunawaySpeed && std::abs(state_[kCurrent]) < kRunawayCurrent;
   }
 
   [[nodiscard]] std::array<double, kDriveSignals> signals() const {
@@ -158,11 +176,11 @@ class ServoAxis {
   /// Above 0 once the state has left its mode, in shares of the quantity that decides.
   [[nodiscard]] double limit_guard(const State& x) const {
     const double share = drive_[DriveConstant::Kd] * x[kError] / limit();
-    return mode_.limited == 0 ? std::abs(share) - 1.0 - 1e-12 : 1.0 - 1e-9 - mode_.limited * share;
+    return mode_.limited == 0 ? std::abs(share) - 1.0 - kBeyond : 1.0 - kHysteresis - mode_.limited * share;
   }
   [[nodiscard]] double friction_guard(const State& x) const {
-    if (mode_.friction != 0) return -mode_.friction * x[kSpeed] - 1e-12;
-    return std::abs(x[kCurrent]) * drive_[DriveConstant::Kt] / drive_[DriveConstant::T1] - 1.0 - 1e-12;
+    if (mode_.friction != 0) return -mode_.friction * x[kSpeed] - kBeyond;
+    return std::abs(x[kCurrent]) * drive_[DriveConstant::Kt] / drive_[DriveConstant::T1] - 1.0 - kBeyond;
   }
   [[nodiscard]] double guard(const State& x) const { return std::max(limit_guard(x), friction_guard(x)); }
 
@@ -171,13 +189,13 @@ class ServoAxis {
     const Matrix a = equations(mode_);
     double before = 0.0, after = 1.0;
     double g_before = guard(state_), g_after = guard(exponential(a, span) * state_);
-    for (int n = 0; n < 60 && after - before > 1e-13; ++n) {
+    for (int n = 0; n < kMostTries && after - before > kNarrow; ++n) {
       double at = g_before < 0.0 ? before + (after - before) * g_before / (g_before - g_after) : 0.5 * (before + after);
-      if (n % 3 == 2) at = 0.5 * (before + after);
+      if (n % kHalvingEvery == kHalvingEvery - 1) at = 0.5 * (before + after);
       const double g = guard(exponential(a, at * span) * state_);
       (g > 0.0 ? after : before) = at;
       (g > 0.0 ? g_after : g_before) = g;
-      if (g > 0.0 && g < 1e-11) break;
+      if (g > 0.0 && g < kFound) break;
     }
     return after;
   }

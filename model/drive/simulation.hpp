@@ -28,7 +28,7 @@ struct DriveSignalInfo {
 [[nodiscard]] const std::array<DriveSignalInfo, kDriveSignals>& drive_signals();
 [[nodiscard]] const DriveSignalInfo& info_of(DriveSignal signal);
 
-/// A move from rest at constant feed, as the controller is told.
+/// A move from rest at constant feed, as the controller demands it.
 struct DriveMove {
   double feed_mm_min = 1200.0;  ///< > 0
   double distance_mm = 10.0;    ///< not 0; below 0: backwards

@@ -1,4 +1,5 @@
-// Reader of recorded steps, and the noise and clipping of a recorder. Does not live here: the shape (shape.cpp).
+// Reader of recorded steps; the noise of a recorder from second differences (Gasser, Sroka and Jennen-Steinmetz 1986),
+// the larger ones trimmed; its clipping. Does not live here: the shape (shape.cpp).
 #include "model/drive/trace.hpp"
 
 #include <algorithm>
@@ -10,11 +11,37 @@
 #include "base/plain_text.hpp"
 #include "base/text.hpp"
 #include "laser/csv_line.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
 
-constexpr std::size_t kFewestSamples = 20;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+/// Samples of a step from which level, rise and noise can be told: a choice.
+constexpr std::size_t kFewestTraceSamples = 20;
+/// Bytes looked through for the header row of a recording.
+constexpr std::size_t kHeadBytes = 65'536;
+/// Values closer than this share of the span are equal: rounding.
+constexpr double kSameValue = 1e-9;
+/// Var(y[i] - 2·y[i-1] + y[i-2]) = 6σ² for independent noise.
+constexpr double kSecondDifference = 6.0;
+/// The lower share of squares used, and what mean they have there for χ² of one degree: ∫ of x·f(x) up to its quantile
+/// of 0.8, over 0.8.
+constexpr double kKeptShare = 0.8, kShareOfVariance = 0.4377;
+/// Rounding to a step q makes noise of variance q²/12.
+constexpr double kVarianceOfStep = 12.0;
+/// No recorder is better than this share of the span.
+constexpr double kLeastNoise = 1e-5;
+/// A flat end is one sample in so many, at least, and so many noises high; rest is the median of one in so many
+/// samples. Choices.
+constexpr std::size_t kSamplesAFlat = 20, kSamplesATraceRest = 50;
+constexpr double kFlatHeight = 20.0;
+/// Samples within this many steps of the converter are at the top: more than half a step.
+constexpr double kAtTop = 0.6;
+/// Shares of the height: the last fifth of a clipped rise takes no more than twice the fifth below its middle.
+constexpr double kLastFifth = 0.8, kMiddleFrom = 0.5, kMiddleTo = 0.7;
+/// The edge of a given full scale is at least this share of it below: rounding in the file.
+constexpr double kFullScaleEdge = 1e-6;
 
 std::optional<DriveSignal> signal_named(std::string_view name) {
   for (const DriveSignalInfo& info : drive_signals())
@@ -36,7 +63,7 @@ class TraceReader {
 
   Result<DriveTrace> read() {
     trace_.source = file_;
-    if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
+    if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
     for (const std::string_view line : lines_of(text_)) {
       ++line_;
       const std::string_view content = trimmed(line);
@@ -147,17 +174,11 @@ class TraceReader {
   bool no_header_ = false;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The step of the recorder's converter: smallest distance of two different values, where many samples share values.
 double quantum_of(const std::vector<double>& value) {
   std::vector<double> sorted = value;
   std::sort(sorted.begin(), sorted.end());
-  const double tolerance = 1e-9 * std::max(1.0, sorted.back() - sorted.front());
+  const double tolerance = kSameValue * std::max(1.0, sorted.back() - sorted.front());
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i] - sorted[i - 1] > tolerance) gaps.push_back(sorted[i] - sorted[i - 1]);
@@ -170,17 +191,16 @@ double noise_of(const std::vector<double>& value, double quantum) {
   std::vector<double> squares;
   for (std::size_t i = 2; i < value.size(); ++i) {
     const double bend = value[i] - 2.0 * value[i - 1] + value[i - 2];
-    squares.push_back(bend * bend / 6.0);
+    squares.push_back(bend * bend / kSecondDifference);
   }
   std::sort(squares.begin(), squares.end());
-  // mean of the lower 80 %, corrected for what a normal distribution has there
-  const auto kept = static_cast<std::size_t>(0.8 * static_cast<double>(squares.size()));
+  // the mean of the lower ones, corrected for what a normal distribution has there
+  const auto kept = static_cast<std::size_t>(kKeptShare * static_cast<double>(squares.size()));
   double sum = 0.0;
   for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
-  constexpr double kShareOfVariance = 0.4377;
   const double spread = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(kept, 1)) / kShareOfVariance);
   const double span = *std::max_element(value.begin(), value.end()) - *std::min_element(value.begin(), value.end());
-  return std::max({spread, quantum / std::sqrt(12.0), 1e-5 * span});
+  return std::max({spread, quantum / std::sqrt(kVarianceOfStep), kLeastNoise * span});
 }
 
 /// A top (sense 1) or bottom (-1) that the curve runs into at full slope and stays at: the recorder's, not the axis's.
@@ -188,17 +208,18 @@ std::optional<double> clipped_at(const RecordedSignal& signal, int sense) {
   std::vector<double> v;
   for (const double x : signal.value) v.push_back(sense * x);
   const double top = *std::max_element(v.begin(), v.end());
-  const double base = median(std::vector(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 50 + 1)));
+  const double base =
+      upper_median(std::vector(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / kSamplesATraceRest + 1)));
   const double height = top - base;
-  const double close = std::max(0.6 * signal.quantum, 1e-9 * std::abs(top));
+  const double close = std::max(kAtTop * signal.quantum, kSameValue * std::abs(top));
   const auto flat =
       static_cast<std::size_t>(std::count_if(v.begin(), v.end(), [&](double x) { return x > top - close; }));
-  if (flat * 20 < v.size() || height < 20.0 * signal.noise) return std::nullopt;
+  if (flat * kSamplesAFlat < v.size() || height < kFlatHeight * signal.noise) return std::nullopt;
   const auto first_above = [&](double share) {
     return std::find_if(v.begin(), v.end(), [&](double x) { return x > base + share * height; }) - v.begin();
   };
   const auto arrival = std::find_if(v.begin(), v.end(), [&](double x) { return x > top - close; }) - v.begin();
-  const auto last_fifth = arrival - first_above(0.8), middle = first_above(0.7) - first_above(0.5);
+  const auto last_fifth = arrival - first_above(kLastFifth), middle = first_above(kMiddleTo) - first_above(kMiddleFrom);
   if (last_fifth > 2 * middle + 2) return std::nullopt;
   // once there, it is to stay: noise would lift a true plateau above its first sample
   std::size_t run = 0, longest = 0;
@@ -212,9 +233,9 @@ void TraceReader::finish() {
   if (!feed_) complain(1, 1, "expected a line \"# feed_mm_min: 1200\" with the demanded feed, found none");
   if (!distance_) complain(1, 1, "expected a line \"# distance_mm: 10\" with the demanded move, found none");
   if (!problems_.empty()) return;
-  if (trace_.time_s.size() < kFewestSamples)
+  if (trace_.time_s.size() < kFewestTraceSamples)
     return complain(line_, 1,
-                    fmt::format("expected at least {} samples, found {}", kFewestSamples, trace_.time_s.size()));
+                    fmt::format("expected at least {} samples, found {}", kFewestTraceSamples, trace_.time_s.size()));
   trace_.move = {*feed_, *distance_};
   for (RecordedSignal& s : trace_.signals) {
     const auto [least, most] = std::minmax_element(s.value.begin(), s.value.end());
@@ -226,7 +247,7 @@ void TraceReader::finish() {
     s.quantum = quantum_of(s.value);
     s.noise = noise_of(s.value, s.quantum);
     if (full_scale_ && info_of(s.id).unit == "V") {
-      const double edge = *full_scale_ - std::max(s.quantum, 1e-6 * *full_scale_);
+      const double edge = *full_scale_ - std::max(s.quantum, kFullScaleEdge * *full_scale_);
       s.clipped_above = edge;
       s.clipped_below = -edge;
     } else {
@@ -245,9 +266,9 @@ void TraceReader::finish() {
 }  // namespace
 
 bool is_drive_trace(std::string_view text) {
-  for (const std::string_view line : lines_of(text.substr(0, 65536))) {
+  for (const std::string_view line : lines_of(text.substr(0, kHeadBytes))) {
     std::string_view content = trimmed(line);
-    if (content.substr(0, 3) == "\xEF\xBB\xBF") content.remove_prefix(3);
+    if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
     if (content.empty() || content.front() == '#') continue;
     bool time = false, dac = false;
     for (const laser::CsvField& field : laser::csv_fields(content).fields) {

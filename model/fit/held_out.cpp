@@ -1,5 +1,5 @@
 // Cross-validation by parts (Stone 1974; Geisser 1975), each row weighed by the variance of its prediction; least
-// squares by the complete orthogonal decomposition (Golub and Van Loan 2013, 5.4.7) or by LDLᵀ of the scaled normal
+// squares by the complete orthogonal decomposition (Golub and Van Loan 2013, 5.4) or by LDLᵀ of the scaled normal
 // equations.
 #include "model/fit/held_out.hpp"
 

@@ -1,4 +1,4 @@
-// Pure error from repeats (Box, Hunter and Hunter 2005, 10.3): white noise plus one correlated over seconds (first
+// Pure error from repeats (Draper and Smith 1998, 2.1): white noise plus one correlated over seconds (first
 // order Gauss-Markov process: Uhlenbeck and Ornstein 1930), and replicates of it by the parametric bootstrap (Efron and
 // Tibshirani 1993, 6.5), their size drawn from a scaled inverse χ². Does not live here: the mixture (noise_shapes.cpp).
 #include "model/fit/noise.hpp"

@@ -1,12 +1,17 @@
+// Discrimination between rival models: the run that is expected to separate them best, whichever is true (Hunter and
+// Reiner 1965; T-optimality: Atkinson and Fedorov 1975), per minute of work. Does not live here: the separation itself
+// (separation.cpp), the sentences (sentences.cpp).
 #include "model/planning/next_measurement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "model/diagnosis/words.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/sentences.hpp"
@@ -17,23 +22,28 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Least separation worth telling.
+/// Least separation [sigma] worth a proposal: below one a run is more likely to mislead than to tell.
 constexpr double kTelling = 1.0;
 /// Separation that the next diagnosis takes for certain in spite of chance: three sigmas of difference, three of luck.
 constexpr double kDecides = 6.0;
 /// Sigmas beyond which more does not tell more.
 constexpr double kEnough = 8.0;
+/// Lines whose runs are weighed, and proposals listed: choices of processor time and of what a person reads.
 constexpr std::size_t kMostLines = 6;
 constexpr std::size_t kMostProposals = 8;
 /// To confirm a lone cause any run does, and where none separates all are alike: the best few.
 constexpr std::size_t kFewProposals = 3;
+/// Causes that could be there unseen, the most hidden first: a choice of what a person reads.
 constexpr std::size_t kMostUnseen = 12;
-/// Readings beyond which the power of a set is judged on an even choice of them.
+/// Numbers of runs weighed; ISO 230-2:2014, 5.3 has five.
+constexpr std::array kRuns{1, 2, 3, 5};
+constexpr int kMostRuns = kRuns.back();
+/// Readings beyond which the power of a set is judged on an even choice of them: as many as a search takes.
 constexpr std::size_t kManyReadings = 4000;
 
 struct Worth {
   double sure_sigma = 0.0;  ///< the group loses a member by, whichever is true; to see: of the causes seen
-  double told = 0.0;        ///< mean over what is asked, capped
+  double mean_sigma = 0.0;  ///< mean over what is asked, capped
 };
 
 Worth worth_of(const MatrixXd& sigma, Question question) {
@@ -43,41 +53,41 @@ Worth worth_of(const MatrixXd& sigma, Question question) {
   if (question != Question::separate) {
     std::vector<double> seen;
     for (Index i = 0; i < count; ++i) {
-      worth.told += std::min(sigma(i, count), kEnough);
+      worth.mean_sigma += std::min(sigma(i, count), kEnough);
       asked += 1.0;
       if (sigma(i, count) >= kSeparates) seen.push_back(sigma(i, count));
     }
     worth.sure_sigma = seen.empty() ? sigma.col(count).maxCoeff() : *std::min_element(seen.begin(), seen.end());
   } else {
-    worth.sure_sigma = 1e300;
+    worth.sure_sigma = kBeyondAll;
     for (Index i = 0; i < count; ++i) {
       double most = 0.0;
       for (Index j = 0; j < count; ++j) {
         if (i == j) continue;
         most = std::max(most, sigma(i, j));
-        worth.told += std::min(sigma(i, j), kEnough);
+        worth.mean_sigma += std::min(sigma(i, j), kEnough);
         asked += 1.0;
       }
       worth.sure_sigma = std::min(worth.sure_sigma, most);
     }
   }
-  worth.told /= std::max(asked, 1.0);
+  worth.mean_sigma /= std::max(asked, 1.0);
   return worth;
 }
 
 int tier_of(double sigma) { return sigma >= kDecides ? 2 : sigma >= kSeparates ? 1 : 0; }
 
 /// Whether a is to be proposed before b.
-bool before(const MeasurementProposal& a, double told_a, const MeasurementProposal& b, double told_b) {
+bool before(const MeasurementProposal& a, double mean_a, const MeasurementProposal& b, double mean_b) {
   const int tier_a = tier_of(a.separation_sigma), tier_b = tier_of(b.separation_sigma);
   if (tier_a != tier_b) return tier_a > tier_b;
   if (tier_a == 0) return a.separation_sigma > b.separation_sigma;
-  return told_a / a.minutes > told_b / b.minutes;
+  return mean_a / a.minutes > mean_b / b.minutes;
 }
 
 struct Weighed {
   MeasurementProposal proposal;
-  double told = 0.0;
+  double mean_sigma = 0.0;
 };
 
 std::vector<PairSeparation> pairs_of(const MatrixXd& sigma, const std::vector<std::string>& names, Question question) {
@@ -123,14 +133,14 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
                              const std::vector<std::string>& names, Question question, const MeasuringTimes& times) {
   std::vector<Weighed> best;
   for (std::size_t i = 0; i < options.size(); ++i)
-    for (const int runs : {1, 2, 3, 5}) {
+    for (const int runs : kRuns) {
       Weighed one{options[i], 0.0};
       one.proposal.runs = runs;
       one.proposal.minutes = minutes_of(one.proposal, times);
       const MatrixXd sigma = separations.of(i, runs);
       const Worth worth = worth_of(sigma, question);
       one.proposal.separation_sigma = worth.sure_sigma;
-      one.told = worth.told;
+      one.mean_sigma = worth.mean_sigma;
       if (worth.sure_sigma < kTelling) continue;
       one.proposal.pairs = pairs_of(sigma, names, question);
       const auto same = std::find_if(best.begin(), best.end(), [&](const Weighed& w) {
@@ -139,11 +149,12 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
       });
       if (same == best.end())
         best.push_back(std::move(one));
-      else if (before(one.proposal, one.told, same->proposal, same->told))
+      else if (before(one.proposal, one.mean_sigma, same->proposal, same->mean_sigma))
         *same = std::move(one);
     }
-  std::stable_sort(best.begin(), best.end(),
-                   [](const Weighed& a, const Weighed& b) { return before(a.proposal, a.told, b.proposal, b.told); });
+  std::stable_sort(best.begin(), best.end(), [](const Weighed& a, const Weighed& b) {
+    return before(a.proposal, a.mean_sigma, b.proposal, b.mean_sigma);
+  });
   return worth_telling(std::move(best), question);
 }
 
@@ -196,7 +207,7 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
   double apart = 0.0, seen = 0.0;
   const auto count = static_cast<Index>(group.rivals.size());
   for (std::size_t i = 0; i < options; ++i) {
-    const MatrixXd sigma = separations.of(i, 5);
+    const MatrixXd sigma = separations.of(i, kMostRuns);
     apart = std::max(apart, sigma.leftCols(count).maxCoeff());
     seen = std::max(seen, sigma.col(count).maxCoeff());
   }
@@ -204,8 +215,7 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
   if (apart < kSeparates && seen >= kSeparates)
     return fmt::format(
         "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
-        "the "
-        "cause itself (a setting, a level, a square)",
+        "the cause itself (a setting, a level, a square)",
         names);
   if (apart < kSeparates)
     return fmt::format("too weak to separate {}: no single run of up to five repeats adds more than {:.1f} sigma",
@@ -213,8 +223,7 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
   const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
   return fmt::format(
       "no single run of up to five repeats is sure to tell one of {} from another; the most that any would do is "
-      "{:.1f} "
-      "sigma, for some of them. {}",
+      "{:.1f} sigma, for some of them. {}",
       names, apart, separating_measurement(group.rivals.front(), others, data));
 }
 

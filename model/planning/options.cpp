@@ -1,6 +1,9 @@
+// The candidate set of a designed experiment (Fedorov 1972): each condition that a person can set, one at a time,
+// beside the line as it is measured now. Does not live here: their worth (separation.cpp).
 #include "model/planning/options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -8,15 +11,34 @@
 #include <fmt/format.h>
 
 #include "model/data/curve_basis.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
 
+/// Targets of a fine and of a coarse line: choices; 41 show eight to ten waves, 7 a line and a bow.
 constexpr std::size_t kManyTargets = 41;
 constexpr std::size_t kFewTargets = 7;
-constexpr double kWarmer_degC = 4.0;
-constexpr double kOtherPressure_hPa = 15.0;
+/// How much a machine is warmed, and the least worth waiting for [degC]: 4 degC are 47 um/m on a steel scale
+/// (11.7 um/m/degC), far above the noise of a laser; a workshop reaches them in an hour or two.
+constexpr double kWarmer_degC = 4.0, kLeastWarmer_degC = 2.0;
+/// Another day's air [hPa], and the pressure that decides in which direction: 15 hPa are 4 um/m of refraction (Ciddor
+/// 1996), and weather does that.
+constexpr double kOtherPressure_hPa = 15.0, kMeanPressure_hPa = 1000.0;
+/// A load for a machine measured without one: a choice.
 constexpr double kTypicalLoad_kg = 100.0;
+/// Targets are micrometres apart, as a control takes them.
+constexpr double kSameTarget_mm = 1e-3;
+/// The overrun takes at most this share of the travel at either end.
+constexpr double kMostOverrun = 0.02;
+/// Overrun of a pilgrim step [mm], at most: short against any distance of targets.
+constexpr double kPilgrimOverrun_mm = 2.0;
+/// Feeds worth trying: a quarter of the present one, twice it; higher only where the machine allows a fifth more.
+constexpr double kSlowFeed = 0.25, kFastFeed = 2.0, kLeastFaster = 1.2;
+/// Waits [min] that show a drift: half an hour, two hours and a shift.
+constexpr std::array kWaits_minutes{30.0, 120.0, 480.0};
+/// Another line is worth its set-up where it is this share of the travel away, and the travel at least this long [mm].
+constexpr double kFarLine = 0.2, kLeastTravel_mm = 1.0;
 
 double median(std::vector<double> values) {
   if (values.empty()) return kNotMeasured;
@@ -52,7 +74,7 @@ std::vector<double> with_room(std::vector<double> targets, const Range& range, d
   const double least = range[0] + overrun_mm, greatest = range[1] - overrun_mm;
   if (least > greatest) return {};
   for (double& target : targets) target = std::clamp(target, least, greatest);
-  return distinct(std::move(targets), 1e-3);
+  return distinct(std::move(targets), kSameTarget_mm);
 }
 
 MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, const std::vector<std::size_t>& rows,
@@ -73,7 +95,7 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
     reverse = reverse || data.approach[k] < 0;
     if (data.map) now.compensated = data.compensated[k];
   }
-  now.targets_mm = distinct(std::move(targets), 1e-3);
+  now.targets_mm = distinct(std::move(targets), kSameTarget_mm);
   now.approach = reverse && !forward ? -1 : 1;
   now.feed_mm_min = std::max(1.0, median_of(data.feed_mm_min, rows).value_or(now.feed_mm_min));
   now.load_kg = median_of(data.load_kg, rows);
@@ -84,7 +106,7 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   for (const auto& [sensor, column] : data.sensors_degC)
     if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
   const Range range = range_of(data, axis);
-  now.overrun_mm = std::min(now.overrun_mm, 0.02 * (range[1] - range[0]));
+  now.overrun_mm = std::min(now.overrun_mm, kMostOverrun * (range[1] - range[0]));
   now.targets_mm = with_room(now.targets_mm, range, now.overrun_mm);
   return now;
 }
@@ -97,8 +119,7 @@ double temperature_change(const MeasurementProposal& now, const std::vector<std:
     const double degC = now.temperatures_degC.at(sensor);
     room = std::min(room, sign > 0.0 ? times.greatest_degC - degC : degC - times.least_degC);
   }
-  constexpr double kWorthIt = 2.0;
-  return sensors.empty() || room < kWorthIt ? 0.0 : sign * room;
+  return sensors.empty() || room < kLeastWarmer_degC ? 0.0 : sign * room;
 }
 
 /// The conditions of a line, each as a changed copy of how it is measured now.
@@ -129,14 +150,14 @@ class Conditions {
     add("as now, targets between the present ones", [](MeasurementProposal& p) {
       std::vector<double> between;
       for (std::size_t i = 0; i + 1 < p.targets_mm.size(); ++i)
-        between.push_back(std::round(500.0 * (p.targets_mm[i] + p.targets_mm[i + 1])) / 1000.0);
+        between.push_back(to_micrometre(0.5 * (p.targets_mm[i] + p.targets_mm[i + 1])));
       if (!between.empty()) p.targets_mm = std::move(between);
     });
     if (!data_.feed_mm_min.empty()) {
-      const double fast = std::min(2.0 * now_.feed_mm_min, times_.greatest_feed_mm_min);
-      const double slow = 0.25 * now_.feed_mm_min;
+      const double fast = std::min(kFastFeed * now_.feed_mm_min, times_.greatest_feed_mm_min);
+      const double slow = kSlowFeed * now_.feed_mm_min;
       add("at a quarter of the feed", [&](MeasurementProposal& p) { p.feed_mm_min = slow; });
-      if (fast > 1.2 * now_.feed_mm_min) {
+      if (fast > kLeastFaster * now_.feed_mm_min) {
         add("at a higher feed", [&](MeasurementProposal& p) { p.feed_mm_min = fast; });
         add("at two feeds, a quarter of the present one and a higher one", [&](MeasurementProposal& p) {
           p.feed_mm_min = slow;
@@ -146,7 +167,7 @@ class Conditions {
     }
     if (!data_.travel_since_reversal_mm.empty())
       add("each target shortly after a reversal (pilgrim step)", [&](MeasurementProposal& p) {
-        p.overrun_mm = std::min(2.0, p.overrun_mm);
+        p.overrun_mm = std::min(kPilgrimOverrun_mm, p.overrun_mm);
         p.short_overrun = true;
       });
   }
@@ -179,12 +200,13 @@ class Conditions {
 
   void time_and_air() {
     if (!data_.time_s.empty())
-      for (const double minutes : {30.0, 120.0, 480.0})
-        add(minutes < 60.0 ? "half an hour later" : fmt::format("{:.0f} hours later", minutes / 60.0),
+      for (const double minutes : kWaits_minutes)
+        add(minutes < kMinutesAnHour ? "half an hour later"
+                                     : fmt::format("{:.0f} hours later", minutes / kMinutesAnHour),
             [&](MeasurementProposal& p) { p.wait_minutes = minutes; });
     if (now_.pressure_hPa)
       add("on a day with another air pressure", [&](MeasurementProposal& p) {
-        *p.pressure_hPa += *p.pressure_hPa < 1000.0 ? kOtherPressure_hPa : -kOtherPressure_hPa;
+        *p.pressure_hPa += *p.pressure_hPa < kMeanPressure_hPa ? kOtherPressure_hPa : -kOtherPressure_hPa;
         p.wait_minutes = times_.weather_minutes;
       });
   }
@@ -214,12 +236,12 @@ class Conditions {
     for (const Axis other : kAllAxes) {
       if (other == now_.axis) continue;
       const Range range = range_of(data_, other);
-      if (range[1] - range[0] < 1.0) continue;
+      if (range[1] - range[0] < kLeastTravel_mm) continue;
       const std::size_t o = index_of(other);
       for (const double end : range) {
         Vector3 one = now_.parked_mm;
         one[o] = end;
-        if (std::abs(end - now_.parked_mm[o]) > 0.2 * (range[1] - range[0])) places.push_back(one);
+        if (std::abs(end - now_.parked_mm[o]) > kFarLine * (range[1] - range[0])) places.push_back(one);
       }
       both[o] = std::abs(range[0] - both[o]) > std::abs(range[1] - both[o]) ? range[0] : range[1];
     }
@@ -259,7 +281,7 @@ class Conditions {
 
 Range range_of(const Observations& data, Axis axis) {
   if (const auto& facts = data.machine.axes[index_of(axis)]) return facts->travel_mm;
-  Range range{1e300, -1e300};
+  Range range{kBeyondAll, -kBeyondAll};
   for (const Vector3& position : data.position_mm) {
     range[0] = std::min(range[0], position[index_of(axis)]);
     range[1] = std::max(range[1], position[index_of(axis)]);

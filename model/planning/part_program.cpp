@@ -1,3 +1,4 @@
+// A part program in the dialect of thesis appendix B, written block by block; no method of its own.
 #include "model/planning/part_program.hpp"
 
 #include <algorithm>
@@ -13,19 +14,22 @@ namespace {
 
 /// As a control takes it: three decimals at most, one at least.
 std::string word(double mm) {
-  const double rounded = std::round(mm * 1000.0) / 1000.0;
+  const double rounded = to_micrometre(mm);
   std::string text = fmt::format("{:.3f}", rounded == 0.0 ? 0.0 : rounded);
   while (text.back() == '0' && text[text.size() - 2] != '.') text.pop_back();
   return text;
 }
 
-double rounded(double mm) { return std::round(mm * 1000.0) / 1000.0; }
+/// Steps that differ by less [mm] are equal: a thousandth of what a control takes.
+constexpr double kSameStep_mm = 1e-6;
+/// Times in a target list are given to a tenth of a second.
+constexpr double kTenths = 10.0;
 
 class ProgramWriter {
  public:
   ProgramWriter(const MeasurementProposal& plan, const params::Machine& machine) : plan_(plan), machine_(machine) {
     for (const double target : plan.targets_mm)
-      (rounded(target) == limited(rounded(target)) ? targets_ : left_out_).push_back(rounded(target));
+      (to_micrometre(target) == limited(to_micrometre(target)) ? targets_ : left_out_).push_back(to_micrometre(target));
   }
 
   std::string text() {
@@ -122,10 +126,10 @@ class ProgramWriter {
   /// Number of equal steps from place i on.
   static std::size_t equal_steps(const std::vector<double>& targets, std::size_t i) {
     if (i + 1 >= targets.size()) return 0;
-    const double step = rounded(targets[i + 1] - targets[i]);
+    const double step = to_micrometre(targets[i + 1] - targets[i]);
     std::size_t count = 0;
     while (i + count + 1 < targets.size() &&
-           std::abs(targets[i + count + 1] - targets[i] - step * static_cast<double>(count + 1)) < 1e-6)
+           std::abs(targets[i + count + 1] - targets[i] - step * static_cast<double>(count + 1)) < kSameStep_mm)
       ++count;
     return count;
   }
@@ -140,7 +144,7 @@ class ProgramWriter {
         absolute(targets[++i], d, feed_mm_min);
         continue;
       }
-      const double step = rounded(targets[i + 1] - targets[i]);
+      const double step = to_micrometre(targets[i + 1] - targets[i]);
       line(fmt::format("$REP {}", steps));
       block(to(step) + "G91", fmt::format("MOVE INCREMENTALLY {} mm", word(step)));
       reading();
@@ -172,7 +176,7 @@ laser::Reading row_of(const MeasurementProposal& plan, const Stop& stop) {
   row.position_mm[index_of(plan.axis)] = stop.target_mm;
   row.approach = static_cast<Approach>(stop.approach);
   row.run = stop.run;
-  row.time_s = std::round(stop.after_s * 10.0) / 10.0;
+  row.time_s = std::round(stop.after_s * kTenths) / kTenths;
   row.feed_mm_min = stop.feed_mm_min;
   row.travel_since_reversal_mm = stop.since_reversal_mm;
   row.load_kg = plan.load_kg;

@@ -1,5 +1,7 @@
-// Whether readings not yet taken would determine a model: the sigmas to expect before anything is measured.
-// Does not live here: which readings to take (next_measurement.cpp).
+// Whether readings not yet taken would determine a model: the sigmas to expect before anything is measured, from the
+// inverse of the information matrix at assumed values (local design: Chernoff 1953; Fedorov 1972), by a QR
+// factorisation with column pivoting (Businger and Golub 1965); what it cannot separate by its dependent columns
+// (Belsley, Kuh and Welsch 1980). Does not live here: which readings to take (next_measurement.cpp).
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +10,7 @@
 
 #include "model/fit/core.hpp"
 #include "model/fit/report.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::model {
@@ -17,12 +20,18 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Left of a column, beside the others, below which they do the same.
+/// Left of a column (of its norm), beside the others, below which they do the same: a sigma ten thousand times that of
+/// the column alone determines nothing.
 constexpr double kDependent = 1e-4;
-/// Part of a column's twin that another column must make to be named.
+/// Part of a column's twin that another column must make to be named: a choice; smaller ones are names without use.
 constexpr double kTakesPart = 0.05;
-/// Size of an effect that the model does not give, in units of the noise.
+/// Size of an effect that the model does not give, in units of the noise: a choice, clearly seen and not large.
 constexpr double kAssumedSize = 5.0;
+/// Nonlinear values assumed where nothing gives them, as parts of what the plan covers: eight periods in the travel, a
+/// third of the time, a fifth of the travel since a reversal; no less than these [mm, s]. Choices: well inside what the
+/// plan can show.
+constexpr double kPeriods = 8.0, kTimeConstants = 3.0, kSpikes = 5.0;
+constexpr double kLeastLength_mm = 1e-3, kLeastTime_s = 1.0;
 
 /// A free nonlinear parameter of a slot.
 struct FreeParameter {
@@ -31,7 +40,7 @@ struct FreeParameter {
 
 /// A value to try a nonlinear parameter at where neither the model nor a fit gives one.
 double assumed_value(const Slot& slot, const Observations& plan) {
-  double least = 1e300, greatest = -1e300, last_s = 0.0, longest_mm = 0.0;
+  double least = kBeyondAll, greatest = -kBeyondAll, last_s = 0.0, longest_mm = 0.0;
   for (const std::size_t k : slot.acting.rows) {
     const double p = slot.effect.axis ? plan.p_mm(k, *slot.effect.axis) : 0.0;
     least = std::min(least, p);
@@ -43,14 +52,14 @@ double assumed_value(const Slot& slot, const Observations& plan) {
     case EffectId::cyclic: {
       const auto& axis = plan.machine.axes[index_of(*slot.effect.axis)];
       if (axis && axis->screw_pitch_mm) return *axis->screw_pitch_mm;
-      return std::max((greatest - least) / 8.0, 1e-3);
+      return std::max((greatest - least) / kPeriods, kLeastLength_mm);
     }
     case EffectId::step:
       return 0.5 * (least + greatest);
     case EffectId::warm_up:
-      return std::max(last_s / 3.0, 1.0);
+      return std::max(last_s / kTimeConstants, kLeastTime_s);
     case EffectId::reversal_spike:
-      return std::max(longest_mm / 5.0, 1e-3);
+      return std::max(longest_mm / kSpikes, kLeastLength_mm);
     default:
       return 1.0;
   }
@@ -166,7 +175,7 @@ class PlanJudge {
         core_.covariance(place(i), place(j)) = product(i, j) / (norm(place(i)) * norm(place(j)));
     if (rank > 0) {
       const Eigen::JacobiSVD<MatrixXd> svd(r);
-      core_.condition = svd.singularValues()(0) / std::max(svd.singularValues()(rank - 1), 1e-300);
+      core_.condition = svd.singularValues()(0) / std::max(svd.singularValues()(rank - 1), kLeastDivisor);
     }
     for (Index i = rank; i < k; ++i) {
       const auto column = static_cast<std::size_t>(place(i));

@@ -1,3 +1,5 @@
+// What is open after a diagnosis: rivals, dependences as straight lines between bins, and causes below the power of the
+// present readings (noncentrality of the F test: Scheffé 1959): their whitened norm beside what the model absorbs.
 #include "model/planning/questions.hpp"
 
 #include <algorithm>
@@ -8,6 +10,7 @@
 #include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/search.hpp"
 #include "model/fit/compare.hpp"
+#include "model/planning/sentences.hpp"
 
 namespace ecs::model {
 namespace {
@@ -31,8 +34,8 @@ bool of_condition(EffectId id) {
   return id == thermal_scale || id == thermal_drift || id == air_refraction || id == dead_path || id == load;
 }
 
-/// Least separation at which a cause counts as seen.
-constexpr double kSeen = 3.0;
+/// Least separation [sigma] at which a cause counts as seen: as what separates rivals.
+constexpr double kSeen = kSeparates;
 
 double rms_where_not_zero(const VectorXd& column) {
   double sum = 0.0, count = 0.0;

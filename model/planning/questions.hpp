@@ -1,5 +1,5 @@
 // What the next measurement is asked: which explanations are open after a diagnosis, as shapes over present and new
-// readings. Internal to this room (Eigen). Does not live here: how far runs separate them (separation.hpp).
+// readings. Internal to model/ (Eigen). Does not live here: how far runs separate them (separation.hpp).
 #pragma once
 
 #include <string>

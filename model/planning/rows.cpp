@@ -1,3 +1,4 @@
+// Rows of readings yet to be taken; no method of its own.
 #include "model/planning/rows.hpp"
 
 #include <algorithm>
@@ -59,7 +60,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
   if (std::any_of(proposals.begin(), proposals.end(), [](const MeasurementProposal& p) { return p.set_up != 1; }))
     all.data.extras.try_emplace("set_up", Column(rows.size(), 1.0));
   for (std::size_t i = 0; i < proposals.size(); ++i) {
-    const double start_s = last_s + 60.0 * (proposals[i].wait_minutes + proposals[i].set_up_minutes);
+    const double start_s = last_s + kSecondsAMinute * (proposals[i].wait_minutes + proposals[i].set_up_minutes);
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }

@@ -1,9 +1,15 @@
+// Kinematics at constant feed; no method of its own.
 #include "model/planning/run.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace ecs::model {
+
+double to_micrometre(double mm) {
+  constexpr double kMicrometres = 1000.0;
+  return std::round(mm * kMicrometres) / kMicrometres;
+}
 
 std::vector<int> pass_senses(const MeasurementProposal& proposal) {
   const int first = proposal.approach < 0 ? -1 : 1;
@@ -16,7 +22,7 @@ std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_
   double now_s = 0.0;
   double at_mm = proposal.targets_mm.front();
   const auto move = [&](double to_mm, double feed_mm_min) {
-    now_s += 60.0 * std::abs(to_mm - at_mm) / feed_mm_min;
+    now_s += kSecondsAMinute * std::abs(to_mm - at_mm) / feed_mm_min;
     at_mm = to_mm;
   };
   int run = proposal.first_run;
@@ -48,7 +54,7 @@ std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_
 double minutes_of(const MeasurementProposal& proposal, const MeasuringTimes& times) {
   const std::vector<Stop> stops = stops_of(proposal, times.rapid_mm_min);
   const double program_s = stops.empty() ? 0.0 : stops.back().after_s;
-  return proposal.wait_minutes + proposal.set_up_minutes + program_s / 60.0;
+  return proposal.wait_minutes + proposal.set_up_minutes + program_s / kSecondsAMinute;
 }
 
 }  // namespace ecs::model

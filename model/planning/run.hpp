@@ -10,6 +10,11 @@
 
 namespace ecs::model {
 
+inline constexpr double kSecondsAMinute = 60.0, kMinutesAnHour = 60.0;
+
+/// To a micrometre, as a control takes positions.
+[[nodiscard]] double to_micrometre(double mm);
+
 /// One reading of a run.
 struct Stop {
   double target_mm = 0.0;
@@ -24,10 +29,10 @@ struct Stop {
 /// @param rapid_mm_min  for the way to the overrun
 [[nodiscard]] std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_min = 6000.0);
 
-/// Senses of approach of the passes of one run, in order.
+/// Senses of approach (1 or -1) of the passes of one run, in order.
 [[nodiscard]] std::vector<int> pass_senses(const MeasurementProposal& proposal);
 
-/// Everything: waiting, setting up, moving, dwelling.
+/// Everything [min]: waiting, setting up, moving, dwelling. Accelerations are neglected.
 [[nodiscard]] double minutes_of(const MeasurementProposal& proposal, const MeasuringTimes& times);
 
 /// Lower and upper end of the way that an axis may take [mm].

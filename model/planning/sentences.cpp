@@ -1,3 +1,4 @@
+// Sentences from numbers; no method of its own.
 #include "model/planning/sentences.hpp"
 
 #include <algorithm>

@@ -7,7 +7,8 @@
 
 namespace ecs::model {
 
-/// Separation that a person calls one [sigma].
+/// Separation that counts as one [sigma]: three, one case of 370 by chance; the convention of control charts (Shewhart
+/// 1931).
 inline constexpr double kSeparates = 3.0;
 
 /// What is asked of a run.

@@ -1,9 +1,13 @@
+// T-optimality (Atkinson and Fedorov 1975): the χ² by which a rival, refitted to present and new readings together,
+// would fail if an explanation is true; refits by orthogonal projection in the whitened space, curves with as many
+// functions as Schwarz's criterion (1978) asks for.
 #include "model/planning/separation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "model/diagnosis/search.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -11,6 +15,11 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+/// A column of which less than this (of its norm) is left beside others does what they do.
+constexpr double kDependentColumn = 1e-5;
+/// Change of a nonlinear parameter for its slope: this share of it, and at least this: half the digits of a double.
+constexpr double kSlopeStep = 1e-5, kLeastSlopeStep = 1e-7;
 
 void append(MatrixXd& to, const MatrixXd& columns) {
   const Index had = to.cols();
@@ -62,7 +71,6 @@ Columns free_columns(const Regressors& regressors, const EffectInstance& effect,
 
 /// Sizes of whitened columns beside a base that is absorbed first; 0 for what the base or the others do as well.
 VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const VectorXd& target) {
-  constexpr double kDependentColumn = 1e-5;
   Space space;
   space.y = target;
   space.q.resize(target.size(), 0);
@@ -106,7 +114,7 @@ Index columns_called_for(const EffectInstance& effect, const Columns& columns, c
   space.q.resize(space.y.size(), 0);
   absorb(space, whitener(MatrixXd(base.topRows(target.size()))));
   Index best = std::min<Index>(1, columns.of.cols());
-  double least = 1e300;
+  double least = kBeyondAll;
   for (Index j = 0; j < own.cols(); ++j) {
     absorb(space, own.col(j));
     const double price = space.chi2() + std::log(n) * static_cast<double>(j + 1);
@@ -194,7 +202,7 @@ Explanation explained_by(const std::string& name, const EffectInstance& effect, 
       sizes_beside(whitener(base), whitener(MatrixXd(columns.of.topRows(present).leftCols(used))), whitener(target));
   one.truth = one.fixed + columns.of.leftCols(used) * sizes;
   if (!parameter.empty() && effect.id != EffectId::step && !effect.parameters.contains(parameter)) {
-    const double change = std::max(std::abs(nonlinear) * 1e-5, 1e-7);
+    const double change = std::max(std::abs(nonlinear) * kSlopeStep, kLeastSlopeStep);
     const Columns moved = free_columns(regressors, effect, nonlinear + change);
     append(one.columns, (moved.of.leftCols(used) * sizes + moved.fixed - one.truth) / change);
   }
@@ -267,7 +275,7 @@ MatrixXd Separations::of(std::size_t proposal, int runs) const {
   const double weight = std::sqrt(static_cast<double>(runs));
   rows.block(present_.rows(), 0, count, white_.cols()) = weight * white_.middleRows(first, count);
   if (zero) rows.block(present_.rows(), white_.cols(), count, 1).setConstant(weight / sigma_[proposal]);
-  constexpr double kReadings = 10.0;
+  constexpr double kReadings = 10.0;  // a choice: that many readings are averaged in effect where a zero is set
   if (prior > 0) rows(rows.rows() - 1, white_.cols()) = std::sqrt(kReadings) / sigma_[proposal];
   return (squares(rows, zero) - present_squares_).cwiseMax(0.0).cwiseSqrt();
 }

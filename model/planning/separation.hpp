@@ -1,5 +1,5 @@
 // How many sigmas a run not yet made would put between explanations: each, if true, against the best that the model
-// with another can do on present and new readings together. Internal to this room (Eigen).
+// with another can do on present and new readings together. Internal to model/ (Eigen).
 // Does not live here: which runs there are (options.hpp), their rank (next_measurement.cpp).
 #pragma once
 
