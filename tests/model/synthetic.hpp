@@ -1,4 +1,4 @@
-// Small measurement sets made by hand for the tests of the model room: one or more lines, runs both ways, known noise.
+// Small measurement sets made by hand for the tests of model/: one or more lines, runs both ways, known noise.
 #pragma once
 
 #include <functional>

@@ -1,0 +1,120 @@
+#include "model/fit/held_out.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "synthetic.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+Observations line(int runs, bool both_ways = false, int targets = 10) {
+  Plan plan;
+  plan.runs = runs;
+  plan.targets = targets;
+  plan.both_ways = both_ways;
+  return observations_of(measured(plan, 0.0, [](const laser::Reading&) { return 0.0; }), straight(), mill());
+}
+
+MatrixXd normal(Index rows, Index columns, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> one;
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
+}
+
+}  // namespace
+
+TEST_CASE("least squares puts the line through three points on it") {
+  const MatrixXd columns = (MatrixXd(3, 2) << 1.0, 0.0, 1.0, 1.0, 1.0, 2.0).finished();
+  const VectorXd sizes = least_squares(columns, VectorXd{{1.0, 3.0, 5.0}});
+  CHECK(sizes(0) == Approx(1.0));
+  CHECK(sizes(1) == Approx(2.0));
+}
+
+TEST_CASE("columns that do the same share the size, a column of zeros gets none") {
+  const MatrixXd columns = (MatrixXd(2, 3) << 1.0, 1.0, 0.0, 1.0, 1.0, 0.0).finished();
+  const VectorXd sizes = least_squares(columns, VectorXd{{4.0, 4.0}});
+  CHECK(sizes(0) == Approx(2.0));
+  CHECK(sizes(1) == Approx(2.0));
+  CHECK(sizes(2) == 0.0);
+  CHECK(least_squares(MatrixXd(2, 0), VectorXd::Ones(2)).size() == 0);
+}
+
+TEST_CASE("three runs and more are held out whole") {
+  const Observations data = line(4, true);
+  const Parts parts = parts_of(data);
+  CHECK(parts.by_run);
+  CHECK(parts.count == 4);
+  for (std::size_t k = 0; k < data.size(); ++k) CHECK(parts.of[k] == static_cast<std::size_t>(data.run[k] - 1));
+}
+
+TEST_CASE("of two runs neighbours are held out together, four at a time in five parts") {
+  const Parts parts = parts_of(line(2));
+  CHECK_FALSE(parts.by_run);
+  CHECK(parts.of == std::vector<std::size_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4});
+}
+
+TEST_CASE("a target is in one part in every run and both approaches, its neighbours in others") {
+  const Observations data = line(3, true, 11);
+  const Parts parts = parts_by_target(data);
+  CHECK(parts.count == 5);
+  for (std::size_t i = 0; i < data.size(); ++i)
+    for (std::size_t j = 0; j < data.size(); ++j) {
+      const double apart = std::abs(data.p_mm(i, Axis::X) - data.p_mm(j, Axis::X));
+      if (apart < 1e-6) CHECK(parts.of[i] == parts.of[j]);
+      if (apart > 1.0 && apart < 40.0) CHECK(parts.of[i] != parts.of[j]);
+    }
+}
+
+TEST_CASE("the rms of readings predicted from the other runs is that of a hand calculation") {
+  Observations data = line(3);
+  const auto n = static_cast<Index>(data.size());
+  VectorXd target(n);
+  for (Index k = 0; k < n; ++k) target(k) = 3.0 * (data.run[static_cast<std::size_t>(k)] - 1);  // 0, 3 and 6
+  const std::vector<bool> none(data.size(), false);
+  const NoiseModel noise = plain_noise(data, 1.0);
+  const Parts parts = parts_of(data);
+  // a constant: from the other runs 4.5, 3 and 1.5; left over -4.5, 0 and 4.5
+  CHECK(held_out_rms(data, noise, none, parts, MatrixXd::Ones(n, 1), target) == Approx(std::sqrt(13.5)));
+  // no column: the rms itself, √((0 + 9 + 36)/3)
+  CHECK(held_out_rms(data, noise, none, parts, MatrixXd(n, 0), target) == Approx(std::sqrt(15.0)));
+}
+
+TEST_CASE("an outlier takes no part, neither in the fit nor in the rms") {
+  const Observations data = line(3);
+  const auto n = static_cast<Index>(data.size());
+  VectorXd target = VectorXd::Ones(n);
+  target(7) = 1000.0;
+  std::vector<bool> left_out(data.size(), false);
+  left_out[7] = true;
+  CHECK(held_out_rms(data, plain_noise(data, 1.0), left_out, parts_of(data), MatrixXd::Ones(n, 1), target) ==
+        Approx(0.0));
+}
+
+TEST_CASE("a true shape predicts nearly all of what is above noise, at targets it was not fitted to") {
+  const Observations data = line(4, true, 40);
+  const auto n = static_cast<Index>(data.size());
+  VectorXd shape(n);
+  for (Index k = 0; k < n; ++k) shape(k) = 5.0 * std::sin(0.01 * data.p_mm(static_cast<std::size_t>(k), Axis::X));
+  const VectorXd target = shape + normal(n, 1, 5).col(0);
+  const double share = cross_validated_part(parts_by_target(data), shape, target, target);
+  CHECK(share > 0.9);
+  CHECK(share < 1.05);
+}
+
+TEST_CASE("columns of chance predict nothing, however many there are") {
+  const Observations data = line(4, true, 40);
+  const auto n = static_cast<Index>(data.size());
+  const VectorXd target = 2.0 * normal(n, 1, 7).col(0);
+  CHECK(cross_validated_part(parts_by_target(data), normal(n, 1, 8), target, target) < 0.05);
+  CHECK(cross_validated_part(parts_by_target(data), normal(n, 60, 9), target, target) < 0.0);
+}

@@ -1,0 +1,173 @@
+#include "model/fit/noise.hpp"
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "model/fit/noise_shapes.hpp"
+#include "synthetic.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kWhite_um = 0.4;
+
+struct Measured {
+  Observations data;
+  VectorXd residual;
+  std::vector<bool> left_out;
+};
+
+Measured readings_of(const laser::MeasurementSet& set) {
+  Measured m;
+  m.data = observations_of(set, straight(), mill());
+  m.residual = Eigen::Map<const VectorXd>(m.data.reading.data(), static_cast<Index>(m.data.size()));
+  m.left_out.assign(m.data.size(), false);
+  return m;
+}
+
+/// 41 targets, three runs both ways: 246 readings in 82 nodes.
+Measured white(unsigned seed = 1) {
+  return readings_of(measured(
+      {}, kWhite_um, [](const laser::Reading&) { return 0.0; }, seed));
+}
+
+NoiseModel noise_in(const Measured& m) {
+  return noise_of(m.data, m.residual, MatrixXd::Ones(m.residual.size(), 1), m.left_out);
+}
+
+double share_of_white(const NoiseModel& noise) {
+  for (const NoiseShape& shape : noise.shapes)
+    if (shape.share == 0.0) return shape.weight;
+  return 0.0;
+}
+
+}  // namespace
+
+TEST_CASE("white noise of a known size is found from the repeats, whatever shape is under it") {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Measured m = white(seed);
+    for (Index k = 0; k < m.residual.size(); ++k)
+      m.residual(k) += 20.0 * std::sin(0.03 * m.data.p_mm(static_cast<std::size_t>(k), Axis::X));
+    const NoiseModel noise = noise_in(m);
+    CHECK(noise.pure.from_repeats);
+    CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.12));  // 164 degrees of freedom: 5.5 %, two sigmas
+    CHECK(share_of_white(noise) > 0.5);
+  }
+}
+
+TEST_CASE("repeats have as many degrees of freedom as there are readings less places") {
+  Measured m = white();
+  CHECK(noise_in(m).pure.dof == Approx(246.0 - 82.0));
+  m.left_out[3] = true;  // its place keeps two others
+  CHECK(noise_in(m).pure.dof == Approx(246.0 - 82.0));
+}
+
+TEST_CASE("without repeats the noise is what smooth columns leave, and says so") {
+  Plan plan;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.targets = 200;
+  plan.step_mm = 5.0;
+  const NoiseModel noise = noise_in(readings_of(measured(plan, kWhite_um, [](const laser::Reading&) { return 7.0; })));
+  CHECK_FALSE(noise.pure.from_repeats);
+  CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
+}
+
+TEST_CASE("noise that lasts over several readings is recognised as correlated") {
+  Plan plan;
+  plan.runs = 5;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  double state = normal(random), last_s = 0.0;
+  const auto turbulence = [&](const laser::Reading& r) {  // correlation time 30 s, readings every 10 s
+    const double memory = std::exp(-(*r.time_s - last_s) / 30.0);
+    last_s = *r.time_s;
+    state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);
+    return state;
+  };
+  const NoiseModel noise = noise_in(readings_of(measured(plan, 0.2, turbulence)));
+  REQUIRE(noise.groups.size() == 1);
+  CHECK(share_of_white(noise) < 0.01);
+  CHECK(noise.groups.front().correlated > 2.0 * noise.groups.front().white);
+  CHECK(noise.groups.front().sigma() == Approx(std::hypot(1.0, 0.2)).epsilon(0.3));
+}
+
+TEST_CASE("the weights of all shapes of noise add up to one") {
+  double sum = 0.0;
+  for (const NoiseShape& shape : noise_in(white()).shapes) sum += shape.weight;
+  CHECK(sum == Approx(1.0));
+}
+
+TEST_CASE("one outlier in a thousand squares leaves their robust mean alone") {
+  std::vector<double> squares(999, 1.0);
+  squares.push_back(1e6);
+  CHECK(robust_mean_square(squares) == Approx(1.0));
+  CHECK(robust_mean_square({}) == 0.0);
+}
+
+TEST_CASE("readings at one place are repeats under one feed only, and share the place under every feed") {
+  Measured m = white();
+  m.data.feed_mm_min.assign(m.data.size(), 1000.0);
+  for (std::size_t k = 0; k < m.data.size(); ++k)
+    if (m.data.run[k] == 3) m.data.feed_mm_min[k] = 4000.0;
+  CHECK(repeats_of(m.data).nodes == 164);
+  CHECK(places_of(m.data).nodes == 82);
+}
+
+TEST_CASE("positions a hundredth of a micrometre apart are one target, a micrometre apart two") {
+  Measured m = white();
+  m.data.position_mm[5][0] += 1e-5;
+  CHECK(places_of(m.data).nodes == 82);
+  m.data.position_mm[5][0] += 1e-3;
+  CHECK(places_of(m.data).nodes == 83);
+}
+
+TEST_CASE("a pass is one run in one direction") {
+  const Measured m = white();
+  const std::vector<std::size_t> pass = passes_of(m.data);
+  CHECK(std::set<std::size_t>(pass.begin(), pass.end()).size() == 6);
+  for (std::size_t k = 1; k < pass.size(); ++k)
+    CHECK((pass[k] == pass[k - 1]) ==
+          (m.data.run[k] == m.data.run[k - 1] && m.data.approach[k] == m.data.approach[k - 1]));
+}
+
+TEST_CASE(
+    "replicates have the size of the noise, spread by how well it is known, and nothing where rows are left out") {
+  Measured m = white();
+  m.left_out[10] = true;
+  NoiseModel noise = plain_noise(m.data, kWhite_um);
+  noise.pure.dof = 164.0;
+  const MatrixXd sets = simulated_noise(m.data, noise, 2000, m.left_out);
+  CHECK(sets.row(10).squaredNorm() == 0.0);
+  const double freedom = 0.7 * 164.0;  // E(freedom/χ²) = freedom/(freedom − 2)
+  const double mean_square = sets.squaredNorm() / (2000.0 * 245.0);
+  CHECK(mean_square == Approx(kWhite_um * kWhite_um * freedom / (freedom - 2.0)).epsilon(0.02));
+  CHECK((sets - simulated_noise(m.data, noise, 2000, m.left_out)).norm() == 0.0);
+}
+
+TEST_CASE("whitened noise has size one and no memory") {
+  const Measured m = white();
+  NoiseModel noise = plain_noise(m.data, kWhite_um);
+  noise.groups.front().correlated = 0.8;
+  noise.groups.front().time = 30.0;
+  noise.shapes = {{0.8, 30.0, 1.0, {0.8}}};  // 0.16 white and 0.64 correlated make 0.8 um²
+  noise.pure.dof = 1e9;
+  const MatrixXd sets = simulated_noise(m.data, noise, 500, m.left_out);
+  const MatrixXd independent = Whitener(m.data, noise, m.left_out)(sets);
+  CHECK(independent.squaredNorm() / static_cast<double>(independent.size()) == Approx(1.0).epsilon(0.02));
+  const Index n = independent.rows();
+  const double lag = (independent.topRows(n - 1).array() * independent.bottomRows(n - 1).array()).mean();
+  CHECK(std::abs(lag) < 0.02);
+  const double raw = (sets.topRows(n - 1).array() * sets.bottomRows(n - 1).array()).mean();
+  CHECK(raw > 0.3);
+}

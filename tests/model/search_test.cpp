@@ -1,0 +1,152 @@
+#include "model/diagnosis/search.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/gains.hpp"
+#include "searching.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kSigma_um = 0.2;
+
+laser::MeasurementSet line(const Truth& truth) { return measured({}, kSigma_um, truth); }
+
+double wave(const laser::Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }
+
+MatrixXd normal(Index rows, Index columns, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> one;
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
+}
+
+}  // namespace
+
+TEST_CASE("what is absorbed is orthonormal, and what is left has nothing of it") {
+  MatrixXd columns = normal(30, 4, 1);
+  columns.col(3) = columns.col(0) - 2.0 * columns.col(1);  // depends on the others
+  Space space;
+  space.y = normal(30, 1, 2).col(0);
+  space.q.resize(30, 0);
+  const VectorXd y = space.y;
+  absorb(space, columns.leftCols(1));
+  absorb(space, columns.rightCols(3));
+  CHECK(space.q.cols() == 3);
+  CHECK((space.q.transpose() * space.q - MatrixXd::Identity(3, 3)).norm() < 1e-12);
+  CHECK((columns.transpose() * space.y).norm() < 1e-10);
+  const VectorXd left = y - columns * columns.completeOrthogonalDecomposition().solve(y);
+  CHECK(space.chi2() == Approx(left.squaredNorm()));
+}
+
+TEST_CASE("a period between two that were tried is found, and gains what its size promises") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const std::vector<Choice> found = of.search.expand(of.search.base());
+  REQUIRE(found.size() == 1);
+  CHECK(found.front().nonlinear == Approx(87.3).epsilon(0.005));
+  const double promised = 0.5 * 246.0 / (kSigma_um * kSigma_um);  // mean square ½ of 246 readings
+  CHECK(found.front().gain == Approx(promised).epsilon(0.1));
+}
+
+TEST_CASE("of several causes the true one comes first") {
+  const auto candidates = candidates_named({"cyclic:X:EX", "backlash:X:EX", "sag:X:EX", "step:X:EX"});
+  const Searching of(line([](const laser::Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }), kSigma_um, candidates);
+  const std::vector<Choice> found = of.search.expand(of.search.base());
+  REQUIRE_FALSE(found.empty());
+  CHECK(of.name_of(found.front()) == "step:X:EX");
+  CHECK(found.front().nonlinear == Approx(512.0).epsilon(0.03));  // between two targets 25 mm apart
+  for (std::size_t i = 1; i < found.size(); ++i) CHECK(found[i].score() <= found[i - 1].score());
+}
+
+TEST_CASE("an effect that the model has already gains nothing more") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"scale:X:EX", "offset:X:EX", "backlash:X:EX"}));
+  for (const Choice& choice : of.search.expand(of.search.base())) CHECK(of.name_of(choice) == "backlash:X:EX");
+}
+
+TEST_CASE("the gain of a choice is the fall of the sum of squares of a least squares fit") {
+  const Searching of(line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um,
+                     candidates_named({"backlash:X:EX"}));
+  const Solution solution = of.search.solution({of.search.choice_at(of.search.base(), 0, 0.0)});
+  const auto chi2_with = [&](const MatrixXd& columns) {
+    return (of.target - columns * columns.completeOrthogonalDecomposition().solve(of.target)).squaredNorm() /
+           (kSigma_um * kSigma_um);
+  };
+  MatrixXd with = of.base;
+  with.conservativeResize(Eigen::NoChange, 3);
+  for (Index k = 0; k < with.rows(); ++k) with(k, 2) = of.data.approach[static_cast<std::size_t>(k)];
+  CHECK(solution.chi2_before == Approx(chi2_with(of.base)));
+  CHECK(solution.space.chi2() == Approx(chi2_with(with)));
+  CHECK(solution.chosen.front().gain == Approx(chi2_with(of.base) - chi2_with(with)));
+}
+
+TEST_CASE("every free coefficient costs the logarithm of the readings that it acts on") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"backlash:X:EX"}));
+  CHECK(of.search.choice_at(of.search.base(), 0, 0.0).cost == Approx(std::log(246.0)));
+}
+
+TEST_CASE("more candidates never make noise look worse") {
+  const auto set = line([](const laser::Reading&) { return 0.0; });
+  const Searching few(set, kSigma_um, candidates_named({"backlash:X:EX"}));
+  const Searching many(set, kSigma_um, candidates_named({"backlash:X:EX", "cyclic:X:EX", "step:X:EX"}));
+  MatrixXd replicates = normal(246, 40, 3);
+  replicates -= few.search.base().q * (few.search.base().q.transpose() * replicates);
+  const auto less = few.search.best_scores(replicates.cast<float>());
+  const auto more = many.search.best_scores(replicates.cast<float>());
+  REQUIRE(less.size() == 40);
+  REQUIRE(more.size() == 40);
+  for (std::size_t b = 0; b < less.size(); ++b) CHECK(more[b] >= less[b]);
+}
+
+TEST_CASE("the score of noise on one effect is the square of one normal deviate less the price") {
+  const Searching of(line([](const laser::Reading&) { return 0.0; }), kSigma_um, candidates_named({"backlash:X:EX"}));
+  MatrixXd replicates = normal(246, 2000, 4);
+  replicates -= of.search.base().q * (of.search.base().q.transpose() * replicates);
+  double mean = 0.0;
+  for (const double score : of.search.best_scores(replicates.cast<float>())) mean += score / 2000.0;
+  CHECK(mean == Approx(1.0 - std::log(246.0)).epsilon(0.03));  // the mean of χ² of one degree is 1
+}
+
+TEST_CASE("periods are tried at the pitch of the screw, its parts and its multiples") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  REQUIRE(of.search.families().size() == 1);
+  const std::vector<double>& facts = of.search.families().front().facts;
+  for (const double period_mm : {10.0, 5.0, 20.0})
+    CHECK(std::any_of(facts.begin(), facts.end(), [&](double f) { return std::abs(f - period_mm) < 1e-9; }));
+}
+
+TEST_CASE("periods tried are no longer than two thirds of the travel and never a whole turn over it apart") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const std::vector<double>& periods = of.search.families().front().grid;
+  REQUIRE(periods.size() > 10);
+  const double travel = 1000.0;  // nearly: the targets are a little uneven
+  for (std::size_t i = 0; i < periods.size(); ++i) {
+    CHECK(periods[i] <= 0.68 * travel);
+    if (i > 0) CHECK(1.0 / periods[i] - 1.0 / periods[i - 1] < 0.5 / travel);
+  }
+}
+
+TEST_CASE("steps are tried between the targets, never on one") {
+  const Searching of(line(wave), kSigma_um, candidates_named({"step:X:EX"}));
+  const std::vector<double>& steps = of.search.families().front().grid;
+  CHECK(steps.size() == 40);
+  for (const double at : steps)
+    for (std::size_t k = 0; k < of.data.size(); ++k) CHECK(std::abs(of.data.p_mm(k, Axis::X) - at) > 1.0);
+}
+
+TEST_CASE("a search that is cancelled stops") {
+  std::atomic<bool> cancelled = false;
+  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}), &cancelled);
+  CHECK_FALSE(of.search.expand(of.search.base()).empty());
+  cancelled = true;
+  CHECK_THROWS_AS(static_cast<void>(of.search.expand(of.search.base())), SearchStopped);
+}

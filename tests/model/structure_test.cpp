@@ -1,0 +1,117 @@
+#include "model/diagnosis/structure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "searching.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kSigma_um = 0.2;
+
+/// Tests of what offset and scale leave of a line, most certain first.
+std::vector<StructureTest> tests_of(const Truth& truth, unsigned seed = 1) {
+  const Searching of(measured({}, kSigma_um, truth, seed), kSigma_um, {});
+  auto tests = Structure(of.data, of.whitener, 164.0).tests(of.search.base());
+  std::sort(tests.begin(), tests.end(),
+            [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p > b.minus_log_p; });
+  return tests;
+}
+
+const Variable& named(const std::vector<Variable>& variables, const std::string& name) {
+  return *std::find_if(variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
+}
+
+}  // namespace
+
+TEST_CASE("the logarithm of a chance agrees with a printed F table") {
+  CHECK(minus_log_p(4.964603, 1.0, 10.0) == Approx(-std::log10(0.05)).epsilon(1e-5));
+  CHECK(minus_log_p(5.0 * 3.325835, 5.0, 10.0) == Approx(-std::log10(0.05)).epsilon(1e-5));
+  CHECK(minus_log_p(100.0, 0.0, 10.0) == 0.0);  // no function, no test
+}
+
+TEST_CASE("noise depends on nothing") {
+  for (const unsigned seed : {1U, 2U, 3U})
+    for (const StructureTest& test : tests_of([](const laser::Reading&) { return 0.0; }, seed))
+      CHECK(test.minus_log_p < 4.0);
+}
+
+TEST_CASE("a run of its own is found under run, a reversal error under approach, a wave under its position") {
+  CHECK(tests_of([](const laser::Reading& r) { return r.run == 2 ? 0.6 : 0.0; }).front().variable == "run");
+  CHECK(tests_of([](const laser::Reading& r) { return 0.3 * d(r); }).front().variable == "approach");
+  CHECK(tests_of([](const laser::Reading& r) { return 0.5 * std::sin(p(r) / 20.0); }).front().variable == "x_mm");
+}
+
+TEST_CASE("a variable gains about one for every function on noise, and all of its own shape") {
+  for (const StructureTest& test : tests_of([](const laser::Reading&) { return 0.0; }))
+    CHECK(std::abs(test.gain - test.freedom) < 4.0 * std::sqrt(2.0 * test.freedom));
+  const StructureTest found = tests_of([](const laser::Reading& r) { return 0.4 * d(r); }).front();
+  CHECK(found.excess == Approx(4.0).epsilon(0.2));  // (0.4/0.2)² per reading
+}
+
+TEST_CASE("a variable that never changes is no variable") {
+  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  std::vector<std::string> names;
+  for (const Variable& variable : variables_of(of.data)) names.push_back(variable.name);
+  const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  CHECK(has("x_mm"));
+  CHECK(has("approach"));
+  CHECK(has("run"));
+  CHECK(has("time_s"));
+  CHECK(has("t_material_degC"));
+  CHECK_FALSE(has("y_mm"));
+  CHECK_FALSE(has("feed_mm_min"));
+  CHECK_FALSE(has("compensated"));
+}
+
+TEST_CASE("what all runs share is no function of the run") {
+  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const auto variables = variables_of(of.data);
+  const MatrixXd& columns = named(variables, "run").columns;
+  for (Index j = 0; j < columns.cols(); ++j) CHECK(std::abs(columns.col(j).sum()) < 1e-9);
+}
+
+TEST_CASE("the share of a variable is all of its own shape, nothing of another, and never negative") {
+  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const auto variables = variables_of(of.data);
+  VectorXd reversal(246), runs(246);
+  for (Index k = 0; k < 246; ++k) {
+    reversal(k) = of.data.approach[static_cast<std::size_t>(k)];
+    runs(k) = of.data.run[static_cast<std::size_t>(k)] - 2.0;
+  }
+  CHECK(share_of(named(variables, "approach"), reversal, 0.0) == Approx(1.0));
+  CHECK(share_of(named(variables, "approach"), runs, 0.0) == Approx(0.0));
+  CHECK(share_of(named(variables, "run"), runs, 0.0) == Approx(1.0));
+  CHECK(share_of(named(variables, "run"), runs, 100.0) == 0.0);
+  CHECK(share_of(named(variables, "run"), VectorXd::Zero(246), 1.0) == 0.0);
+}
+
+TEST_CASE("the largest of noise replicates is what the tests of each replicate give") {
+  const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
+  const Structure structure(of.data, of.whitener, 164.0);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  MatrixXd replicates = MatrixXd::NullaryExpr(246, 3, [&] { return normal(random); });
+  const MatrixXd& q = of.search.base().q;
+  replicates -= q * (q.transpose() * replicates);
+  const auto largest = structure.largest_of(of.search.base(), replicates.cast<float>());
+  REQUIRE(largest.size() == 3);
+  for (Index b = 0; b < 3; ++b) {
+    Space space = of.search.base();
+    space.y = replicates.col(b);
+    double most = 0.0;
+    for (const StructureTest& test : structure.tests(space)) most = std::max(most, test.minus_log_p);
+    CHECK(largest[static_cast<std::size_t>(b)] == Approx(most).epsilon(1e-3));
+  }
+}
