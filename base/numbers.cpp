@@ -19,12 +19,6 @@ Result<std::uint32_t> whole_number(std::string_view text, std::string_view what)
                  fmt::format("{}: expected a whole number such as 4096 or 0x1000, got \"{}\"", what, text));
 }
 
-Result<Axis> axis_named(std::string_view text) {
-  for (const Axis axis : kAllAxes)
-    if (lower(text) == lower(std::string(1, letter_of(axis)))) return axis;
-  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", text));
-}
-
 std::string cell_text(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
 
 }  // namespace ecs

@@ -10,6 +10,7 @@
 
 #include "app/cli/keyboard.hpp"
 #include "base/result.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
 
@@ -24,7 +25,7 @@ struct ConsoleOptions {
 
 /// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/shown.hpp, so that no file and no
 /// unit can speak to the terminal.
-class Console {
+class Console final : public MessageSink {
  public:
   Console(std::ostream& out, std::ostream& messages, ConsoleOptions options = {})
       : out_(&out), messages_(&messages), options_(options) {}
@@ -33,8 +34,8 @@ class Console {
   bool quiet = false;          ///< --quiet: no notes, no progress bar; warnings and problems stay
   std::string message_prefix;  ///< "EMULATOR: " while a verb writes to the bundled emulator
 
-  void note(std::string_view text);
-  void warn(std::string_view text);
+  void note(std::string_view text) override;
+  void warn(std::string_view text) override;
   void show(const Problem& problem);
 
   /// A line of results, at once: for verbs that print as they go. Nothing with --json.

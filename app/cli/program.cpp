@@ -178,13 +178,14 @@ int show_text(VerbContext& context, const std::string& key, const std::string& t
 int parsed_and_run(const std::vector<std::string>& words, VerbContext& context) {
   CLI::App root("ECS: parameters, error maps and tests of an error compensation system for machine tools", "ecs");
   Action chosen;
-  root.add_flag("--json", context.console.json, "the answer as one JSON object on stdout");
-  root.add_flag("--quiet", context.console.quiet, "no notes and no progress bar");
-  root.add_option("--link", context.link_option, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")
+  CommonOptions common;
+  root.add_flag("--json", common.json, "the answer as one JSON object on stdout");
+  root.add_flag("--quiet", common.quiet, "no notes and no progress bar");
+  root.add_option("--link", common.link, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]")
       ->type_name("");
   root.set_version_flag("--version", kVersion);
   root.require_subcommand(0, 1);
-  Menu menu(root, context, chosen);
+  Menu menu(root, common, chosen);
   add_all_menus(menu);
   try {
     root.parse(std::vector<std::string>(words.rbegin(), words.rend()));
@@ -196,6 +197,9 @@ int parsed_and_run(const std::vector<std::string>& words, VerbContext& context) 
   } catch (const CLI::ParseError& error) {
     return failed(context, {ProblemKind::usage, usage_text(root, words, error.what()), {}, 0, 0, {}});
   }
+  context.console.json = context.console.json || common.json;
+  context.console.quiet = common.quiet;
+  context.link_option = common.link;
   if (chosen) return run_action(context, chosen);
   const Place place = place_of(root, words);
   if (place.app != &root) return failed(context, {ProblemKind::usage, menu_text(place), {}, 0, 0, {}});

@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/unit_link.hpp"
 
 namespace ecs::app {
 namespace {
@@ -119,17 +119,17 @@ void Verb::runs(Action action) {
 Menu Menu::menu(const std::string& name, const std::string& help) {
   CLI::App* sub = app_->add_subcommand(name, help);
   sub->require_subcommand(0, 1);
-  sub->add_flag("--json", session_->console.json, "the answer as one JSON object on stdout");
-  sub->add_flag("--quiet", session_->console.quiet, "no notes and no progress bar");
-  return {*sub, *session_, *chosen_};
+  sub->add_flag("--json", common_->json, "the answer as one JSON object on stdout");
+  sub->add_flag("--quiet", common_->quiet, "no notes and no progress bar");
+  return {*sub, *common_, *chosen_};
 }
 
 Verb Menu::verb(const std::string& name, const std::string& help, const std::string& example) {
   CLI::App* sub = app_->add_subcommand(name, help);
-  sub->add_flag("--json", session_->console.json, "the answer as one JSON object on stdout");
-  sub->add_flag("--quiet", session_->console.quiet, "no notes and no progress bar");
+  sub->add_flag("--json", common_->json, "the answer as one JSON object on stdout");
+  sub->add_flag("--quiet", common_->quiet, "no notes and no progress bar");
   sub->footer("Example:\n  " + example);
-  return {*sub, *chosen_, session_->link_option};
+  return {*sub, *chosen_, common_->link};
 }
 
 }  // namespace ecs::app

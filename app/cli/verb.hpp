@@ -56,10 +56,17 @@ class Verb {
   bool writes_ = false;
 };
 
+/// What the command line says for every verb.
+struct CommonOptions {
+  bool json = false;   ///< --json
+  bool quiet = false;  ///< --quiet
+  std::string link;    ///< --link as given; empty: not given
+};
+
 /// A group of verbs, or the whole program. A menu may hold menus ("utility datum").
 class Menu {
  public:
-  Menu(CLI::App& app, VerbContext& context, Action& chosen) : app_(&app), session_(&context), chosen_(&chosen) {}
+  Menu(CLI::App& app, CommonOptions& common, Action& chosen) : app_(&app), common_(&common), chosen_(&chosen) {}
 
   [[nodiscard]] Menu menu(const std::string& name, const std::string& help);
   /// @param example  one or more full command lines
@@ -67,7 +74,7 @@ class Menu {
 
  private:
   CLI::App* app_;
-  VerbContext* session_;
+  CommonOptions* common_;
   Action* chosen_;
 };
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "app/plot/figure.hpp"
 #include "base/result.hpp"
+#include "commissioning/plot/figure.hpp"
 
 namespace ecs::app {
 

@@ -52,7 +52,7 @@ Result<Readings> readings_for(VerbContext& context, const ReportArguments& argum
   auto after = joined_phase(rows, &TableRow::after);
   if (!after) return tl::unexpected(after.error());
   if (!arguments.data.empty()) {
-    auto before = measured_in(context, arguments.data, {});
+    auto before = measured_in(context.console, arguments.data, {});
     if (!before) return tl::unexpected(before.error());
     return Readings{std::move(*before), std::move(*after), fmt::format("{}", fmt::join(arguments.data, ", "))};
   }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/plot/figure.hpp"
 #include "app/report/markup.hpp"
+#include "commissioning/plot/figure.hpp"
 
 namespace ecs::app {
 

@@ -9,8 +9,8 @@
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/outcome.hpp"
-#include "commissioning/link/event_log.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 namespace {

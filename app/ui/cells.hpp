@@ -8,21 +8,9 @@
 #include <vector>
 
 #include "app/ui/letters.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
-
-/// What a cell means; the terminal turns it into colours where it has them, else into bold, reverse, underline.
-enum class Tone : std::uint8_t {
-  plain,
-  faint,     ///< frames, units, hints
-  strong,    ///< headings, the thing that matters
-  selected,  ///< under the cursor
-  good,
-  warning,
-  bad,
-  forward,  ///< approach +1
-  reverse,  ///< approach −1
-};
 
 /// In the cell behind a letter that takes two columns.
 inline constexpr char32_t kSecondHalf = 0;

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/plot/figure.hpp"
 #include "app/ui/cells.hpp"
 #include "app/ui/keys.hpp"
+#include "commissioning/plot/figure.hpp"
 
 namespace ecs::app {
 

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/file.hpp"
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 namespace {

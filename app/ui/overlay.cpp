@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 

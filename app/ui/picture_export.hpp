@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "app/plot/figure.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
+#include "commissioning/plot/figure.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

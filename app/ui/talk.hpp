@@ -12,7 +12,7 @@
 
 namespace ecs::app {
 
-/// What was said last; everything said goes to the log as well (commissioning/link/event_log.hpp).
+/// What was said last; everything said goes to the log as well (commissioning/session/event_log.hpp).
 class MessageLine {
  public:
   void say(const std::string& text, Tone tone = Tone::good);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/menus.hpp"
+#include "app/cli/verb_unit.hpp"
 #include "base/json.hpp"
 #include "commissioning/batch/run.hpp"
 

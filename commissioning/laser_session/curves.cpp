@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/curves.hpp"
 #include "commissioning/measurements/levelling.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::app {

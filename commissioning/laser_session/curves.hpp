@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/plot/figure.hpp"
 #include "commissioning/laser_session/choices.hpp"
 #include "commissioning/laser_session/lines.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/process.hpp"

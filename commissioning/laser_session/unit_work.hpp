@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "commissioning/laser_session/work.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/sent.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

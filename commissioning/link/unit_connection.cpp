@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "base/result.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_link.hpp"
+#include "commissioning/session/job.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::app {

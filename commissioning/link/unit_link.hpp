@@ -1,24 +1,17 @@
-// A verb's way to its unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
-// Does not live here: which link (choice.hpp), what is said over it (protocol/client/client.hpp).
+// The way to a unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
+// Does not live here: which link (choice.hpp), what is sent over it (protocol/client/client.hpp).
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <string>
-#include <string_view>
 
-#include "app/cli/verb_context.hpp"
 #include "base/interrupt.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "protocol/client/client.hpp"
 
 namespace ecs::app {
-
-enum class Access {
-  reads,
-  writes,  ///< or moves, or runs: messages say EMULATOR where that is the unit
-};
 
 /// An open link. Destroying it closes the port and stops the emulator it started.
 class UnitLink {
@@ -44,20 +37,5 @@ class UnitLink {
 /// Opens a link; the flag cancels what is under way on it. An emulator that this program runs already with the same
 /// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
 [[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
-
-/// Sets the context's message prefix if the link that it names, or the default, is an emulator.
-void announce_writing(VerbContext& context);
-
-/// Opens the link that the context names, tells the context its name and sets its message prefix.
-[[nodiscard]] Result<UnitLink> open_unit(VerbContext& context, Access access);
-
-/// Says that the machine must be referenced now; with a bundled emulator, how.
-void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes);
-
-/// Feeds the progress bar.
-[[nodiscard]] protocol::ProgressCallback progress_bar(VerbContext& context, std::string label);
-
-/// A usage problem unless `yes`: what moves, runs or overwrites needs --yes.
-[[nodiscard]] Result<void> confirmed(bool yes, std::string_view what_happens);
 
 }  // namespace ecs::app

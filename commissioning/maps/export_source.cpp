@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/maps/source.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "model/fit/fit.hpp"
@@ -106,36 +105,21 @@ void note_squareness_left_behind(ExportWork& work) {
 
 }  // namespace
 
-void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help) {
-  verb.text("FILE", arguments.map, "map CSV; or give --unit")
-      .flag("--unit", arguments.unit, "the map in the unit, with its parameters")
-      .text("--params", arguments.params, "parameters the map goes with: squareness, reference positions, lines")
-      .text("--machine", arguments.machine, "machine file: the travels")
-      .text("--model", arguments.model, "predict what is left from this model instead of from the map; needs --machine")
-      .flag("--other-machine", arguments.other_machine, "export although map and parameters name different machines")
-      .text("-o,--output", arguments.output, output_help)
-      .uses_link();
-}
-
-Result<ExportWork> export_work(VerbContext& context, const ExportArguments& arguments) {
-  if (!arguments.model.empty() && arguments.machine.empty())
-    return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
-  auto found = found_map(context, arguments.map, arguments.unit);
-  if (!found) return tl::unexpected(found.error());
-  const auto machine = machine_in(context, arguments.machine);
+Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found) {
+  const auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   ExportWork work;
-  const auto with = parameters_for(arguments, *found, *machine, work);
+  const auto with = parameters_for(arguments, found, *machine, work);
   if (!with) return tl::unexpected(with.error());
   work.source.parameters = with->parameters;
-  work.map_name = found->name;
+  work.map_name = found.name;
   work.errors_from = arguments.model.empty() ? "the map" : arguments.model;
-  if (const auto fits = check_configuration(found->map.header, with->parameters, found->name); !fits)
+  if (const auto fits = check_configuration(found.map.header, with->parameters, found.name); !fits)
     return tl::unexpected(fits.error());
   if (!arguments.other_machine)
-    if (const auto why = refused_map(objections_to_owner(found->map.header, *with, arguments, *machine), found->name))
+    if (const auto why = refused_map(objections_to_owner(found.map.header, *with, arguments, *machine), found.name))
       return tl::unexpected(*why);
-  work.source.map = std::move(found->map);
+  work.source.map = std::move(found.map);
   work.source.travel_mm = travels_for(work.source.map, with->parameters, *machine);
   note_squareness_left_behind(work);
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
@@ -181,12 +165,12 @@ controllers::ErrorsAt errors_of_model(model::Model model, params::Machine machin
   };
 }
 
-Result<controllers::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
+Result<controllers::ErrorsAt> errors_for(MessageSink& messages, const ExportArguments& arguments,
                                          const ExportWork& work) {
   if (arguments.model.empty()) return controllers::errors_of_map(work.source);
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context, arguments.machine);
+  const auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   return errors_of_model(*model, **machine, arguments.model);
 }

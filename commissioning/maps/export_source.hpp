@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/verb.hpp"
-#include "app/cli/verb_context.hpp"
+#include "commissioning/maps/source.hpp"
+#include "commissioning/session/message.hpp"
 #include "controllers/residual.hpp"
 #include "controllers/tables.hpp"
 #include "model/fit/model_file.hpp"
@@ -27,9 +27,6 @@ struct ExportArguments {
   bool other_machine = false;  ///< although map and parameters name different machines
 };
 
-/// Adds FILE, --unit, --params, --machine, --model, --other-machine and -o.
-void take_export_arguments(Verb& verb, ExportArguments& arguments, const std::string& output_help);
-
 struct ExportWork {
   controllers::ExportSource source;
   std::string map_name;             ///< the file, or "the unit"
@@ -38,10 +35,11 @@ struct ExportWork {
   std::vector<std::string> inputs;  ///< files that must not be written over
 };
 
-/// Reads everything. Refused: a map whose header names another configuration than the parameters, or (unless
+/// @param found  the map that the arguments name
+/// Refused: a map whose header names another configuration than the parameters, or (unless
 /// `other_machine`) another machine or serial number. Without --params those of the unit, else of --machine, else what
 /// the header of the map says.
-[[nodiscard]] Result<ExportWork> export_work(VerbContext& context, const ExportArguments& arguments);
+[[nodiscard]] Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found);
 
 /// The travels of the axes that the parameters name: those of the machine, else as far as the map reaches.
 [[nodiscard]] PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map,
@@ -54,7 +52,7 @@ struct ExportWork {
 
 /// The error of the machine at places: from the model if one is given, else from the map.
 /// @param work  must outlive what is returned
-[[nodiscard]] Result<controllers::ErrorsAt> errors_for(VerbContext& context, const ExportArguments& arguments,
+[[nodiscard]] Result<controllers::ErrorsAt> errors_for(MessageSink& messages, const ExportArguments& arguments,
                                                        const ExportWork& work);
 
 }  // namespace ecs::app

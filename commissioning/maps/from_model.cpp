@@ -179,10 +179,10 @@ void take_squareness(UnitParameters& parameters, const model::CompiledModel& com
   parameters.A0Z_um_per_m += compiled.squareness[index_of(Component::A0Z)];
 }
 
-Result<Built> built_from(VerbContext& context, const FromModelArguments& arguments) {
+Result<Built> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context, arguments.machine);
+  const auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   Built built;
   built.parameters = params::default_parameters_for(**machine);
@@ -310,18 +310,18 @@ Problem nothing_carried(const Built& b, const std::string& model) {
 
 }  // namespace
 
-Result<Outcome> map_from_model(VerbContext& context, const FromModelArguments& arguments) {
+Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())
     return problem(ProblemKind::usage, "--from-model needs --machine: the travels of the axes stand in its file");
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = check_output_not_input(output, {arguments.model, arguments.machine}); !spared)
       return tl::unexpected(spared.error());
-  const auto built = built_from(context, arguments);
+  const auto built = built_from(messages, arguments);
   if (!built) return tl::unexpected(built.error());
   if (built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
   if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
   for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
-    context.console.warn(objection);
+    messages.warn(objection);
   return Outcome{text_of(*built, arguments), one_line(json_of_built(*built, arguments)), kDone};
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/cli/verb_context.hpp"
 #include "base/outcome.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
 
@@ -25,6 +25,6 @@ struct FromModelArguments {
   std::string date;
 };
 
-[[nodiscard]] Result<Outcome> map_from_model(VerbContext& context, const FromModelArguments& arguments);
+[[nodiscard]] Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments);
 
 }  // namespace ecs::app

@@ -1,7 +1,5 @@
 #include "commissioning/maps/source.hpp"
 
-#include <fmt/format.h>
-
 #include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
@@ -20,24 +18,6 @@ Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCa
     return tl::unexpected(std::move(why));
   }
   return FoundMap{std::move(content->map), content->parameters, "the unit"};
-}
-
-Result<FoundMap> map_in(VerbContext& context, UnitLink& unit) {
-  auto found = map_in(unit.client(), progress_bar(context, "map"));
-  context.console.end_progress();
-  return found;
-}
-
-Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit) {
-  if (file.empty() != from_unit) return problem(ProblemKind::usage, "expected a map FILE or --unit, one of the two");
-  if (!from_unit) {
-    auto map = laser::read_map_csv(file);
-    if (!map) return tl::unexpected(map.error());
-    return FoundMap{std::move(*map), std::nullopt, file};
-  }
-  auto unit = open_unit(context, Access::reads);
-  if (!unit) return tl::unexpected(unit.error());
-  return map_in(context, *unit);
 }
 
 }  // namespace ecs::app

@@ -1,12 +1,11 @@
-// Measurement files on a command line: what a file does not say, given as options; reading one; joining several.
-// Does not live here: the readers (laser/import/import.hpp).
+// Measurement files: what a file does not say, given as words; reading one; joining several.
+// Does not live here: the readers (laser/import/import.hpp), the options of the verbs
+// (app/verbs/laser/import_arguments.hpp).
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "app/cli/verb.hpp"
-#include "app/cli/verb_context.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/import/import.hpp"
 
@@ -32,19 +31,11 @@ struct ImportArguments {
   std::string profile;    ///< name or path of a profile with the answers above
 };
 
-/// Adds --axis --sense --parked --encoding --accept-truncated --table-holds-errors --target-unit --reading-unit
-/// --channel, and --columns --skip --rows --delimiter --decimal --values --profile.
-void take_import_options(Verb& verb, ImportArguments& arguments);
-
 /// A `usage` problem names the option that is wrong.
 [[nodiscard]] Result<laser::ImportOptions> import_options(const ImportArguments& arguments);
 
 /// Reads a file as whatever it is. A problem over what the file does not say names the options.
 [[nodiscard]] Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments);
-
-/// The same; says on the console what it was taken for, and what had to be assumed.
-[[nodiscard]] Result<laser::Imported> read_said(VerbContext& context, const std::string& file,
-                                                const ImportArguments& arguments);
 
 /// Several sets as one. Where two files measured the same line, the runs of the later one are numbered on, and a note
 /// says so. Metadata that differ are kept from the first file, with a note. `refused` if the files name different

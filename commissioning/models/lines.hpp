@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/plot/figure.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "core/axis.hpp"
 #include "model/data/observations.hpp"
 

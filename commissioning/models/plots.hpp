@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "app/plot/figure.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/compare.hpp"
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/gnuplot.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/paragraph.hpp"
@@ -253,19 +252,14 @@ PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& di
           true};
 }
 
-Result<Outcome> compare_trace(const std::string& model, const std::string& trace, const std::string& plot) {
+Result<TraceComparison> compare_trace(const std::string& model, const std::string& trace) {
   const auto drive = model::read_drive(model);
   if (!drive) return tl::unexpected(drive.error());
   const auto recorded = model::read_trace(trace);
   if (!recorded) return tl::unexpected(recorded.error());
   const DriveDiagnosis diagnosis = model::diagnose_drive(*drive, *recorded);
-  std::string text = text_of(diagnosis, *recorded, *drive);
-  if (!plot.empty()) {
-    if (const auto written = write_plot(plot, trace_figure(*recorded, diagnosis)); !written)
-      return tl::unexpected(written.error());
-    text += "\nplot written to " + plot + "\n";
-  }
-  return Outcome{text, one_line(json_of(diagnosis, *recorded)), kDone};
+  return TraceComparison{{text_of(diagnosis, *recorded, *drive), one_line(json_of(diagnosis, *recorded)), kDone},
+                         trace_figure(*recorded, diagnosis)};
 }
 
 }  // namespace ecs::app

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "app/plot/figure.hpp"
 #include "base/outcome.hpp"
 #include "base/result.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "model/drive/diagnosis.hpp"
 
 namespace ecs::app {
@@ -15,10 +15,13 @@ namespace ecs::app {
 /// True for a file whose header row has time_s and dac_V; false for any other, also one that cannot be read.
 [[nodiscard]] bool is_trace_file(const std::string& file);
 
+struct TraceComparison {
+  Outcome outcome;
+  PlotFigure figure;  ///< recorded, simulated as given and simulated as mended
+};
+
 /// @param model  file with a [drive] table; without the table the constants are as printed in appendix A
-/// @param plot   .svg or .png to write; empty: none
-[[nodiscard]] Result<Outcome> compare_trace(const std::string& model, const std::string& trace,
-                                            const std::string& plot);
+[[nodiscard]] Result<TraceComparison> compare_trace(const std::string& model, const std::string& trace);
 
 /// Recorded, simulated as given and simulated as mended.
 [[nodiscard]] PlotFigure trace_figure(const model::DriveTrace& trace, const model::DriveDiagnosis& diagnosis);

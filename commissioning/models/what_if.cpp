@@ -11,10 +11,10 @@
 namespace ecs::app {
 namespace {
 
-Result<std::optional<Achieved>> achieved(VerbContext& context, const ModelWork& work,
+Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork& work,
                                          const std::vector<std::string>& after, const ImportArguments& import) {
   if (after.empty()) return std::optional<Achieved>();
-  auto set = measured_in(context, after, import);
+  auto set = measured_in(messages, after, import);
   if (!set) return tl::unexpected(set.error());
   const std::size_t all = set->readings.size();
   std::erase_if(set->readings, [](const laser::Reading& r) { return !r.compensated.value_or(true); });
@@ -35,18 +35,18 @@ Result<std::optional<Achieved>> achieved(VerbContext& context, const ModelWork& 
   return std::optional(std::move(out));
 }
 
-std::string shares_text(const WhatIfTold& told) {
+std::string shares_text(const WhatIfAnswer& answer) {
   std::string text = fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by");
-  for (const model::WhatIf::Share& share : told.what.shares)
+  for (const model::WhatIf::Share& share : answer.what.shares)
     text += paragraph_after(fmt::format("{} {:>9.3f}  ", padded(share.effect, 34), share.rms_um),
                             (share.carried ? "" : "NOT CARRIED: ") + share.how);
   return text;
 }
 
-std::string directions_text(const WhatIfTold& told) {
+std::string directions_text(const WhatIfAnswer& answer) {
   std::string text = "sense axis direction   readings   now [um]  predicted";
-  text += told.achieved ? "   achieved   of predicted\n" : "\n";
-  for (const AfterDirection& one : told.directions) {
+  text += answer.achieved ? "   achieved   of predicted\n" : "\n";
+  for (const AfterDirection& one : answer.directions) {
     text += fmt::format("{:<5} {:<4} {:<11} {:>8} {:>10.3f} {:>10.3f}", name_of(one.sense), letter_of(one.axis),
                         direction_text(one.approach), one.readings, one.now_um, one.predicted_um);
     if (one.achieved_um) {
@@ -73,30 +73,30 @@ std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Ach
 
 }  // namespace
 
-Result<WhatIfTold> what_if_told(VerbContext& context, const ModelWork& work, const std::string& model_file,
-                                const std::vector<std::string>& after, const ImportArguments& import) {
-  auto again = achieved(context, work, after, import);
+Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work, const std::string& model_file,
+                                    const std::vector<std::string>& after, const ImportArguments& import) {
+  auto again = achieved(messages, work, after, import);
   if (!again) return tl::unexpected(again.error());
   const auto fit = model::fit(work.model, work.data);
   if (!fit) return tl::unexpected(in_file(fit.error(), model_file));
   const auto what = model::what_if(work.model, work.data);
   if (!what) return tl::unexpected(in_file(what.error(), model_file));
-  return WhatIfTold{*what, after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{}), *again,
-                    notes_on(work, *again)};
+  return WhatIfAnswer{*what, after_by_direction(*fit, work.data, *again ? (**again).data : model::Observations{}),
+                      *again, notes_on(work, *again)};
 }
 
-std::string what_if_text(const WhatIfTold& told) {
+std::string what_if_text(const WhatIfAnswer& answer) {
   std::string text =
       paragraph(fmt::format("Compensating all that the unit can would bring the rms from {:.3f} to {:.3f} um (peak "
                             "{:.3f} um), noise included.",
-                            told.what.rms_now_um, told.what.rms_after_um, told.what.peak_after_um));
-  if (told.achieved)
+                            answer.what.rms_now_um, answer.what.rms_after_um, answer.what.peak_after_um));
+  if (answer.achieved)
     text +=
         paragraph(fmt::format("Measured again: {} readings, rms {:.3f} um (peak {:.3f} um): {:.2f} times what was "
                               "predicted.",
-                              told.achieved->data.size(), told.achieved->rms_um, told.achieved->peak_um,
-                              told.achieved->rms_um / std::max(1e-12, told.what.rms_after_um)));
-  return text + "\n" + shares_text(told) + "\n" + directions_text(told) + notes_text(told.notes);
+                              answer.achieved->data.size(), answer.achieved->rms_um, answer.achieved->peak_um,
+                              answer.achieved->rms_um / std::max(1e-12, answer.what.rms_after_um)));
+  return text + "\n" + shares_text(answer) + "\n" + directions_text(answer) + notes_text(answer.notes);
 }
 
 }  // namespace ecs::app

@@ -21,7 +21,7 @@ struct Achieved {
   std::size_t left_out = 0;  ///< readings marked as taken without compensation
 };
 
-struct WhatIfTold {
+struct WhatIfAnswer {
   model::WhatIf what;
   std::vector<AfterDirection> directions;
   std::optional<Achieved> achieved;
@@ -30,11 +30,11 @@ struct WhatIfTold {
 
 /// @param model_file  as problems name it
 /// @param after  files measured again with the unit compensating; empty: none were
-[[nodiscard]] Result<WhatIfTold> what_if_told(VerbContext& context, const ModelWork& work,
-                                              const std::string& model_file, const std::vector<std::string>& after,
-                                              const ImportArguments& import);
+[[nodiscard]] Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work,
+                                                  const std::string& model_file, const std::vector<std::string>& after,
+                                                  const ImportArguments& import);
 
 /// 80 columns.
-[[nodiscard]] std::string what_if_text(const WhatIfTold& told);
+[[nodiscard]] std::string what_if_text(const WhatIfAnswer& answer);
 
 }  // namespace ecs::app

@@ -10,52 +10,41 @@
 
 namespace ecs::app {
 
-void take_machine(Verb& verb, std::string& machine) {
-  verb.text("--machine", machine, "the machine (.toml): datum, travels, lever arms, pitches");
-}
-
-void take_model_and_data(Verb& verb, ModelArguments& arguments, Need data) {
-  verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
-      .texts("DATA", arguments.data, "measurement files, any that `laser import` reads", data);
-  take_machine(verb, arguments.machine);
-  take_import_options(verb, arguments.import);
-}
-
-Result<std::optional<params::Machine>> machine_in(VerbContext& context, const std::string& file) {
+Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file) {
   if (file.empty()) return std::optional<params::Machine>();
   auto read = params::read_machine(file);
   if (!read) return tl::unexpected(read.error());
-  for (const Problem& warning : read->warnings) context.console.warn(to_text(warning));
+  for (const Problem& warning : read->warnings) messages.warn(to_text(warning));
   return std::optional(std::move(read->machine));
 }
 
-Result<laser::MeasurementSet> measured_in(VerbContext& context, const std::vector<std::string>& files,
+Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
                                           const ImportArguments& import) {
   std::vector<laser::MeasurementSet> sets;
   int rows = 0;
   for (const std::string& file : files) {
     auto read = read_measurements(file, import);
     if (!read) return tl::unexpected(read.error());
-    for (const std::string& note : read->set.notes) context.console.note(fmt::format("{}: {}", file, note));
+    for (const std::string& note : read->set.notes) messages.note(fmt::format("{}: {}", file, note));
     if (read->set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});
-    if (!sets.empty()) context.console.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
+    if (!sets.empty()) messages.note(fmt::format("{}: its rows are numbered on from {}", file, rows + 1));
     for (laser::Reading& reading : read->set.readings) reading.row = ++rows;
     read->set.notes.clear();
     sets.push_back(std::move(read->set));
   }
   auto all = joined(sets);
   if (all)
-    for (const std::string& note : all->notes) context.console.note(note);
+    for (const std::string& note : all->notes) messages.note(note);
   return all;
 }
 
-Result<ModelWork> model_work(VerbContext& context, const ModelArguments& arguments) {
+Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& arguments) {
   auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  auto machine = machine_in(context, arguments.machine);
+  auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
-  auto set = measured_in(context, arguments.data, arguments.import);
+  auto set = measured_in(messages, arguments.data, arguments.import);
   if (!set) return tl::unexpected(set.error());
   ModelWork work{
       std::move(*model), std::move(*machine), std::move(*set), {}, fmt::format("{}", fmt::join(arguments.data, " "))};
@@ -63,13 +52,13 @@ Result<ModelWork> model_work(VerbContext& context, const ModelArguments& argumen
   return work;
 }
 
-Result<ModelWork> begun_model(VerbContext& context, const ModelArguments& arguments) {
+Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments) {
   std::error_code error;
   if (std::filesystem::exists(arguments.model, error))
     return problem(ProblemKind::usage, arguments.model + " exists already: open it, or give another name");
   if (const auto written = model::write_model(arguments.model, model::Model{}); !written)
     return tl::unexpected(written.error());
-  auto work = model_work(context, arguments);
+  auto work = model_work(messages, arguments);
   if (work) {
     work->model.effects = model::usual_effects(work->data);
     if (const auto written = model::write_model(arguments.model, work->model); !written)

@@ -1,15 +1,14 @@
-// What nearly every verb of MODEL begins with: a model, measured files, a machine, read and brought together.
-// Does not live here: what is done with them (the verbs), the readers (model/fit/model_file.hpp,
-// laser/import/import.hpp).
+// What work on a model begins with: a model, measured files, a machine, read and brought together.
+// Does not live here: the options of the verbs (app/verbs/model/model_arguments.hpp), the readers
+// (model/fit/model_file.hpp, laser/import/import.hpp).
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/cli/verb.hpp"
-#include "app/cli/verb_context.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "commissioning/session/message.hpp"
 #include "model/data/observations.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
@@ -24,11 +23,6 @@ struct ModelArguments {
   ImportArguments import;
 };
 
-/// Adds MODEL, DATA, --machine and the options of `laser import`.
-void take_model_and_data(Verb& verb, ModelArguments& arguments, Need data = Need::required);
-/// Adds --machine alone.
-void take_machine(Verb& verb, std::string& machine);
-
 struct ModelWork {
   model::Model model;
   std::optional<params::Machine> machine;
@@ -37,18 +31,18 @@ struct ModelWork {
   std::string data_name;  ///< the files, separated by blanks
 };
 
-/// Warnings of the file are said on the console. Empty name: nothing.
-[[nodiscard]] Result<std::optional<params::Machine>> machine_in(VerbContext& context, const std::string& file);
+/// Warnings of the file go to `messages`. Empty name: nothing.
+[[nodiscard]] Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file);
 
 /// The readings of all files, rows numbered on from file to file. Refuses files without readings.
-[[nodiscard]] Result<laser::MeasurementSet> measured_in(VerbContext& context, const std::vector<std::string>& files,
+[[nodiscard]] Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& files,
                                                         const ImportArguments& import);
 
-[[nodiscard]] Result<ModelWork> model_work(VerbContext& context, const ModelArguments& arguments);
+[[nodiscard]] Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& arguments);
 
 /// Writes a new model of what every measured curve has (model::usual_effects), its sizes to be fitted. A `usage`
 /// problem if there is such a file; nothing is left behind where the data cannot be read.
-[[nodiscard]] Result<ModelWork> begun_model(VerbContext& context, const ModelArguments& arguments);
+[[nodiscard]] Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments);
 
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
-#include "app/plot/curves.hpp"
 #include "app/plot/gnuplot.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "laser/analysis/groups.hpp"
 #include "laser_run.hpp"
 

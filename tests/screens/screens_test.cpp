@@ -75,10 +75,7 @@ struct Case {
   }
   ~Case() { fs::remove_all(folder); }
   [[nodiscard]] ModelScreen screen() const {
-    std::ostringstream out, messages;
-    Console console(out, messages);
-    VerbContext context{console, {}, {}};
-    auto controller = ModelController::open(context, files);
+    auto controller = ModelController::open(files);
     REQUIRE(controller);
     return ModelScreen(std::move(*controller));
   }

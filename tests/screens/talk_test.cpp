@@ -9,7 +9,7 @@
 #include "app/ui/key_line.hpp"
 #include "app/ui/overlay.hpp"
 #include "app/ui/screen_program.hpp"
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 using namespace ecs::app;
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "app/plot/figure.hpp"
 #include "app/ui/cells.hpp"
 #include "app/ui/chart.hpp"
+#include "commissioning/plot/figure.hpp"
 
 namespace ecs::app {
 

@@ -10,7 +10,7 @@
 
 #include "app/ui/widgets.hpp"
 #include "commissioning/laser_session/lines.hpp"
-#include "commissioning/link/job.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

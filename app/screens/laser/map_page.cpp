@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/curves.hpp"
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
+#include "commissioning/plot/curves.hpp"
 
 namespace ecs::app {
 namespace {

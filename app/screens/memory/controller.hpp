@@ -14,8 +14,8 @@
 #include "app/screens/memory/pattern.hpp"
 #include "app/screens/memory/write.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

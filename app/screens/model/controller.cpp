@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -89,8 +88,9 @@ Result<ModelController::Fitted> ModelController::fitted(model::Model model, cons
   return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
 }
 
-Result<std::unique_ptr<ModelController>> ModelController::open(VerbContext& context, const ModelArguments& files) {
-  auto work = model_work(context, files);
+Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArguments& files) {
+  NoMessages messages;
+  auto work = model_work(messages, files);
   if (!work) return tl::unexpected(work.error());
   auto first = fitted(work->model, work->data, "");
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
@@ -106,9 +106,10 @@ Result<std::unique_ptr<ModelController>> ModelController::open(VerbContext& cont
   return controller;
 }
 
-Result<std::unique_ptr<ModelController>> ModelController::begin_new(VerbContext& context, const ModelArguments& files) {
-  if (const auto begun = begun_model(context, files); !begun) return tl::unexpected(begun.error());
-  auto controller = open(context, files);
+Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelArguments& files) {
+  NoMessages messages;
+  if (const auto begun = begun_model(messages, files); !begun) return tl::unexpected(begun.error());
+  auto controller = open(files);
   if (!controller) {
     std::error_code error;
     std::filesystem::remove(files.model, error);
@@ -216,13 +217,11 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
   if (busy()) return;
   begin("reckoning what compensation would leave");
   reckoning_.start([model = model_, work = work_, files = files_, measured_again](JobControl&) -> Result<Lines> {
-    std::ostringstream out, messages;
-    Console console(out, messages);
-    VerbContext context{console, {}, {}};
+    NoMessages messages;
     const ModelWork now{model, work->machine, {}, work->data, work->data_name};
-    const auto told = what_if_told(context, now, files.model, measured_again, files.import);
-    if (!told) return tl::unexpected(told.error());
-    return owned_lines_of(what_if_text(*told));
+    const auto answer = what_if_answer(messages, now, files.model, measured_again, files.import);
+    if (!answer) return tl::unexpected(answer.error());
+    return owned_lines_of(what_if_text(*answer));
   });
 }
 
@@ -231,15 +230,13 @@ void ModelController::start_map(const std::string& output) {
   if (changed_) return message_.say("save the model first (s): the map's header names its file", Tone::warning);
   begin("compiling the model to a map");
   building_.start([files = files_, output](JobControl&) -> Result<std::string> {
-    std::ostringstream out, messages;
-    Console console(out, messages);
-    VerbContext context{console, {}, {}};
+    NoMessages messages;
     FromModelArguments arguments;
     arguments.model = files.model;
     arguments.machine = files.machine;
     arguments.output = output;
     arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
-    const auto built = map_from_model(context, arguments);
+    const auto built = map_from_model(messages, arguments);
     if (!built) return tl::unexpected(built.error());
     return built->text;
   });

@@ -12,9 +12,9 @@
 #include "app/ui/drafts.hpp"
 #include "app/ui/picture_export.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/work.hpp"
+#include "commissioning/session/job.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/planning/next_measurement.hpp"
@@ -31,10 +31,9 @@ namespace ecs::app {
 class ModelController {
  public:
   /// Reads and fits; takes up to seconds for large sets.
-  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(VerbContext& context, const ModelArguments& files);
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(const ModelArguments& files);
   /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
-  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(VerbContext& context,
-                                                                          const ModelArguments& files);
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files);
 
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const model::Observations& data() const { return work_->data; }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -93,10 +92,7 @@ void ModelForm::open() {
 
 void ModelForm::start(bool anew) {
   opening_.start([files = files(), anew](JobControl&) -> Opened {
-    std::ostringstream out, messages;
-    Console console(out, messages);
-    VerbContext context{console, {}, {}};
-    return anew ? ModelController::begin_new(context, files) : ModelController::open(context, files);
+    return anew ? ModelController::begin_new(files) : ModelController::open(files);
   });
 }
 

@@ -11,8 +11,8 @@
 
 #include "app/screens/parameters/controller.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

@@ -13,8 +13,8 @@
 #include "app/screens/unit/link_form.hpp"
 #include "app/ui/talk.hpp"
 #include "commissioning/link/doctor.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

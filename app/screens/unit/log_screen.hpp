@@ -1,5 +1,5 @@
 // LOG: what the screens told, newest last, with the whole text of one below. Does not live here: keeping it
-// (commissioning/link/event_log.hpp).
+// (commissioning/session/event_log.hpp).
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 

@@ -5,12 +5,12 @@
 #include <chrono>
 #include <optional>
 
-#include "app/plot/figure.hpp"
 #include "app/ui/picture_export.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/measurements/environment_watch.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 
 namespace ecs::app {

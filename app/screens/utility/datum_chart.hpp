@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/plot/figure.hpp"
 #include "app/ui/cells.hpp"
 #include "app/ui/chart.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 
 namespace ecs::app {

@@ -10,7 +10,7 @@
 #include "app/ui/drafts.hpp"
 #include "app/ui/picture_export.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 #include "commissioning/unit/transfer.hpp"
 
 namespace ecs::app {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
+#include "commissioning/session/job.hpp"
 #include "core/axis.hpp"
 
 namespace ecs::app {

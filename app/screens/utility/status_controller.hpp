@@ -9,8 +9,8 @@
 
 #include "app/screens/utility/reference.hpp"
 #include "app/ui/talk.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/job.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 
 namespace ecs::app {

@@ -70,12 +70,10 @@ std::string VerbEntry::name() const {
 }
 
 std::vector<MenuEntry> verb_catalogue() {
-  std::ostringstream nowhere;
-  Console console(nowhere, nowhere);
-  VerbContext context{console, {}, {}};
+  CommonOptions common;
   Action chosen;
   CLI::App root("", "ecs");
-  Menu menu(root, context, chosen);
+  Menu menu(root, common, chosen);
   add_all_menus(menu);
   std::vector<MenuEntry> menus;
   MenuEntry other{"OTHER", {}};

@@ -9,7 +9,7 @@
 
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
-#include "commissioning/link/job.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

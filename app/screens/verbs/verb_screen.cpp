@@ -10,7 +10,7 @@
 #include "app/screens/verbs/live_screen.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
 namespace {}  // namespace

@@ -9,8 +9,8 @@
 #include "app/screens/verbs/catalogue.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
-#include "commissioning/link/job.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/session/job.hpp"
 
 namespace ecs::app {
 

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/axis_argument.hpp"
 #include "app/verbs/export/axes.hpp"
 #include "app/verbs/export/menu.hpp"
 #include "base/file.hpp"
-#include "base/numbers.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/export_files.hpp"

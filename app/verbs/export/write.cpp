@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "app/verbs/export/axes.hpp"
+#include "app/verbs/export/export_arguments.hpp"
 #include "app/verbs/export/menu.hpp"
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_view.hpp"
@@ -71,9 +72,9 @@ void note_left_from_before(ExportWork& work, const std::string& folder, const st
 
 Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments, const Target& target,
                          const Maker& make) {
-  auto work = export_work(context, arguments);
+  auto work = read_export_work(context, arguments);
   if (!work) return tl::unexpected(work.error());
-  const auto errors = errors_for(context, arguments, *work);
+  const auto errors = errors_for(context.console, arguments, *work);
   if (!errors) return tl::unexpected(errors.error());
   auto made = make(work->source);
   if (!made) {

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "laser/writers/measurement_writer.hpp"

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "laser/analysis/refraction.hpp"
 #include "laser/writers/measurement_writer.hpp"
@@ -48,7 +48,7 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& argume
         "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
   if (const auto spared = check_output_not_input(arguments.output, {arguments.file}); !spared)
     return tl::unexpected(spared.error());
-  const auto imported = read_said(context, arguments.file, arguments.import);
+  const auto imported = read_with_notes(context, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   if (arguments.back) return taken_back(arguments, imported->set);
   laser::Normalisation how;

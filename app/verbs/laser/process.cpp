@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/curves.hpp"
 #include "app/plot/gnuplot.hpp"
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
 #include "base/numbers.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/measurements/levelling.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
@@ -230,7 +230,7 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
       return tl::unexpected(spared.error());
   const auto exclusions = exclusions_of(arguments.exclude_runs, arguments.exclude_rows);
   if (!exclusions) return tl::unexpected(exclusions.error());
-  const auto imported = read_said(context, arguments.file, arguments.import);
+  const auto imported = read_with_notes(context, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::Selection selection = laser::selected(imported->set, *exclusions);
   if (const auto fits = all_fit(*exclusions, selection, imported->set, arguments.file); !fits)

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
 #include "base/numbers.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 
 namespace ecs::app {

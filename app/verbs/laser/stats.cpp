@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/iso230.hpp"
@@ -65,7 +65,7 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
   std::string text;
   Json lines = Json::array();
   for (const std::string& file : arguments.files) {
-    const auto imported = read_said(context, file, arguments.import);
+    const auto imported = read_with_notes(context, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
     if (imported->set.readings.empty())
       return tl::unexpected(Problem{ProblemKind::bad_input, "expected readings, found none", file, 0, 0, {}});

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/curves.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/laser/menu.hpp"
 #include "base/json.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::app {

@@ -248,8 +248,8 @@ Problem nothing_built(const Built& b) {
 Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (!a.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
-  return map_from_model(context, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out, a.zero,
-                                  a.customer, a.engineer, a.date});
+  return map_from_model(context.console, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out,
+                                          a.zero, a.customer, a.engineer, a.date});
 }
 
 Result<void> enough_given(const BuildArguments& arguments) {

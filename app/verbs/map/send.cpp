@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/map/menu.hpp"
 #include "base/json.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/maps/prepared_map.hpp"
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/unit/transfer.hpp"

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/curves.hpp"
 #include "app/plot/gnuplot.hpp"
+#include "app/verbs/map/map_source.hpp"
 #include "app/verbs/map/menu.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/source.hpp"
 #include "commissioning/maps/view.hpp"
+#include "commissioning/plot/curves.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/map/map_source.hpp"
 #include "app/verbs/map/menu.hpp"
 #include "base/file.hpp"
 #include "commissioning/maps/sent.hpp"

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/memory/menu.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/view.hpp"
 

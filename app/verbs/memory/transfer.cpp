@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/memory/menu.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/numbers.hpp"
 #include "base/text.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/memory/space.hpp"

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 #include "model/diagnosis/ladder.hpp"
 
 namespace ecs::app {
@@ -72,7 +72,7 @@ Json json_of_added(const model::Added& added, const std::string& output) {
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   const auto request = request_of(arguments);
   if (!request) return tl::unexpected(request.error());
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(with_hint(work.error()));
   const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
   if (!added) return tl::unexpected(in_file(added.error(), arguments.common.model));

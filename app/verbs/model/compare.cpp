@@ -4,6 +4,7 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
 #include "commissioning/models/compare_view.hpp"
 #include "commissioning/models/json.hpp"
@@ -11,7 +12,6 @@
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/trace.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -81,13 +81,20 @@ Result<Outcome> compare_step(const CompareArguments& arguments) {
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
   if (!arguments.at.empty() || arguments.volume != 0)
     return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
-  return compare_trace(arguments.common.model, arguments.common.data.front(), arguments.plot);
+  auto comparison = compare_trace(arguments.common.model, arguments.common.data.front());
+  if (!comparison) return tl::unexpected(comparison.error());
+  if (!arguments.plot.empty()) {
+    if (const auto written = write_plot(arguments.plot, comparison->figure); !written)
+      return tl::unexpected(written.error());
+    comparison->outcome.text += "\nplot written to " + arguments.plot + "\n";
+  }
+  return std::move(comparison->outcome);
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
   if (const auto good = sound(arguments); !good) return tl::unexpected(good.error());
   if (any_trace(arguments.common.data)) return compare_step(arguments);
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto fit = model::fit(work->model, work->data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));

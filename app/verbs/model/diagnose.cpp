@@ -3,11 +3,11 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/interrupt.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -28,7 +28,7 @@ Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, cons
 Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);

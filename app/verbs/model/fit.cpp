@@ -8,11 +8,11 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -169,7 +169,7 @@ Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& ar
 Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto result = model::fit(work->model, work->data, {arguments.plain});
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));

@@ -3,10 +3,10 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {

@@ -4,15 +4,15 @@
 #include <fmt/format.h>
 
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {
 
 Result<Outcome> begin(VerbContext& context, const ModelArguments& arguments) {
-  const auto work = begun_model(context, arguments);
+  const auto work = begun_model(context.console, arguments);
   if (!work) return tl::unexpected(work.error());
   std::string text = fmt::format("begun in {}: offset, slope and backlash of what was measured\n", arguments.model);
   Json effects = Json::array();

@@ -5,13 +5,13 @@
 #include <fmt/ranges.h>
 
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plan.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/part_program.hpp"
 
@@ -113,7 +113,7 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   inputs.insert(inputs.end(), {arguments.common.model, arguments.common.machine});
   for (const std::string& output : {arguments.program, arguments.targets})
     if (const auto spared = check_output_not_input(output, inputs); !spared) return tl::unexpected(spared.error());
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto diagnosis = model::diagnose(work->model, work->data);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
@@ -137,7 +137,7 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
 /// Of one reading: from the data where there are any, else as given.
 Result<double> noise_to_expect(VerbContext& context, const NextArguments& arguments) {
   if (arguments.common.data.empty()) return arguments.noise_um;
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto fit = model::fit(work->model, work->data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
@@ -180,7 +180,7 @@ Json check_json(const PlanCheck& check, double noise_um, std::size_t readings) {
 Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
   const auto model = model::read_model(arguments.common.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context, arguments.common.machine);
+  const auto machine = machine_in(context.console, arguments.common.machine);
   if (!machine) return tl::unexpected(machine.error());
   const auto plan = plan_in(arguments.check, arguments.common.import);
   if (!plan) return tl::unexpected(plan.error());

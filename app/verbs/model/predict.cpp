@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
+#include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plan.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::app {
@@ -82,7 +83,7 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
     return tl::unexpected(spared.error());
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  const auto machine = machine_in(context, arguments.machine);
+  const auto machine = machine_in(context.console, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   auto plan = plan_in(arguments.points, arguments.import);
   if (!plan) return tl::unexpected(plan.error());

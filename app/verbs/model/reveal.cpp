@@ -10,11 +10,11 @@
 #include <fmt/ranges.h>
 
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
-#include "commissioning/models/work.hpp"
 
 namespace ecs::app {
 namespace {
@@ -67,7 +67,7 @@ Result<FoundAnswer> answer_of(VerbContext& context, const std::string& folder, c
   }
   ModelArguments inputs{inside(folder, "model.toml"), {inside(folder, "data.csv")}, arguments.machine, {}};
   if (inputs.machine.empty()) inputs.machine = inside(folder, "machine.toml");
-  const auto work = model_work(context, inputs);
+  const auto work = model_work(context.console, inputs);
   if (!work) return tl::unexpected(work.error());
   model::DiagnoseOptions options;
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);

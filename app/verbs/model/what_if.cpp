@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "app/verbs/model/menu.hpp"
+#include "app/verbs/model/model_arguments.hpp"
 #include "commissioning/models/json.hpp"
 
 namespace ecs::app {
@@ -14,14 +15,14 @@ struct WhatIfArguments {
   std::vector<std::string> after;
 };
 
-Json json_of_told(const WhatIfTold& told) {
+Json json_of_answer(const WhatIfAnswer& answer) {
   Json effects = Json::array(), directions = Json::array();
-  for (const model::WhatIf::Share& share : told.what.shares)
+  for (const model::WhatIf::Share& share : answer.what.shares)
     effects.push_back({{"effect", share.effect},
                        {"rms_um", number_or_null(share.rms_um)},
                        {"carried", share.carried},
                        {"how", share.how}});
-  for (const AfterDirection& one : told.directions)
+  for (const AfterDirection& one : answer.directions)
     directions.push_back({{"sense", name_of(one.sense)},
                           {"axis", axis_json(one.axis)},
                           {"approach", one.approach},
@@ -30,27 +31,28 @@ Json json_of_told(const WhatIfTold& told) {
                           {"achieved_rms_um", number_or_null(one.achieved_um)},
                           {"readings", one.readings},
                           {"readings_after", one.readings_after}});
-  Json object{{"rms_now_um", number_or_null(told.what.rms_now_um)},
-              {"rms_after_um", number_or_null(told.what.rms_after_um)},
-              {"peak_after_um", number_or_null(told.what.peak_after_um)},
+  Json object{{"rms_now_um", number_or_null(answer.what.rms_now_um)},
+              {"rms_after_um", number_or_null(answer.what.rms_after_um)},
+              {"peak_after_um", number_or_null(answer.what.peak_after_um)},
               {"effects", std::move(effects)},
               {"directions", std::move(directions)},
               {"achieved", nullptr},
-              {"notes", told.notes}};
-  if (told.achieved)
-    object["achieved"] = {{"rms_um", number_or_null(told.achieved->rms_um)},
-                          {"peak_um", number_or_null(told.achieved->peak_um)},
-                          {"readings", told.achieved->data.size()},
-                          {"of_predicted", number_or_null(told.achieved->rms_um / told.what.rms_after_um)}};
+              {"notes", answer.notes}};
+  if (answer.achieved)
+    object["achieved"] = {{"rms_um", number_or_null(answer.achieved->rms_um)},
+                          {"peak_um", number_or_null(answer.achieved->peak_um)},
+                          {"readings", answer.achieved->data.size()},
+                          {"of_predicted", number_or_null(answer.achieved->rms_um / answer.what.rms_after_um)}};
   return object;
 }
 
 Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) {
-  const auto work = model_work(context, arguments.common);
+  const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
-  const auto told = what_if_told(context, *work, arguments.common.model, arguments.after, arguments.common.import);
-  if (!told) return tl::unexpected(told.error());
-  return Outcome{what_if_text(*told), one_line(json_of_told(*told)), kDone};
+  const auto answer =
+      what_if_answer(context.console, *work, arguments.common.model, arguments.after, arguments.common.import);
+  if (!answer) return tl::unexpected(answer.error());
+  return Outcome{what_if_text(*answer), one_line(json_of_answer(*answer)), kDone};
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/params/menu.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"

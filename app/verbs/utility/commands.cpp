@@ -4,10 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/axis_argument.hpp"
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/utility/menu.hpp"
 #include "base/json.hpp"
 #include "base/numbers.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/axis_argument.hpp"
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/utility/menu.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
-#include "base/numbers.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 #include "commissioning/unit/utility_work.hpp"
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "app/cli/menus.hpp"
+#include "app/cli/verb_unit.hpp"
 #include "base/json.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/measurements/environment_watch.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status_view.hpp"

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/verb_unit.hpp"
 #include "app/verbs/utility/menu.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "app/plot/figure.hpp"
+#include "commissioning/plot/figure.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"

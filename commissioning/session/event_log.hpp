@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/ui/cells.hpp"
+#include "commissioning/session/message.hpp"
 
 namespace ecs::app {
 

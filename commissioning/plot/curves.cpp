@@ -1,4 +1,4 @@
-#include "app/plot/curves.hpp"
+#include "commissioning/plot/curves.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "commissioning/link/event_log.hpp"
+#include "commissioning/session/event_log.hpp"
 
 #include <ctime>
 #include <deque>

@@ -1,0 +1,44 @@
+#include "app/cli/verb_unit.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace ecs::app {
+
+void announce_writing(VerbContext& context) {
+  const auto choice = chosen_link(context.link_option);
+  if (choice && choice->is_emulator()) context.console.message_prefix = "EMULATOR: ";
+}
+
+Result<UnitLink> open_unit(VerbContext& context, Access access) {
+  auto choice = chosen_link(context.link_option);
+  if (!choice) return tl::unexpected(choice.error());
+  context.link_name = to_text(*choice);
+  if (choice->is_emulator() && access == Access::writes) context.console.message_prefix = "EMULATOR: ";
+  if (choice->origin == "default")
+    context.console.note(fmt::format("no link given: using the bundled emulator with {}",
+                                     std::get<EmulatorLink>(choice->link).machine.string()));
+  return open_link(*choice);
+}
+
+void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes) {
+  context.console.note(fmt::format("reference {} of the machine now: the unit watches", axes));
+  if (!unit.workshop().empty())
+    context.console.note(fmt::format("from another terminal: ecs-emulator workshop {} reference", unit.workshop()));
+}
+
+protocol::ProgressCallback progress_bar(VerbContext& context, std::string label) {
+  return [&console = context.console, label = std::move(label)](const protocol::Progress& progress) {
+    const double total = static_cast<double>(progress.bytes_total);
+    console.progress(label, total > 0.0 ? static_cast<double>(progress.bytes_done) / total : 0.0,
+                     progress.seconds_left);
+  };
+}
+
+Result<void> confirmed(bool yes, std::string_view what_happens) {
+  if (yes) return {};
+  return problem(ProblemKind::usage, fmt::format("{}: give --yes if that is meant", what_happens));
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,33 @@
+// A verb's way to its unit: opens the link that the command line names, shows its progress, asks for --yes.
+// Does not live here: which link (commissioning/link/choice.hpp), opening it (commissioning/link/unit_link.hpp).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "app/cli/verb_context.hpp"
+#include "commissioning/link/unit_link.hpp"
+
+namespace ecs::app {
+
+enum class Access {
+  reads,
+  writes,  ///< or moves, or runs: messages say EMULATOR where that is the unit
+};
+
+/// Sets the context's message prefix if the link that it names, or the default, is an emulator.
+void announce_writing(VerbContext& context);
+
+/// Opens the link that the context names, tells the context its name and sets its message prefix.
+[[nodiscard]] Result<UnitLink> open_unit(VerbContext& context, Access access);
+
+/// Says that the machine must be referenced now; with a bundled emulator, how.
+void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes);
+
+/// Feeds the progress bar.
+[[nodiscard]] protocol::ProgressCallback progress_bar(VerbContext& context, std::string label);
+
+/// A usage problem unless `yes`: what moves, runs or overwrites needs --yes.
+[[nodiscard]] Result<void> confirmed(bool yes, std::string_view what_happens);
+
+}  // namespace ecs::app

@@ -1,0 +1,19 @@
+// A map from a file or from the unit, whichever the command line names.
+// Does not live here: reading the unit's map (commissioning/maps/source.hpp).
+#pragma once
+
+#include <string>
+
+#include "app/cli/verb_context.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "commissioning/maps/source.hpp"
+
+namespace ecs::app {
+
+/// map_in() with the progress bar of the context.
+[[nodiscard]] Result<FoundMap> map_in(VerbContext& context, UnitLink& unit);
+
+/// `file`, or the unit's map with `from_unit`. A `usage` problem unless exactly one of the two is asked for.
+[[nodiscard]] Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit);
+
+}  // namespace ecs::app

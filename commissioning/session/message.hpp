@@ -1,0 +1,45 @@
+// What an action has to say to whoever asked for it: tones, messages, questions. A verb prints them, a screen shows
+// them. Does not live here: the console (app/cli/console.hpp), drawing (app/ui/talk.hpp), the log (event_log.hpp).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/result.hpp"
+
+namespace ecs::app {
+
+/// What a text or a cell means; the terminal turns it into colours where it has them, else into bold, reverse,
+/// underline.
+enum class Tone : std::uint8_t {
+  plain,
+  faint,     ///< frames, units, hints
+  strong,    ///< headings, the thing that matters
+  selected,  ///< under the cursor
+  good,
+  warning,
+  bad,
+  forward,  ///< approach +1
+  reverse,  ///< approach −1
+};
+
+/// Receives notes and warnings of work under way, in their order; they are kept where the work fails later.
+class MessageSink {
+ public:
+  MessageSink() = default;
+  MessageSink(const MessageSink&) = default;
+  MessageSink& operator=(const MessageSink&) = default;
+  virtual ~MessageSink() = default;
+  virtual void note(std::string_view text) = 0;
+  virtual void warn(std::string_view text) = 0;
+};
+
+/// Where nobody reads them.
+class NoMessages final : public MessageSink {
+ public:
+  void note(std::string_view) override {}
+  void warn(std::string_view) override {}
+};
+
+}  // namespace ecs::app
