@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/catalogue.hpp"
 #include "app/screens/model/screen.hpp"
-#include "app/screens/verbs/catalogue.hpp"
 
 namespace ecs::app {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/screens/verbs/catalogue.hpp"
+#include "app/cli/catalogue.hpp"
 
 namespace ecs::app {
 

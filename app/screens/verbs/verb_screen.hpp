@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/screens/verbs/catalogue.hpp"
+#include "app/cli/catalogue.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"

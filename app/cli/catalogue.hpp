@@ -1,5 +1,5 @@
 // Every verb of `ecs` with its options, as data: the screens make their menus and forms from it, so that what a script
-// can do can be done here, under the same names. Does not live here: running a verb (app/cli/program.hpp).
+// can do can be done here, under the same names. Does not live here: running a verb (program.hpp).
 #pragma once
 
 #include <string>

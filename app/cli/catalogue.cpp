@@ -1,4 +1,4 @@
-#include "app/screens/verbs/catalogue.hpp"
+#include "app/cli/catalogue.hpp"
 
 #include <sstream>
 
@@ -11,7 +11,7 @@
 namespace ecs::app {
 namespace {
 
-std::vector<const CLI::App*> subs_of(const CLI::App& app) {
+std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
@@ -51,10 +51,10 @@ VerbEntry entry_of(const CLI::App& verb, std::vector<std::string> words) {
 }
 
 void add_verbs(const CLI::App& menu, const std::vector<std::string>& words, std::vector<VerbEntry>& out) {
-  for (const CLI::App* sub : subs_of(menu)) {
+  for (const CLI::App* sub : subcommands_of(menu)) {
     std::vector<std::string> path = words;
     path.push_back(sub->get_name());
-    if (subs_of(*sub).empty())
+    if (subcommands_of(*sub).empty())
       out.push_back(entry_of(*sub, std::move(path)));
     else
       add_verbs(*sub, path, out);
@@ -77,8 +77,8 @@ std::vector<MenuEntry> verb_catalogue() {
   add_all_menus(menu);
   std::vector<MenuEntry> menus;
   MenuEntry other{"OTHER", {}};
-  for (const CLI::App* sub : subs_of(root)) {
-    if (subs_of(*sub).empty()) {
+  for (const CLI::App* sub : subcommands_of(root)) {
+    if (subcommands_of(*sub).empty()) {
       other.verbs.push_back(entry_of(*sub, {sub->get_name()}));
       continue;
     }
