@@ -45,7 +45,7 @@ Json json_of(const AxisSample& axis) {
 Json json_of(const Surroundings& surroundings) {
   Json object{{"device", text_or_null(surroundings.device)}, {"problem", text_or_null(surroundings.problem)}};
   for (const auto& [quantity, value] : surroundings.values)
-    object[std::string(laser::name_of(quantity))] = number_or_null(value);
+    object[std::string(name_of(quantity))] = number_or_null(value);
   return object;
 }
 
