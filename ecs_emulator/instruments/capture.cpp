@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/instruments/instruments.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -16,7 +17,7 @@ InstrumentKind kind_of(const CapturePlan& plan) {
   return plan.instrument.value_or(instrument_for(plan.sense, plan.axis));
 }
 
-Result<void> judged(const Simulation& simulation, const CapturePlan& plan) {
+Result<void> checked(const Simulation& simulation, const CapturePlan& plan) {
   if (auto fit = MeasuringPost::fits(simulation, plan.axis, plan.sense, kind_of(plan)); !fit) return fit;
   const double most_Hz = 1.0 / simulation.period_s();
   if (!(plan.rate_Hz > 0.0 && plan.rate_Hz <= most_Hz + 1e-9))
@@ -128,7 +129,7 @@ class Capturing {
 }  // namespace
 
 Result<laser::MeasurementSet> capture(Simulation& simulation, const CapturePlan& plan) {
-  if (auto fit = judged(simulation, plan); !fit) return tl::unexpected(fit.error());
+  if (auto fit = checked(simulation, plan); !fit) return tl::unexpected(fit.error());
   return Capturing(simulation, plan).run();
 }
 

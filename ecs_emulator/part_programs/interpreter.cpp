@@ -6,16 +6,12 @@
 
 #include "base/text.hpp"
 #include "ecs_emulator/machine/machine_tool.hpp"
+#include "ecs_emulator/part_programs/words.hpp"
 
 namespace ecs::emulator {
 namespace {
 
 constexpr double kSmallestRadius_mm = 1e-3;
-constexpr double kSmallestStep = 1e6;  ///< coordinates that add up are kept to the nanometre: 1/mm
-
-/// Sums of incremental moves stay what a hand would add up: 3 times −0.1 is −0.3.
-double to_nanometre(double mm) { return std::round(mm * kSmallestStep) / kSmallestStep; }
-
 }  // namespace
 
 ProgramInterpreter::ProgramInterpreter(const Program& program, const Vector3& start_mm, const ProgramRange& range,

@@ -1,6 +1,7 @@
-// One line of a part program cut into words: a letter and a number each. For reader.cpp.
+// One line of a part program cut into words: a letter and a number each; the resolution of coordinates.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,10 @@ struct WordLine {
   std::vector<ProgramWord> words;
   std::vector<WordProblem> problems;
 };
+
+/// Coordinates that add up are kept to the nanometre: sums of incremental moves stay what a hand would add up, 3 times
+/// −0.1 is −0.3.
+[[nodiscard]] inline double to_nanometre(double mm) { return std::round(mm * 1e6) / 1e6; }
 
 /// The line with comments — from ";" to the end, "(" to ")" — and a leading ">" blanked out, so that columns stay.
 /// Complains about a "(" without its ")".

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "ecs_emulator/part_programs/words.hpp"
+
 namespace ecs::emulator {
 namespace {
 
