@@ -1,11 +1,10 @@
 // [[effect]] of the errors file: ids, keys and parameters of docs/surroundings.md.
-// Does not live here: what the effects do (ecs_emulator/effects/formula.hpp).
-#include <algorithm>
-
+// Does not live here: what the effects do (ecs_emulator/effects).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 
 namespace ecs::emulator {
@@ -13,82 +12,36 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// What an effect may say of itself.
-struct Rule {
-  EffectKind kind;
-  Names required;   ///< parameters
-  Names optional;   ///< parameters; if none is required, at least one of them
-  bool needs_axis;  ///< depends on the place or the way of an axis; else the axis along the sense is taken
-  bool curve = false;
-};
-
-const std::vector<Rule>& rules() {
-  static const std::vector<Rule> kRules{
-      {EffectKind::offset, {"um"}, {}, false},
-      {EffectKind::scale, {"um_per_m"}, {}, true},
-      {EffectKind::progressive, {}, {}, true, true},
-      {EffectKind::cyclic, {"period_mm", "amplitude_um"}, {"phase_rad", "amplitude2_um", "phase2_rad"}, true},
-      {EffectKind::backlash, {"um"}, {}, true},
-      {EffectKind::reversal_curve, {}, {}, true, true},
-      {EffectKind::step, {"height_um", "position_mm"}, {}, true},
-      {EffectKind::sag, {}, {"k2", "k3"}, true},
-      {EffectKind::angular, {}, {}, false, true},
-      {EffectKind::squareness, {"um_per_m"}, {}, false},
-      {EffectKind::thermal_scale, {"um_per_m_degC"}, {}, true},
-      {EffectKind::thermal_drift, {"um_per_degC"}, {}, false},
-      {EffectKind::warm_up, {"tau_s"}, {"c_um", "c_um_per_m"}, false},
-      {EffectKind::time_drift, {"um_per_h"}, {}, false},
-      {EffectKind::servo_lag, {"um_per_m_min"}, {}, true},
-      {EffectKind::load, {}, {"um_per_kg", "um_per_kg_m"}, false},
-      {EffectKind::reversal_spike, {"c_um", "u0_mm"}, {}, true},
-  };
-  return kRules;
-}
-
-/// Why an effect of the library has no place in this file, and where it has one.
-std::string elsewhere(EffectKind kind) {
-  if (is_map_fault(kind))
-    return "a fault of the unit's map: give the unit such a map, or polarity and gain in its parameters";
-  switch (kind) {
-    case EffectKind::measurement_line:
-      return "comes from where the map was measured, not from the machine: measure with the other axes parked "
-             "elsewhere (parked_mm of the plan)";
-    case EffectKind::air_refraction:
-      return "an effect of the instrument: the air is [air] of this file, what the laser makes of it "
-             "air_compensation in [emulator.laser] of the machine file";
-    case EffectKind::dead_path:
-      return "an effect of the instrument: set dead_path_m in [emulator.laser] of the machine file";
-    default:
-      return "an effect of the instrument: set misalignment_mrad in [emulator.laser] of the machine file";
-  }
-}
-
 class EffectReader {
  public:
   EffectReader(ErrorsReading& reading, const toml::table& table)
       : reading_(reading), reader_(reading.reader), table_(table) {}
 
   void read() {
-    const Rule* rule = rule_of_id();
-    if (rule == nullptr) return;
+    const EffectDefinition* kind = kind_of_id();
+    if (kind == nullptr) return;
     const std::size_t before = complaints_;
+    const std::string what = fmt::format("effect {}", kind->id);
+    const bool curve = kind->curve != CurveOf::nothing;
     Names keys{"id", "axis", "sense", "code", "approach", "cause"};
-    if (rule->curve) keys.insert(keys.end(), {"formula", "points", "csv"});
-    if (rule->kind == EffectKind::thermal_drift) keys.emplace_back("sensor");
-    if (!rule->curve) keys.emplace_back("parameters");
-    reader_.only(table_, keys, fmt::format("effect {}", name_of(rule->kind)));
-    effect_.effect.kind = rule->kind;
-    read_place(*rule);
+    if (curve) keys.insert(keys.end(), {"formula", "points", "csv"});
+    if (kind->sensors > 0) keys.emplace_back("sensor");
+    if (kind->sensors > 1) keys.emplace_back("sensor2");
+    if (!curve) keys.emplace_back("parameters");
+    reader_.only(table_, keys, what.c_str());
+    effect_.effect.kind = kind;
+    read_place(*kind);
     read_approach();
-    if (rule->kind == EffectKind::thermal_drift) read_sensor();
-    if (rule->curve) {
-      effect_.curve = curve_in(reading_, table_, fmt::format("effect {}", name_of(rule->kind)).c_str());
+    if (kind->sensors > 0) effect_.effect.sensor = sensor_in("sensor");
+    if (kind->sensors > 1) effect_.effect.sensor2 = sensor_in("sensor2");
+    if (curve) {
+      effect_.curve = curve_in(reading_, table_, what.c_str());
       if (!effect_.curve) return;
     } else {
-      read_parameters(*rule);
+      read_parameters(*kind);
     }
     if (complaints_ != before) return;
-    demand(reading_, table_, fmt::format("effect {}", name_of(rule->kind)), *effect_.effect.axis);
+    demand(reading_, table_, what, *effect_.effect.axis);
     reading_.parts.effects.push_back(std::move(effect_));
   }
 
@@ -99,25 +52,25 @@ class EffectReader {
     ++complaints_;
   }
 
-  const Rule* rule_of_id() {
+  const EffectDefinition* kind_of_id() {
     const std::string id = reader_.word(table_, "id").value_or("");
-    const auto kind = effect_kind_named(id);
-    if (!kind) {
-      Names known;
-      for (const Rule& rule : rules()) known.emplace_back(name_of(rule.kind));
-      const std::string like = nearest_word(id, known);
-      complain("id", like.empty() ? fmt::format("id: expected one of {}, got \"{}\"", fmt::join(known, ", "), id)
-                                  : fmt::format("id: no such effect \"{}\"; did you mean \"{}\"?", id, like));
+    const EffectDefinition* kind = effect_named(id);
+    if (kind != nullptr && kind->elsewhere.empty()) return kind;
+    if (kind != nullptr) {
+      complain("id", fmt::format("{}: {}", id, kind->elsewhere));
       return nullptr;
     }
-    for (const Rule& rule : rules())
-      if (rule.kind == *kind) return &rule;
-    complain("id", fmt::format("{}: {}", id, elsewhere(*kind)));
+    Names known;
+    for (const EffectDefinition* one : effects())
+      if (one->elsewhere.empty()) known.emplace_back(one->id);
+    const std::string like = nearest_word(id, known);
+    complain("id", like.empty() ? fmt::format("id: expected one of {}, got \"{}\"", fmt::join(known, ", "), id)
+                                : fmt::format("id: no such effect \"{}\"; did you mean \"{}\"?", id, like));
     return nullptr;
   }
 
   /// The component: of the code, or of sense and axis, each standing for the other where it may.
-  void read_place(const Rule& rule) {
+  void read_place(const EffectDefinition& kind) {
     PlacedEffect& effect = effect_.effect;
     const auto axis = reader_.word(table_, "axis");
     const auto sense = reader_.word(table_, "sense");
@@ -126,24 +79,27 @@ class EffectReader {
     if (axis && !effect.axis) return complain("axis", fmt::format("axis: expected X, Y or Z, got \"{}\"", *axis));
     if (sense && !effect.sense)
       return complain("sense", fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", *sense));
-    if (rule.kind == EffectKind::angular || rule.kind == EffectKind::squareness) return read_code(rule.kind);
+    if (kind.placed_by != PlacedBy::sense) return read_code(kind);
     if (table_.contains("code")) return complain("code", "code: only angular and squareness have one");
-    if (rule.needs_axis && !effect.axis) return complain("axis", "axis: expected X, Y or Z");
+    if (kind.needs_axis && !effect.axis) return complain("axis", "axis: expected X, Y or Z");
     if (!effect.sense && effect.axis) effect.sense = static_cast<Sense>(index_of(*effect.axis));
     if (!effect.sense) return complain("sense", "sense: expected EX, EY, EZ, EA, EB or EC");
     if (!effect.axis) effect.axis = direction_of(*effect.sense);
+    if (kind.straightness && (is_rotation(*effect.sense) || direction_of(*effect.sense) == *effect.axis))
+      return complain("sense", fmt::format("sense: {} acts across its axis: expected a translation other than along {}",
+                                           kind.id, letter_of(*effect.axis)));
     effect_.component = curve_of(*effect.sense, *effect.axis);
   }
 
-  void read_code(EffectKind kind) {
+  void read_code(const EffectDefinition& kind) {
     PlacedEffect& effect = effect_.effect;
     const std::string word = reader_.word(table_, "code").value_or("");
     const auto code = component_of(word);
-    const bool squareness = kind == EffectKind::squareness;
+    const bool squareness = kind.placed_by == PlacedBy::code_of_squareness;
     if (!code || (squareness ? !is_squareness(*code) : !is_angular(*code)))
       return complain("code",
                       fmt::format("code: expected {}, got \"{}\"", squareness ? "C0Y, B0Z or A0Z" : "EAX … ECZ", word));
-    if (effect.sense) return complain("sense", fmt::format("sense: {} has a code and no sense", name_of(kind)));
+    if (effect.sense) return complain("sense", fmt::format("sense: {} has a code and no sense", kind.id));
     const Axis axis = !squareness ? moving_axis(*code) : *code == Component::C0Y ? Axis::Y : Axis::Z;
     if (effect.axis && *effect.axis != axis)
       return complain("axis", fmt::format("axis: {} belongs to {}", word, letter_of(axis)));
@@ -164,26 +120,26 @@ class EffectReader {
   }
 
   /// `spindle`, or the column in which it is measured, `t_spindle_degC`.
-  void read_sensor() {
-    std::string name = reader_.word(table_, "sensor").value_or("");
+  std::string sensor_in(const char* key) {
+    std::string name = reader_.word(table_, key).value_or("");
     if (name.starts_with("t_") && name.ends_with("_degC")) name = name.substr(2, name.size() - 7);
     if (!reading_.parts.variables.temperatures.contains(name))
-      complain("sensor", fmt::format("sensor: expected a sensor of this file, got \"{}\"", name));
-    effect_.effect.sensor = name;
+      complain(key, fmt::format("{}: expected a sensor of this file, got \"{}\"", key, name));
+    return name;
   }
 
-  void read_parameters(const Rule& rule) {
+  void read_parameters(const EffectDefinition& kind) {
     const toml::table* table = reader_.child(table_, "parameters");
-    Names all = rule.required;
-    all.insert(all.end(), rule.optional.begin(), rule.optional.end());
-    if (table == nullptr || (rule.required.empty() && table->empty()))
+    Names all;
+    for (const ParameterDefinition& parameter : kind.parameters) all.emplace_back(parameter.name);
+    const bool none_required = kind.parameters.front().optional;
+    if (table == nullptr || (none_required && table->empty()))
       return complain("parameters", fmt::format("parameters: expected {{ {} }}", fmt::join(all, ", ")));
     reader_.only(*table, all, "parameters");
-    for (const std::string& name : all) {
-      const bool required = std::find(rule.required.begin(), rule.required.end(), name) != rule.required.end();
-      if (!required && !table->contains(name)) continue;
-      const bool divides = name == "period_mm" || name == "tau_s" || name == "u0_mm";
-      required_into(reader_, *table, name, divides ? Sign::positive : Sign::any, effect_.effect.parameters[name]);
+    for (const ParameterDefinition& parameter : kind.parameters) {
+      if (parameter.optional && !table->contains(parameter.name)) continue;
+      required_into(reader_, *table, parameter.name, parameter.range.above == 0.0 ? Sign::positive : Sign::any,
+                    effect_.effect.parameters[std::string(parameter.name)]);
     }
   }
 

@@ -156,7 +156,7 @@ void body_into(ErrorsReading& reading, const toml::table& table, SensorSettings&
   const auto& screws = reading.parts.heat.screws;
   const auto axis = of.size() == 7 && of.starts_with("screw_") ? axis_of(of.back()) : std::nullopt;
   const bool screw = axis && std::any_of(screws.begin(), screws.end(), [&](const auto& s) { return s.axis == *axis; });
-  const auto told = [&](std::string message) {
+  const auto complain_of = [&](std::string message) {
     const toml::node* node = table.get("of");
     reading.reader.complain(node != nullptr ? *node : table, std::move(message));
   };
@@ -168,13 +168,13 @@ void body_into(ErrorsReading& reading, const toml::table& table, SensorSettings&
     sensor.of = Of::column;
   } else if (of == "spindle") {
     sensor.of = Of::spindle;
-    if (!reading.parts.heat.spindle) told("of: this file has no table [spindle]");
+    if (!reading.parts.heat.spindle) complain_of("of: this file has no table [spindle]");
   } else if (axis) {
     sensor.of = Of::screw;
     sensor.axis = *axis;
-    if (!screw) told(fmt::format("of: this file has no table [screw.{}]", letter_of(*axis)));
+    if (!screw) complain_of(fmt::format("of: this file has no table [screw.{}]", letter_of(*axis)));
   } else {
-    told(fmt::format("of: expected air, material, column, spindle or screw_X, got \"{}\"", of));
+    complain_of(fmt::format("of: expected air, material, column, spindle or screw_X, got \"{}\"", of));
   }
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/terms.hpp"
-#include "ecs_emulator/effects/effect.hpp"
+#include "ecs_emulator/effects/placed.hpp"
 #include "ecs_emulator/errors/curve.hpp"
 #include "ecs_emulator/errors/gravity.hpp"
 #include "ecs_emulator/thermal/heat.hpp"

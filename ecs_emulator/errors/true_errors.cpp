@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "ecs_emulator/effects/formula.hpp"
+#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/reader.hpp"
 #include "ecs_emulator/random/random.hpp"
 
@@ -21,7 +21,9 @@ struct TrueErrors::Parts : ErrorParts {
   /// What is wrong with a contribution at the ends, the middle and the datum of its axis, if anything.
   [[nodiscard]] std::optional<std::string> out_of_reach(const params::Machine& machine,
                                                         const Contribution& contribution);
-  [[nodiscard]] double rise_degC(const std::string& sensor, const MachineState& state, const Heat& from);
+  /// A sensor of `[temperature]`; leaves the formulas' time at `time_s`.
+  [[nodiscard]] double formula_degC(const std::string& sensor, double time_s);
+  class StateConditions;
 };
 
 namespace {
@@ -72,34 +74,54 @@ void TrueErrors::Parts::set_moving(const MachineState& state, Axis axis, double 
   variables.u = state.travel_since_reversal_mm[i];
 }
 
-double TrueErrors::Parts::rise_degC(const std::string& sensor, const MachineState& state, const Heat& from) {
-  if (const auto i = heat_sensor(*this, sensor); i && *i < from.sensors())
-    return from.degC_at(*i, state.time_s) - from.first_degC_at(*i);
+/// The machine as one of its effects sees it.
+class TrueErrors::Parts::StateConditions final : public Conditions {
+ public:
+  /// Sets the variables of the parts' formulas to this state and axis.
+  StateConditions(Parts& parts, const FileEffect& effect, const MachineState& state, const Heat& heat)
+      : parts_(parts), state_(state), heat_(heat) {
+    const Axis axis = *effect.effect.axis;
+    parts.set_moving(state, axis, parts.place.datum_mm[index_of(axis)]);
+    p_mm = parts.variables.p;
+    approach = parts.variables.d;
+    if (effect.curve) curve = effect.curve->value(parts.variables);
+    time_s = state.time_s;
+    feed_mm_min = state.feed_mm_min;
+    load_kg = state.load_kg;
+    travel_since_reversal_mm = state.travel_since_reversal_mm[index_of(axis)];
+  }
+  [[nodiscard]] double material_degC() const override { return heat_.material_degC(state_.time_s); }
+  [[nodiscard]] double degC(const std::string& sensor) const override {
+    if (const auto i = heat_sensor(parts_, sensor))
+      return *i < heat_.sensors() ? heat_.degC_at(*i, state_.time_s) : 0.0;
+    return parts_.formula_degC(sensor, state_.time_s);
+  }
+  [[nodiscard]] double first_degC(const std::string& sensor) const override {
+    if (const auto i = heat_sensor(parts_, sensor)) return *i < heat_.sensors() ? heat_.first_degC_at(*i) : 0.0;
+    const double first_degC = parts_.formula_degC(sensor, 0.0);
+    parts_.variables.t = state_.time_s;
+    return first_degC;
+  }
+
+ private:
+  Parts& parts_;
+  const MachineState& state_;
+  const Heat& heat_;
+};
+
+double TrueErrors::Parts::formula_degC(const std::string& sensor, double time_s) {
   for (const TemperatureFormula& one : temperatures) {
     if (one.name != sensor) continue;
-    variables.t = 0.0;
-    const double first_degC = one.formula.value();
-    variables.t = state.time_s;
-    return one.formula.value() - first_degC;
+    variables.t = time_s;
+    return one.formula.value();
   }
   return 0.0;
 }
 
 double TrueErrors::Parts::value_of(const FileEffect& one, const MachineState& state, const Heat& from) {
-  const std::size_t a = index_of(*one.effect.axis);
-  if (one.effect.approach != Approach::unknown && one.effect.approach != state.approach[a]) return 0.0;
-  set_moving(state, *one.effect.axis, place.datum_mm[a]);
-  EffectPoint at;
-  at.p_mm = variables.p;
-  at.approach = variables.d;
-  if (one.curve) at.curve = one.curve->value(variables);
-  at.material_degC = from.material_degC(state.time_s);
-  if (!one.effect.sensor.empty()) at.sensor_rise_degC = rise_degC(one.effect.sensor, state, from);
-  at.time_s = state.time_s;
-  at.feed_mm_min = state.feed_mm_min;
-  at.load_kg = state.load_kg;
-  at.travel_since_reversal_mm = state.travel_since_reversal_mm[a];
-  return machine_effect(one.effect, at);
+  const PlacedEffect& effect = one.effect;
+  if (effect.approach != Approach::unknown && effect.approach != state.approach[index_of(*effect.axis)]) return 0.0;
+  return effect.kind->value(effect, StateConditions(*this, one, state, from));
 }
 
 TrueErrors::TrueErrors() : parts_(std::make_unique<Parts>()) {}

@@ -2,34 +2,15 @@
 
 #include <algorithm>
 
+#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/shape.hpp"
 #include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
 namespace {
 
-struct Chance {
-  EffectKind kind;
-  double probability;
-};
-/// How often an engineer's model holds such an effect at a place where it can be.
-constexpr std::array<Chance, 16> kChances{{{EffectKind::scale, 0.6},
-                                           {EffectKind::progressive, 0.35},
-                                           {EffectKind::cyclic, 0.35},
-                                           {EffectKind::backlash, 0.4},
-                                           {EffectKind::reversal_curve, 0.08},
-                                           {EffectKind::step, 0.05},
-                                           {EffectKind::sag, 0.08},
-                                           {EffectKind::angular, 0.3},
-                                           {EffectKind::squareness, 0.5},
-                                           {EffectKind::measurement_line, 0.3},
-                                           {EffectKind::thermal_scale, 0.4},
-                                           {EffectKind::thermal_drift, 0.1},
-                                           {EffectKind::warm_up, 0.03},
-                                           {EffectKind::time_drift, 0.12},
-                                           {EffectKind::servo_lag, 0.1},
-                                           {EffectKind::load, 0.15}}};
-
-bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return place_of(a) == place_of(b); }
+bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return name_of(a) == name_of(b); }
 
 class Background {
  public:
@@ -40,13 +21,15 @@ class Background {
   }
 
   std::vector<PlacedEffect> draw() {
-    if (!reserved_.without_offset)
-      for (const PlacedEffect& place : good_places(scene_, ground_, EffectKind::offset)) take(place, 0.0);
+    for (const EffectDefinition* kind : effects())
+      if (kind->in_every_base)
+        for (const PlacedEffect& place : good_places(scene_, ground_, *kind)) take(place, 0.0);
     for (const PlacedEffect& place : reserved_.needed) take(place, 0.0);
     std::vector<PlacedEffect> wanted;
-    for (const auto& [kind, probability] : kChances)
-      for (const PlacedEffect& place : good_places(scene_, ground_, kind))
-        if (chance(random_, probability)) wanted.push_back(place);
+    for (const EffectDefinition* kind : effects())
+      if (kind->base_probability > 0.0)
+        for (const PlacedEffect& place : good_places(scene_, ground_, *kind))
+          if (chance(random_, kind->base_probability)) wanted.push_back(place);
     shuffle(random_, wanted);
     const std::size_t most = taken_.size() + static_cast<std::size_t>(whole(random_, 1, 4)) + ground_.senses.size();
     for (const PlacedEffect& place : wanted)
@@ -55,14 +38,10 @@ class Background {
   }
 
  private:
-  /// A curve without mean and slope stands beside an effect that has them.
-  void take_with_its_line(PlacedEffect place) {
-    const EffectKind kind = place.kind;
-    if (kind == EffectKind::progressive || kind == EffectKind::reversal_curve) {
-      PlacedEffect line = place;
-      line.kind = kind == EffectKind::progressive ? EffectKind::scale : EffectKind::backlash;
-      if (!holds(line) && !take(line, 0.1)) return;
-    }
+  /// A curve without mean and slope comes with the effect that has them.
+  void take_with_its_line(const PlacedEffect& place) {
+    const auto line = line_of(place);
+    if (line && !holds(*line) && !take(*line, 0.1)) return;
     take(place, 0.1);
   }
 
@@ -70,8 +49,7 @@ class Background {
     return std::any_of(taken_.begin(), taken_.end(), [&](const auto& t) { return same_place(t, place); });
   }
   [[nodiscard]] bool is_free(const PlacedEffect& place) const {
-    const auto& no = reserved_.without;
-    return !holds(place) && std::find(no.begin(), no.end(), place.kind) == no.end() &&
+    return !holds(place) && (place.kind->excluded_from & reserved_.design) == 0 &&
            std::none_of(reserved_.hidden.begin(), reserved_.hidden.end(),
                         [&](const auto& hidden) { return same_place(hidden, place); });
   }
@@ -81,7 +59,7 @@ class Background {
     if (!is_free(place)) return false;
     const auto effect = with_shape(random_, scene_, ground_, place);
     if (!effect) return false;
-    const Eigen::MatrixXd columns = columns_of(scene_, ground_, *effect);
+    const Eigen::MatrixXd columns = contribution_columns(scene_, ground_, *effect);
     const Eigen::VectorXd own = vector_of(contribution(scene_, *effect));
     if (rms_of(own) == 0.0 || absorbed_.size() + columns.cols() > most_functions_) return false;
     if (absorbed_.left_of(own).squaredNorm() < share * own.squaredNorm()) return false;
@@ -105,6 +83,11 @@ class Background {
 };
 
 }  // namespace
+
+std::optional<PlacedEffect> line_of(const PlacedEffect& effect) {
+  if (effect.kind->line.empty()) return std::nullopt;
+  return at_place(*effect_named(effect.kind->line), effect.axis, effect.sense);
+}
 
 std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,
                                           const Reserved& reserved, Absorbed& absorbed) {

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "ecs_emulator/effects/designs.hpp"
 #include "ecs_emulator/hidden_cases/space.hpp"
 
 namespace ecs::emulator {
@@ -10,13 +11,15 @@ namespace ecs::emulator {
 /// What the base model must leave alone.
 struct Reserved {
   std::vector<PlacedEffect> hidden;
-  std::vector<EffectKind> without;   ///< kinds that have no place in this base model
   std::vector<PlacedEffect> needed;  ///< places that it must hold
-  bool without_offset = false;
+  Designs design = kNoDesign;        ///< effects excluded from it have no place in this base model
 };
 
 /// Share of an error's mean square that the base model must leave.
 inline constexpr double kLeastShare = 0.05;
+
+/// The effect that holds the mean and slope of a curve which has none itself.
+[[nodiscard]] std::optional<PlacedEffect> line_of(const PlacedEffect& effect);
 
 /// Draws it; sizes are about 1 um still. `absorbed` becomes what it can produce.
 [[nodiscard]] std::vector<PlacedEffect> draw_background(Random& random, const Scene& scene, const Ground& ground,

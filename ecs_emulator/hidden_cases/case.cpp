@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
 #include "ecs_emulator/random/draw.hpp"
 
@@ -26,35 +27,38 @@ CaseKind draw_kind(Random& random) {
   return what < 0.9 ? CaseKind::out_of_library : CaseKind::confounded;
 }
 
-EffectKind draw_effect_kind(Random& random) { return static_cast<EffectKind>(whole(random, 0, 24)); }
-
-/// Two effects that can be sized independently.
-bool may_stand_together(EffectKind a, EffectKind b) {
-  return a != b && !(is_map_fault(a) && is_map_fault(b)) && !(has_natural_size(a) && has_natural_size(b));
+const EffectDefinition* draw_effect_kind(Random& random) {
+  return drawn_effects()[static_cast<std::size_t>(whole(random, 0, static_cast<int>(drawn_effects().size()) - 1))];
 }
 
-Result<void> check(const HideRequest& request) {
+/// Two effects that can be sized independently.
+bool can_be_a_pair(const EffectDefinition& a, const EffectDefinition& b) {
+  return &a != &b && !(a.seat == Seat::unit && b.seat == Seat::unit) && !(a.natural_size && b.natural_size);
+}
+
+Result<void> check(const HiddenCaseRequest& request) {
   if (request.readings && (*request.readings < kLeastReadings || *request.readings > kMostReadings))
     return refused(
         fmt::format("readings: expected {} to {}, got {}", kLeastReadings, kMostReadings, *request.readings));
   if (request.snr && !(*request.snr > 0.0 && *request.snr <= 1000.0))
     return refused(fmt::format("snr: expected above 0 and up to 1000, got {}", shortest(*request.snr)));
-  if (request.xytz && (request.kind || request.effect))
+  if (request.xytz && (request.kind || request.effect != nullptr))
     return refused("the XYTZ case has its own kind and effect: leave --kind and --effect away");
-  if (!request.effect || !request.kind) return {};
+  if (request.effect == nullptr || !request.kind) return {};
   if (*request.kind == CaseKind::blank || *request.kind == CaseKind::out_of_library)
     return refused(
         fmt::format("effect: a {} hides no effect of the library; leave --effect away", name_of(*request.kind)));
-  if (*request.kind == CaseKind::confounded && confusions_of(*request.effect).empty())
-    return refused(fmt::format("effect: no design is known here on which {} cannot be told from others",
-                               name_of(*request.effect)));
+  if (*request.kind == CaseKind::confounded && confounded_designs_of(*request.effect).empty())
+    return refused(
+        fmt::format("effect: no design is known here on which {} cannot be told from others", request.effect->id));
   return {};
 }
 
 /// What does not depend on the tries.
-Wanted begin(Random& random, const HideRequest& request) {
+Wanted begin(Random& random, const HiddenCaseRequest& request) {
   Wanted wanted;
-  wanted.kind = request.kind.value_or(request.effect ? CaseKind::single : draw_kind(random));
+  const CaseKind drawn = request.effect != nullptr ? CaseKind::single : draw_kind(random);
+  wanted.kind = request.kind.value_or(drawn);
   const bool plain = wanted.kind == CaseKind::blank || wanted.kind == CaseKind::single || wanted.kind == CaseKind::pair;
   const double snr =
       plain ? one(random, std::vector{2.0, 3.0, 3.0, 5.0, 8.0, 12.0}) : one(random, std::vector{3.0, 4.0, 6.0, 10.0});
@@ -63,21 +67,24 @@ Wanted begin(Random& random, const HideRequest& request) {
   const auto readings =
       static_cast<std::size_t>(log_between(random, wanted.kind == CaseKind::confounded ? 180.0 : 110.0, most));
   wanted.readings = request.readings.value_or(readings);
-  const EffectKind effect = draw_effect_kind(random);
-  if (request.effect || plain) wanted.effects = {request.effect.value_or(effect)};
+  const EffectDefinition* effect = draw_effect_kind(random);
+  if (request.effect != nullptr)
+    wanted.effects = {request.effect};
+  else if (plain)
+    wanted.effects = {effect};
   return wanted;
 }
 
 /// What is drawn anew where the design cannot show it.
-void vary(Random& random, const HideRequest& request, Wanted& wanted) {
-  wanted.structure = static_cast<StructureKind>(whole(random, 0, static_cast<int>(kStructureKinds) - 1));
-  wanted.confusion = whole(random, 0, kConfusions - 1);
-  if (wanted.kind == CaseKind::confounded && request.effect)
-    wanted.confusion = one(random, confusions_of(*request.effect));
+void vary(Random& random, const HiddenCaseRequest& request, Wanted& wanted) {
+  wanted.structure = &one(random, structures());
+  wanted.design = one(random, confounded_designs());
+  if (wanted.kind == CaseKind::confounded && request.effect != nullptr)
+    wanted.design = one(random, confounded_designs_of(*request.effect));
   if (wanted.kind != CaseKind::pair) return;
   wanted.effects.resize(1);
-  EffectKind companion = draw_effect_kind(random);
-  while (!may_stand_together(wanted.effects[0], companion)) companion = draw_effect_kind(random);
+  const EffectDefinition* companion = draw_effect_kind(random);
+  while (!can_be_a_pair(*wanted.effects[0], *companion)) companion = draw_effect_kind(random);
   wanted.effects.push_back(companion);
 }
 
@@ -100,7 +107,7 @@ std::string sentence(const HiddenCase& c) {
   std::string text = "Hidden:";
   for (const HiddenEffect& hidden : c.hidden)
     text += fmt::format("{} {}{}, {:.3g} um rms, signal to noise {:.3g}", &hidden == &c.hidden.front() ? "" : ";",
-                        place_of(hidden.effect), number_words(hidden.effect), hidden.rms_um, hidden.snr);
+                        name_of(hidden.effect), number_words(hidden.effect), hidden.rms_um, hidden.snr);
   if (!c.group.empty()) {
     text += "; these data cannot tell apart ";
     for (const std::string& name : c.group) text += (&name == &c.group.front() ? "" : ", ") + name;
@@ -118,7 +125,7 @@ std::optional<CaseKind> case_kind_named(std::string_view name) {
   return std::nullopt;
 }
 
-Result<HiddenCase> hide_case(const HideRequest& request) {
+Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request) {
   if (auto fit = check(request); !fit) return tl::unexpected(fit.error());
   Random choice(seed_of(request.seed, 0x68696465, 0));
   Wanted wanted = begin(choice, request);

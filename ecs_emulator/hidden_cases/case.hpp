@@ -24,10 +24,10 @@ inline constexpr std::array<std::string_view, 5> kCaseKindNames{"blank", "single
 [[nodiscard]] std::optional<CaseKind> case_kind_named(std::string_view name);
 
 /// What is asked for; what is absent is drawn.
-struct HideRequest {
+struct HiddenCaseRequest {
   std::uint64_t seed = 1;
   std::optional<CaseKind> kind;
-  std::optional<EffectKind> effect;  ///< the first of those that are hidden
+  const EffectDefinition* effect = nullptr;  ///< the first of those that are hidden
   std::optional<double> snr;
   std::optional<std::size_t> readings;
   bool xytz = false;  ///< the XYTZ machine under the thesis's printed equation (27)
@@ -57,6 +57,6 @@ struct HiddenCase {
 
 /// `usage` problem where what is asked for cannot be had: an effect that takes no part in such a kind, readings or snr
 /// out of range, or a combination for which no design is found.
-[[nodiscard]] Result<HiddenCase> hide_case(const HideRequest& request);
+[[nodiscard]] Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request);
 
 }  // namespace ecs::emulator

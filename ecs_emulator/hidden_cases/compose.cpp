@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/shape.hpp"
 #include "ecs_emulator/hidden_cases/background.hpp"
+#include "ecs_emulator/hidden_cases/unit_map.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -35,13 +39,14 @@ std::optional<Ground> prepare(Random& random, const Needs& needs, bool known, st
   return ground;
 }
 
-std::optional<PlacedEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground, EffectKind kind) {
+std::optional<PlacedEffect> draw_effect(Random& random, const Scene& scene, const Ground& ground,
+                                        const EffectDefinition& kind) {
   const auto places = good_places(scene, ground, kind);
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));
 }
 
-/// What is left of foreign structure after the library's best: one effect after the other, curves and periods too.
+/// What is left of foreign structure after the library's best: forward selection, curves and periods too.
 bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorbed, const std::vector<double>& value) {
   const Eigen::VectorXd structure = vector_of(value);
   Absorbed used = absorbed;
@@ -53,25 +58,15 @@ bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorb
     if (rivals.empty() || explains(rivals.back())) return rivals.empty();
     const auto best = std::min_element(rivals.begin(), rivals.end(),
                                        [](const Rival& a, const Rival& b) { return a.separation < b.separation; });
-    used.add(columns_of(scene, ground, best->effect));
+    used.add(contribution_columns(scene, ground, best->effect));
   }
   return true;
 }
 
-/// The effect that holds the mean and slope of a curve, which has none itself.
-std::optional<PlacedEffect> line_of(const PlacedEffect& effect) {
-  if (effect.kind != EffectKind::progressive && effect.kind != EffectKind::reversal_curve) return std::nullopt;
-  PlacedEffect line;
-  line.kind = effect.kind == EffectKind::progressive ? EffectKind::scale : EffectKind::backlash;
-  line.axis = effect.axis;
-  line.sense = effect.sense;
-  return line;
-}
-
 Needs needs_of(const Wanted& wanted) {
-  if (wanted.kind == CaseKind::out_of_library) return emulator::needs_of(wanted.structure);
+  if (wanted.kind == CaseKind::out_of_library) return wanted.structure->needs;
   Needs needs;
-  for (const EffectKind kind : wanted.effects) needs = needs | emulator::needs_of(kind);
+  for (const EffectDefinition* kind : wanted.effects) needs = needs | kind->needs;
   return needs;
 }
 
@@ -80,8 +75,7 @@ Needs needs_of(const Wanted& wanted) {
 std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
   HiddenCase c;
   c.kind = wanted.kind;
-  const auto is_abbe = [](EffectKind kind) { return kind == EffectKind::measurement_line; };
-  const bool known = std::any_of(wanted.effects.begin(), wanted.effects.end(), is_abbe) || chance(random, 0.06);
+  const bool known = needs_of(wanted).known || chance(random, 0.06);
   Needs needs = distractions(random, needs_of(wanted));
   if (!needs.map && wanted.kind != CaseKind::out_of_library) needs.map = chance(random, 0.06);
   const auto ground = prepare(random, needs, known, wanted.readings, c.scene);
@@ -89,8 +83,8 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
 
   Reserved reserved;
   if (wanted.kind == CaseKind::single || wanted.kind == CaseKind::pair) {
-    for (const EffectKind kind : wanted.effects) {
-      const auto effect = draw_effect(random, c.scene, *ground, kind);
+    for (const EffectDefinition* kind : wanted.effects) {
+      const auto effect = draw_effect(random, c.scene, *ground, *kind);
       if (!effect) return std::nullopt;
       c.hidden.push_back({*effect, 0.0, 0.0});
       reserved.hidden.push_back(*effect);
@@ -98,7 +92,7 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
     }
   }
   if (wanted.kind == CaseKind::out_of_library) {
-    c.structure = draw_structure(random, c.scene, *ground, wanted.structure);
+    c.structure = draw_structure(random, c.scene, *ground, *wanted.structure);
     if (c.structure.value.empty()) return std::nullopt;
   }
   Absorbed absorbed(c.scene.stops.size());

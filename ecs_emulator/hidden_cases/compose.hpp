@@ -7,23 +7,26 @@
 
 namespace ecs::emulator {
 
+/// A design on which different effects do the same (confounded.cpp).
+struct ConfoundedDesign;
+
 /// What all tries of a case have in common.
 struct Wanted {
   CaseKind kind = CaseKind::blank;
-  std::vector<EffectKind> effects;  ///< hidden; of a blank: what the design is made for
-  StructureKind structure = StructureKind::wander;
-  int confusion = 0;  ///< which kind of confounded design
+  std::vector<const EffectDefinition*> effects;    ///< hidden; of a blank: what the design is made for
+  const StructureDefinition* structure = nullptr;  ///< out of library
+  const ConfoundedDesign* design = nullptr;        ///< confounded
   double snr = 3.0;
   std::size_t readings = 300;
 };
-inline constexpr int kConfusions = 8;
 
 [[nodiscard]] std::optional<HiddenCase> compose(Random& random, const Wanted& wanted);
 [[nodiscard]] std::optional<HiddenCase> compose_confounded(Random& random, const Wanted& wanted);
 [[nodiscard]] std::optional<HiddenCase> compose_xytz(Random& random, const Wanted& wanted);
 
-/// The confounded designs that may hide this effect.
-[[nodiscard]] std::vector<int> confusions_of(EffectKind kind);
+[[nodiscard]] const std::vector<const ConfoundedDesign*>& confounded_designs();
+/// Those that may hide this effect.
+[[nodiscard]] std::vector<const ConfoundedDesign*> confounded_designs_of(const EffectDefinition& kind);
 
 /// Sizes, noise, background, readings and truth for a scene with its hidden effects (sizes still open) and its base
 /// model. Nothing where sizes or noise would be out of reach.

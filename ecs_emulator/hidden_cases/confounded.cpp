@@ -1,55 +1,57 @@
-// Designs on which different effects do exactly the same; and the XYTZ machine of the thesis.
+// Designs on which different effects do exactly the same: the group of a confounded case.
 #include <algorithm>
 #include <cmath>
 
+#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/shape.hpp"
 #include "ecs_emulator/hidden_cases/background.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/hidden_cases/scene.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
+
+struct ConfoundedDesign {
+  Design id;
+  Needs needs;
+  Shown shown{.time = false};
+  int lines = 1;                  ///< drawn, of which the first is kept
+  bool one_axis_machine = false;  ///< squareness would do the same
+};
+
 namespace {
 
-/// The confounded designs, in the numbers of Wanted::confusion.
-enum Confusion : int { warm, air, warm_air, one_feed, zero, square, one_lever, cold };
+/// What all of them need: nothing changes but the position.
+constexpr Needs kConstant{.one_axis = true, .translations = true, .constant = true, .irregular = true, .least_runs = 2};
 
-using Kinds = std::vector<EffectKind>;
-
-/// Effects that such a design can hide.
-Kinds members_of(int confusion) {
-  switch (confusion) {
-    case warm:
-      return {EffectKind::scale, EffectKind::thermal_scale, EffectKind::cosine};
-    case air:
-      return {EffectKind::scale, EffectKind::air_refraction, EffectKind::cosine};
-    case warm_air:
-      return {EffectKind::scale, EffectKind::thermal_scale, EffectKind::air_refraction, EffectKind::cosine};
-    case one_feed:
-      return {EffectKind::backlash, EffectKind::servo_lag};
-    case zero:
-      return {EffectKind::offset, EffectKind::dead_path};
-    case square:
-      return {EffectKind::scale, EffectKind::squareness};
-    case one_lever:
-      return {EffectKind::progressive, EffectKind::angular};
-    default:
-      return {EffectKind::scale, EffectKind::cosine};
-  }
+Needs along(Needs needs) {
+  needs.along = needs.whole_runs = true;
+  return needs | kConstant;
 }
 
-Needs needs_of(int confusion) {
-  Needs n;
-  n.constant = n.translations = n.one_axis = n.irregular = true;
-  n.least_runs = 2;
-  n.temperature = confusion == warm || confusion == warm_air;
-  n.air = confusion == air || confusion == warm_air || confusion == zero;
-  n.bidirectional = confusion == one_feed || confusion == zero;
-  n.along = confusion != square && confusion != one_lever;
-  n.whole_runs = confusion != square;
-  n.squares = confusion == square;
-  n.levers = confusion == one_lever;
-  n.least_axes = confusion == square || confusion == one_lever ? 2 : 1;
-  return n;
+const std::array<ConfoundedDesign, 8>& designs() {
+  constexpr Shown kWithFeed{.time = false, .feed = true};
+  constexpr Shown kWithAir{.time = false, .air = true};
+  static const std::array<ConfoundedDesign, 8> kDesigns{{
+      {.id = kWarm, .needs = along({.temperature = true})},
+      {.id = kAir, .needs = along({.air = true}), .shown = kWithAir},
+      {.id = kWarmAir, .needs = along({.temperature = true, .air = true}), .shown = kWithAir},
+      {.id = kOneFeed, .needs = along({.bidirectional = true}), .shown = kWithFeed},
+      {.id = kZero, .needs = along({.air = true, .bidirectional = true}), .shown = kWithAir, .one_axis_machine = true},
+      {.id = kSquare, .needs = Needs{.squares = true, .least_axes = 2} | kConstant},
+      {.id = kOneLever, .needs = Needs{.levers = true, .least_axes = 2, .whole_runs = true} | kConstant, .lines = 3},
+      {.id = kCold, .needs = along({})},
+  }};
+  return kDesigns;
+}
+
+/// Effects that such a design can hide.
+std::vector<const EffectDefinition*> members_of(const ConfoundedDesign& design) {
+  std::vector<const EffectDefinition*> members;
+  for (const EffectDefinition* kind : effects())
+    if ((kind->confounded_in & design.id) != 0) members.push_back(kind);
+  return members;
 }
 
 /// Keeps one line of the first axis and sense.
@@ -64,41 +66,24 @@ void keep_first_line(Scene& scene) {
 }
 
 Scene confounded_scene(Random& random, const Wanted& wanted) {
-  const int lines = wanted.confusion == one_lever ? 3 : 1;
-  Scene scene = draw_scene(random, needs_of(wanted.confusion), wanted.readings * static_cast<std::size_t>(lines));
+  const ConfoundedDesign& design = *wanted.design;
+  Scene scene = draw_scene(random, design.needs, wanted.readings * static_cast<std::size_t>(design.lines));
   if (scene.stops.empty()) return scene;
   keep_first_line(scene);
-  scene.shown = Shown{};
-  scene.shown.time = false;
-  scene.shown.feed = wanted.confusion == one_feed;
-  scene.shown.air = wanted.confusion == air || wanted.confusion == warm_air || wanted.confusion == zero;
+  scene.shown = design.shown;
   return scene;
-}
-
-/// Effects that the base model of such a design must not hold: they would take the group's place.
-Kinds left_out_of(int confusion) {
-  Kinds no{EffectKind::thermal_scale, EffectKind::servo_lag,        EffectKind::load,
-           EffectKind::angular,       EffectKind::thermal_drift,    EffectKind::warm_up,
-           EffectKind::time_drift,    EffectKind::measurement_line, EffectKind::squareness};
-  if (confusion == one_feed)
-    no.insert(no.end(), {EffectKind::backlash, EffectKind::reversal_curve});
-  else if (confusion == one_lever)
-    no.insert(no.end(), {EffectKind::progressive, EffectKind::sag, EffectKind::step});
-  else if (confusion != zero)
-    no.push_back(EffectKind::scale);
-  return no;
 }
 
 /// A size that nature allows, with some room.
 bool is_natural(const Rival& rival) {
-  if (rival.effect.kind == EffectKind::air_refraction) return rival.size > 0.05 && rival.size < 1.9;
-  if (rival.effect.kind == EffectKind::dead_path) return rival.size > 0.02 && rival.size < 9.5;
-  return true;
+  if (!rival.effect.kind->natural_size) return true;
+  const Range& range = rival.effect.kind->parameters.front().range;
+  return rival.size > range.above && rival.size < range.below;
 }
 
 /// A rotation that acts on its own line through the position of its own axis.
 bool has_own_lever(const Scene& scene, const PlacedEffect& effect) {
-  if (effect.kind != EffectKind::angular) return false;
+  if (effect.kind->placed_by != PlacedBy::code_of_rotation) return false;
   return std::any_of(scene.terms.begin(), scene.terms.end(), [&](const Term& term) {
     return term.component == *effect.code && term.observed == direction_of(scene.stops.front().sense) &&
            term.uses_coordinate && term.lever == moving_axis(*effect.code);
@@ -106,16 +91,17 @@ bool has_own_lever(const Scene& scene, const PlacedEffect& effect) {
 }
 
 /// All that do the same as the hidden effect; empty where somebody comes too near without being the same.
-std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, const Absorbed& absorbed, bool curves) {
+std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, const Absorbed& absorbed,
+                                  const ConfoundedDesign& design) {
+  const auto members = members_of(design);
+  const bool curves = std::all_of(members.begin(), members.end(), [](const auto* kind) { return is_flexible(*kind); });
   std::vector<std::string> group;
   bool disturbed = false;
   const auto weigh = [&](const Rival& rival) {
     if (rival.separation >= kApart) return false;
-    const EffectKind kind = rival.effect.kind;
-    const bool is_curve = kind == EffectKind::progressive || kind == EffectKind::angular;
-    const bool expected = curves ? is_curve : !rival.flexible;
+    const bool expected = curves ? (rival.effect.kind->confounded_in & design.id) != 0 : !rival.flexible;
     disturbed = rival.separation > kSame || !expected || !is_natural(rival) || has_own_lever(c.scene, rival.effect);
-    group.push_back(place_of(rival.effect));
+    group.push_back(name_of(rival.effect));
     return disturbed;
   };
   const auto hidden = vector_of(contribution(c.scene, c.hidden.front().effect));
@@ -124,24 +110,37 @@ std::vector<std::string> group_of(const HiddenCase& c, const Ground& ground, con
 }
 
 std::optional<PlacedEffect> member(Random& random, const Wanted& wanted, const Scene& scene, const Ground& ground) {
-  const EffectKind kind = wanted.effects.empty() ? one(random, members_of(wanted.confusion)) : wanted.effects.front();
-  std::vector<PlacedEffect> places =
-      kind == EffectKind::angular ? possible_places(scene, ground, kind) : good_places(scene, ground, kind);
-  std::erase_if(places, [&](const PlacedEffect& place) {
-    return place.kind == EffectKind::angular && *place.axis != scene.stops.front().axis;
-  });
+  const EffectDefinition& kind =
+      wanted.effects.empty() ? *one(random, members_of(*wanted.design)) : *wanted.effects.front();
+  const bool rotation = kind.placed_by == PlacedBy::code_of_rotation;
+  auto places = rotation ? possible_places(scene, ground, kind) : good_places(scene, ground, kind);
+  std::erase_if(places, [&](const PlacedEffect& place) { return rotation && *place.axis != scene.stops.front().axis; });
   if (places.empty()) return std::nullopt;
   return with_shape(random, scene, ground, one(random, places));
 }
 
+/// What holds mean and slope of the curves of the group.
+std::vector<PlacedEffect> lines_of(const ConfoundedDesign& design, const Stop& first) {
+  std::vector<PlacedEffect> lines;
+  for (const EffectDefinition* kind : members_of(design))
+    if (const auto line = line_of(at_place(*kind, first.axis, first.sense))) lines.push_back(*line);
+  return lines;
+}
+
 }  // namespace
 
-std::vector<int> confusions_of(EffectKind kind) {
-  std::vector<int> found;
-  for (int confusion = 0; confusion < kConfusions; ++confusion) {
-    const Kinds members = members_of(confusion);
-    if (std::find(members.begin(), members.end(), kind) != members.end()) found.push_back(confusion);
-  }
+const std::vector<const ConfoundedDesign*>& confounded_designs() {
+  static const std::vector<const ConfoundedDesign*> kAll = [] {
+    std::vector<const ConfoundedDesign*> all;
+    for (const ConfoundedDesign& design : designs()) all.push_back(&design);
+    return all;
+  }();
+  return kAll;
+}
+
+std::vector<const ConfoundedDesign*> confounded_designs_of(const EffectDefinition& kind) {
+  std::vector<const ConfoundedDesign*> found = confounded_designs();
+  std::erase_if(found, [&](const ConfoundedDesign* design) { return (kind.confounded_in & design->id) == 0; });
   return found;
 }
 
@@ -150,29 +149,22 @@ std::optional<HiddenCase> compose_confounded(Random& random, const Wanted& wante
   c.kind = CaseKind::confounded;
   c.scene = confounded_scene(random, wanted);
   if (c.scene.stops.size() < 100) return std::nullopt;
-  if (wanted.confusion == zero && c.scene.chain.axis_count() > 1) return std::nullopt;  // squareness is one more zero
+  if (wanted.design->one_axis_machine && c.scene.chain.axis_count() > 1) return std::nullopt;
   const Ground ground = ground_of(c.scene);
   const auto hidden = member(random, wanted, c.scene, ground);
   if (!hidden) return std::nullopt;
   c.hidden.push_back({*hidden, 0.0, 0.0});
   Reserved reserved;
   reserved.hidden = {*hidden};
-  reserved.without = left_out_of(wanted.confusion);
-  reserved.without_offset = wanted.confusion == zero;
-  if (wanted.confusion == one_lever) {
-    PlacedEffect scale;
-    scale.kind = EffectKind::scale;
-    scale.axis = c.scene.stops.front().axis;
-    scale.sense = c.scene.stops.front().sense;
-    reserved.needed = {scale};
-  }
+  reserved.design = wanted.design->id;
+  reserved.needed = lines_of(*wanted.design, c.scene.stops.front());
   Absorbed absorbed(c.scene.stops.size());
   c.base = draw_background(random, c.scene, ground, reserved, absorbed);
   const Eigen::VectorXd own = vector_of(contribution(c.scene, *hidden));
   if (!(absorbed.left_of(own).squaredNorm() > kLeastShare * own.squaredNorm())) return std::nullopt;
   auto done = finished(random, std::move(c), ground, absorbed, wanted.snr);
   if (!done) return std::nullopt;
-  done->group = group_of(*done, ground, absorbed, wanted.confusion == one_lever);
+  done->group = group_of(*done, ground, absorbed, *wanted.design);
   if (done->group.size() < 2) return std::nullopt;
   return done;
 }

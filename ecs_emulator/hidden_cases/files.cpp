@@ -10,6 +10,7 @@
 #include "base/file.hpp"
 #include "base/sealed.hpp"
 #include "base/text.hpp"
+#include "ecs_emulator/effects/definition.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
 namespace ecs::emulator {
@@ -53,35 +54,22 @@ std::string machine_file(const params::Machine& machine) {
   return text;
 }
 
-/// Parameters that no fit of the base model looks for.
-std::vector<std::string> given_parameters(const PlacedEffect& effect) {
-  switch (effect.kind) {
-    case EffectKind::cyclic:
-      return {"period_mm"};
-    case EffectKind::step:
-      return {"position_mm"};
-    case EffectKind::warm_up:
-      return {"tau_s"};
-    case EffectKind::reversal_spike:
-      return {"u0_mm"};
-    default:
-      return {};
-  }
-}
-
 std::string model_file(const HiddenCase& c) {
   std::string text = "# What the engineer believes of this machine so far; sizes are fitted from the data.\n";
   if (!c.scene.map.empty()) text += "\n[map]\nfile = \"map.csv\"\n";
   for (const PlacedEffect& effect : c.base) {
-    text += fmt::format("\n[[effect]]\nid = \"{}\"\n", name_of(effect.kind));
+    text += fmt::format("\n[[effect]]\nid = \"{}\"\n", effect.kind->id);
     if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
     if (effect.sense) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
     if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
     if (effect.approach != Approach::unknown) text += fmt::format("approach = \"{}\"\n", word_for(effect.approach));
     if (!effect.sensor.empty()) text += fmt::format("sensor = \"{}\"\n", effect.sensor);
+    if (!effect.sensor2.empty()) text += fmt::format("sensor2 = \"{}\"\n", effect.sensor2);
     std::string given;
-    for (const std::string& name : given_parameters(effect))
-      given += fmt::format("{}{} = {}", given.empty() ? "" : ", ", name, shortest(effect.parameter(name)));
+    for (const ParameterDefinition& parameter : effect.kind->parameters)
+      if (parameter.search != nullptr)  // no fit of the base model looks for it
+        given += fmt::format("{}{} = {}", given.empty() ? "" : ", ", parameter.name,
+                             shortest(effect.parameter(parameter.name)));
     if (!given.empty()) text += "parameters = { " + given + " }\n";
   }
   for (const KnownCurve& known : c.scene.known)
@@ -142,13 +130,14 @@ std::string data_file(const HiddenCase& c) {
 nlohmann::ordered_json json_of(const HiddenEffect& hidden) {
   const PlacedEffect& e = hidden.effect;
   nlohmann::ordered_json json;
-  json["effect"] = name_of(e.kind);
+  json["effect"] = e.kind->id;
   json["axis"] = e.axis ? nlohmann::ordered_json(std::string(1, letter_of(*e.axis))) : nlohmann::ordered_json();
   json["sense"] = e.sense ? nlohmann::ordered_json(name_of(*e.sense)) : nlohmann::ordered_json();
   json["code"] = e.code ? nlohmann::ordered_json(name_of(*e.code)) : nlohmann::ordered_json();
   json["approach"] = word_for(e.approach);
   json["sensor"] = e.sensor;
-  json["name"] = place_of(e);
+  if (!e.sensor2.empty()) json["sensor2"] = e.sensor2;
+  json["name"] = name_of(e);
   json["parameters"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : e.parameters) json["parameters"][name] = value;
   json["rms_um"] = hidden.rms_um;
@@ -231,7 +220,8 @@ std::map<std::string, std::string> files_of(const HiddenCase& c) {
   return files;
 }
 
-Result<std::vector<std::string>> hide(const HideRequest& request, int count, const fs::path& folder) {
+Result<std::vector<std::string>> write_hidden_cases(const HiddenCaseRequest& request, int count,
+                                                    const fs::path& folder) {
   const fs::path place = fs::absolute(folder).lexically_normal();
   const fs::path target = place.has_filename() ? place : place.parent_path();
   std::error_code error;
@@ -239,18 +229,18 @@ Result<std::vector<std::string>> hide(const HideRequest& request, int count, con
     return problem(ProblemKind::usage,
                    fmt::format("{}: expected a folder that does not exist or is empty", folder.string()));
   Workbench bench(target);
-  std::vector<std::string> told;
+  std::vector<std::string> lines;
   for (int k = 0; k < count; ++k) {
-    HideRequest one = request;
+    HiddenCaseRequest one = request;
     one.seed += static_cast<std::uint64_t>(k);
-    const auto made = hide_case(one);
+    const auto made = draw_hidden_case(one);
     if (!made) return tl::unexpected(made.error());
     const std::string name = count == 1 ? "" : fmt::format("{:04}", k + 1);
     if (auto written = write_case(*made, bench.path() / name); !written) return tl::unexpected(written.error());
-    told.push_back(fmt::format("{}: {}", (folder / name).string(), line_about(*made)));
+    lines.push_back(fmt::format("{}: {}", (folder / name).string(), line_about(*made)));
   }
   if (auto real = bench.become_real(); !real) return tl::unexpected(real.error());
-  return told;
+  return lines;
 }
 
 }  // namespace ecs::emulator

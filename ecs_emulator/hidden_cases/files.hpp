@@ -20,7 +20,7 @@ namespace ecs::emulator {
 /// Whole or not at all: everything is made beside the folder and renamed. Refuses a folder that exists and is not
 /// empty.
 /// @return one line per case that gives nothing of the truth away
-[[nodiscard]] Result<std::vector<std::string>> hide(const HideRequest& request, int count,
-                                                    const std::filesystem::path& folder);
+[[nodiscard]] Result<std::vector<std::string>> write_hidden_cases(const HiddenCaseRequest& request, int count,
+                                                                  const std::filesystem::path& folder);
 
 }  // namespace ecs::emulator

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/hidden_cases/scene.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -56,7 +58,7 @@ class Finishing {
   bool settle_sigma() {
     double sigma_um = log_between(random_, 0.1, 2.0);
     for (const HiddenEffect& hidden : case_.hidden)
-      if (has_natural_size(hidden.effect.kind)) sigma_um = rms_of(absorbed_.left_of(of(hidden.effect))) / snr_;
+      if (hidden.effect.kind->natural_size) sigma_um = rms_of(absorbed_.left_of(of(hidden.effect))) / snr_;
     if (!(sigma_um >= kLeastSigma_um && sigma_um <= kMostSigma_um)) return false;
     case_.noise = draw_noise_level(random_, sigma_um);
     return true;
@@ -64,9 +66,9 @@ class Finishing {
 
   void size_hidden() {
     for (HiddenEffect& hidden : case_.hidden) {
-      if (has_natural_size(hidden.effect.kind)) continue;
+      if (hidden.effect.kind->natural_size) continue;
       const double factor = snr_ * case_.noise.sigma_um / rms_of(absorbed_.left_of(of(hidden.effect)));
-      if (is_map_fault(hidden.effect.kind))
+      if (hidden.effect.kind->seat == Seat::unit)
         scale_map(case_.scene, factor);
       else
         hidden.effect = scaled(hidden.effect, factor);
@@ -117,7 +119,7 @@ class Finishing {
       const Eigen::VectorXd own = of(hidden.effect);
       hidden.rms_um = rms_of(own);
       hidden.snr = rms_of(absorbed_.left_of(own)) / case_.noise.sigma_um;
-      truth.add(columns_of(case_.scene, ground_, hidden.effect));
+      truth.add(contribution_columns(case_.scene, ground_, hidden.effect));
     }
     std::stable_sort(case_.hidden.begin(), case_.hidden.end(),
                      [](const HiddenEffect& a, const HiddenEffect& b) { return a.snr > b.snr; });
@@ -128,28 +130,29 @@ class Finishing {
 
   void look_for_doubles() {
     const HiddenEffect& hidden = case_.hidden.front();
-    const std::string name = place_of(hidden.effect);
+    const std::string name = name_of(hidden.effect);
     for (const Rival& rival :
          rivals_of(case_.scene, ground_, absorbed_, of(hidden.effect), case_.noise.sigma_um, false))
-      if (rival.separation < kSame && place_of(rival.effect) != name) case_.group.push_back(place_of(rival.effect));
+      if (rival.separation < kSame && name_of(rival.effect) != name) case_.group.push_back(name_of(rival.effect));
     if (!case_.group.empty()) case_.group.insert(case_.group.begin(), name);
   }
 
-  /// Neither of two hidden effects can stand for the other, and no single rotation or sag for both.
+  /// Neither of two hidden effects can stand for the other, and no single effect that bends likewise for both.
   [[nodiscard]] bool companions_apart() const {
     if (case_.hidden.size() < 2) return true;
     const Eigen::VectorXd both = of(case_.hidden[0].effect) + of(case_.hidden[1].effect);
-    for (const EffectKind kind : {EffectKind::angular, EffectKind::sag})
-      for (const PlacedEffect& single : possible_places(case_.scene, ground_, kind)) {
+    for (const EffectDefinition* kind : effects())
+      for (const PlacedEffect& single :
+           kind->explains_two ? possible_places(case_.scene, ground_, *kind) : std::vector<PlacedEffect>{}) {
         Absorbed with = absorbed_;
-        with.add(columns_of(case_.scene, ground_, single));
+        with.add(contribution_columns(case_.scene, ground_, single));
         if (with.left_of(both).norm() < kApart * case_.noise.sigma_um) return false;
       }
     for (const HiddenEffect& one : case_.hidden)
       for (const HiddenEffect& other : case_.hidden) {
         if (&one == &other) continue;
         Absorbed with = absorbed_;
-        with.add(columns_of(case_.scene, ground_, other.effect));
+        with.add(contribution_columns(case_.scene, ground_, other.effect));
         const double alone = absorbed_.left_of(of(one.effect)).squaredNorm();
         if (with.left_of(of(one.effect)).squaredNorm() < kOwnPart * alone) return false;
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ecs_emulator/effects/definition.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/random/draw.hpp"
 
@@ -37,8 +38,8 @@ std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEff
     ComponentValues errors{};
     double laser = 0.0;
     for (const PlacedEffect& effect : effects) {
-      const Seat seat = seat_of(effect.kind);
-      if (seat == Seat::machine) errors[index_of(component_of(effect))] += amount(scene, effect, stop);
+      const Seat seat = effect.kind->seat;
+      if (seat == Seat::machine) errors[index_of(carrier_of(effect))] += amount(scene, effect, stop);
       if (seat == Seat::instrument) laser += amount(scene, effect, stop);
     }
     add_mapped_errors(scene, stop, errors);

@@ -23,7 +23,7 @@ struct Noise {
 [[nodiscard]] std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEffect>& effects,
                                                const std::vector<double>& extra);
 
-/// Noise of each reading, in the order of time.
+/// Noise of each reading, in the order of time: white, turbulence as a first-order Gauss-Markov process, outliers.
 [[nodiscard]] std::vector<double> draw_noise(Random& random, const Scene& scene, const Noise& noise);
 
 /// What the sensors show of the weather: noise and resolution of a good thermometer, barometer and hygrometer.

@@ -1,5 +1,5 @@
-// What a model can absorb of a set of readings, and what of an error it cannot. Internal to this room (Eigen).
-// Does not live here: which model (case.cpp).
+// What a model can absorb of a set of readings, and what of an error it cannot. For .cpp files of this folder only
+// (Eigen). Does not live here: which model (case.cpp).
 #pragma once
 
 #include <functional>
@@ -7,16 +7,20 @@
 
 #include <Eigen/Dense>
 
-#include "ecs_emulator/hidden_cases/choice.hpp"
+#include "ecs_emulator/effects/placed.hpp"
+#include "ecs_emulator/hidden_cases/contribution.hpp"
+#include "ecs_emulator/scene/ground.hpp"
 
 namespace ecs::emulator {
 
 /// Contributions that span an effect (readings × functions).
-[[nodiscard]] Eigen::MatrixXd columns_of(const Scene& scene, const Ground& ground, const PlacedEffect& effect);
+[[nodiscard]] Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground,
+                                                   const PlacedEffect& effect);
 [[nodiscard]] Eigen::VectorXd vector_of(const std::vector<double>& values);
 [[nodiscard]] double rms_of(const Eigen::VectorXd& values);
 
-/// The space of all that some effects can produce, as an orthonormal basis.
+/// The space of all that some effects can produce, as an orthonormal basis: Gram-Schmidt with each projection done
+/// twice (Daniel, Gragg, Kaufman, Stewart, Math. Comp. 30, 1976, 772).
 class Absorbed {
  public:
   explicit Absorbed(std::size_t readings) : basis_(static_cast<Eigen::Index>(readings), 0) {}
@@ -44,5 +48,11 @@ struct Rival {
 [[nodiscard]] std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Absorbed& absorbed,
                                            const Eigen::VectorXd& hidden, double sigma_um, bool flexible,
                                            const std::function<bool(const Rival&)>& enough = {});
+
+/// A rival that comes this close, in sigmas, does the same.
+inline constexpr double kSame = 0.3;
+
+/// A rival that stays this far off, in sigmas, does not.
+inline constexpr double kApart = 8.0;
 
 }  // namespace ecs::emulator

@@ -1,12 +1,14 @@
 // Errors that no library holds: what a diagnosis should call structure, and not by the name of an effect.
-// Does not live here: errors that have a name (ecs_emulator/effects/effect.hpp).
+// Does not live here: errors that have a name (ecs_emulator/effects).
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "ecs_emulator/hidden_cases/choice.hpp"
-#include "ecs_emulator/hidden_cases/design.hpp"
+#include "ecs_emulator/random/random.hpp"
+#include "ecs_emulator/scene/ground.hpp"
+#include "ecs_emulator/scene/needs.hpp"
 
 namespace ecs::emulator {
 
@@ -16,29 +18,17 @@ struct Structure {
   std::string text;                    ///< what it is, in words
 };
 
-enum class StructureKind : std::uint8_t {
-  bad_run,
-  bad_pass,
-  wander,
-  bumped_optics,
-  random_runs,
-  run_slopes,
-  squared_temperature,
-  humidity,
-  product,
-  chirp,
-  burst,
-  dent,
-  graduation,
-  growing_backlash,
-  warm_backlash,
-  squared_feed,
-  squared_load,
+class StructureDrawing;
+struct StructureDefinition {
+  std::string_view id;
+  Needs needs;  ///< of the measurement that can show it
+  Structure (*draw)(StructureDrawing& drawing) = nullptr;
 };
-inline constexpr std::size_t kStructureKinds = 17;
 
-[[nodiscard]] Needs needs_of(StructureKind kind);
+/// The emulator's list of them. Hidden cases draw by its order.
+[[nodiscard]] const std::vector<StructureDefinition>& structures();
 /// Draws one on this scene; without values where the scene has no room for it.
-[[nodiscard]] Structure draw_structure(Random& random, const Scene& scene, const Ground& ground, StructureKind kind);
+[[nodiscard]] Structure draw_structure(Random& random, const Scene& scene, const Ground& ground,
+                                       const StructureDefinition& definition);
 
 }  // namespace ecs::emulator

@@ -6,20 +6,21 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/files.hpp"
 
 namespace ecs::emulator {
 namespace {
 
 /// What `hide` is asked for.
-struct HideOptions {
-  HideRequest request;
+struct HiddenCaseOptions {
+  HiddenCaseRequest request;
   int count = 1;
   std::string folder;
 };
 
-void add_options(CLI::App* verb, HideOptions& options) {
-  HideRequest& request = options.request;
+void add_options(CLI::App* verb, HiddenCaseOptions& options) {
+  HiddenCaseRequest& request = options.request;
   verb->add_option("--seed", request.seed, "the same seed gives the same files (1)");
   verb->add_option("-o,--output", options.folder, "folder that does not exist yet or is empty")->required();
   verb->add_option_function<std::string>(
@@ -31,12 +32,13 @@ void add_options(CLI::App* verb, HideOptions& options) {
                                      : std::string("expected blank, single, pair, out-of-library or confounded");
       });
   verb->add_option_function<std::string>(
-          "--effect", [&](const std::string& name) { request.effect = effect_kind_named(name); },
+          "--effect", [&](const std::string& name) { request.effect = effect_named(name); },
           "the effect to hide, as docs/physics.md names it; of a pair, one of the two")
       ->option_text("NAME")
       ->check([](const std::string& name) {
-        return effect_kind_named(name) ? std::string()
-                                       : std::string("expected one of the 25 effects of docs/physics.md");
+        return effect_named(name) != nullptr
+                   ? std::string()
+                   : fmt::format("expected one of the {} effects of docs/physics.md", effects().size());
       });
   verb->add_option("--snr", request.snr, "rms of what the base model cannot absorb / sigma of one reading");
   verb->add_option("--readings", request.readings, "about so many readings, 100 to 20000");
@@ -55,13 +57,13 @@ void add_options(CLI::App* verb, HideOptions& options) {
       "Then diagnose DIR/data.csv, and: ecs model reveal DIR");
 }
 
-int hide_and_tell(const HideOptions& options) {
-  const auto told_lines = hide(options.request, options.count, options.folder);
-  if (!told_lines) {
-    fmt::print(stderr, "{}\n", to_text(told_lines.error()));
-    return static_cast<int>(told_lines.error().kind) + 1;
+int run(const HiddenCaseOptions& options) {
+  const auto lines = write_hidden_cases(options.request, options.count, options.folder);
+  if (!lines) {
+    fmt::print(stderr, "{}\n", to_text(lines.error()));
+    return static_cast<int>(lines.error().kind) + 1;
   }
-  for (const std::string& line : *told_lines) fmt::print("{}\n", line);
+  for (const std::string& line : *lines) fmt::print("{}\n", line);
   return 0;
 }
 
@@ -69,9 +71,9 @@ int hide_and_tell(const HideOptions& options) {
 
 void add_hide_verb(CLI::App& app, int& exit_code) {
   CLI::App* verb = app.add_subcommand("hide", "measurements with a secret: a machine whose model lacks something");
-  const auto options = std::make_shared<HideOptions>();
+  const auto options = std::make_shared<HiddenCaseOptions>();
   add_options(verb, *options);
-  verb->callback([options, &exit_code] { exit_code = hide_and_tell(*options); });
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace ecs::emulator

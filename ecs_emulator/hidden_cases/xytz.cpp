@@ -1,6 +1,10 @@
 // The XYTZ machine under the thesis's printed equation (27): what it lacks in E_Y, the term ECY·X, is what is hidden.
+#include "ecs_emulator/effects/places.hpp"
+#include "ecs_emulator/effects/registry.hpp"
+#include "ecs_emulator/effects/shape.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -36,15 +40,6 @@ std::vector<Stop> stops_in_EY() {
   return stops_along(lines, travel);
 }
 
-PlacedEffect at(EffectKind kind, Axis axis, std::optional<Sense> sense, std::optional<Component> code) {
-  PlacedEffect effect;
-  effect.kind = kind;
-  effect.axis = axis;
-  effect.sense = sense;
-  effect.code = code;
-  return effect;
-}
-
 }  // namespace
 
 std::optional<HiddenCase> compose_xytz(Random& random, const Wanted& wanted) {
@@ -55,14 +50,17 @@ std::optional<HiddenCase> compose_xytz(Random& random, const Wanted& wanted) {
   c.scene.stops = stops_in_EY();
   const Ground ground = ground_of(c.scene);
   Absorbed absorbed(c.scene.stops.size());
+  const auto at = [](const char* id, Axis axis, std::optional<Sense> sense, std::optional<Component> code) {
+    return at_place(*effect_named(id), axis, sense, code);
+  };
   for (const PlacedEffect& place :
-       {at(EffectKind::offset, Axis::Y, Sense::EY, {}), at(EffectKind::scale, Axis::Y, Sense::EY, {}),
-        at(EffectKind::progressive, Axis::Y, Sense::EY, {}), at(EffectKind::angular, Axis::X, {}, Component::ECX),
-        at(EffectKind::angular, Axis::X, {}, Component::EAX), at(EffectKind::angular, Axis::Y, {}, Component::EAY)}) {
+       {at("offset", Axis::Y, Sense::EY, {}), at("scale", Axis::Y, Sense::EY, {}),
+        at("progressive", Axis::Y, Sense::EY, {}), at("angular", Axis::X, {}, Component::ECX),
+        at("angular", Axis::X, {}, Component::EAX), at("angular", Axis::Y, {}, Component::EAY)}) {
     c.base.push_back(*with_shape(random, c.scene, ground, place));
-    absorbed.add(columns_of(c.scene, ground, c.base.back()));
+    absorbed.add(contribution_columns(c.scene, ground, c.base.back()));
   }
-  const auto hidden = with_shape(random, c.scene, ground, at(EffectKind::angular, Axis::Y, {}, Component::ECY));
+  const auto hidden = with_shape(random, c.scene, ground, at("angular", Axis::Y, {}, Component::ECY));
   c.hidden.push_back({*hidden, 0.0, 0.0});
   return finished(random, std::move(c), ground, absorbed, wanted.snr);
 }

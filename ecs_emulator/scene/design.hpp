@@ -4,37 +4,11 @@
 
 #include <cstddef>
 
-#include "ecs_emulator/effects/effect.hpp"
-#include "ecs_emulator/hidden_cases/scene.hpp"
 #include "ecs_emulator/random/random.hpp"
+#include "ecs_emulator/scene/needs.hpp"
+#include "ecs_emulator/scene/scene.hpp"
 
 namespace ecs::emulator {
-
-/// What the measurement must offer.
-struct Needs {
-  bool temperature = false;  ///< sensors, and hours in which temperatures change
-  bool air = false;          ///< pressure and humidity, changing
-  bool feeds = false;        ///< several feeds
-  bool loads = false;        ///< several loads
-  bool travel = false;       ///< travel since reversal
-  bool map = false;
-  bool one_axis = false;  ///< a single axis is moved
-  bool bidirectional = false;
-  bool fine = false;          ///< short periods can be seen
-  bool along = false;         ///< positioning, along the axis that moves
-  bool translations = false;  ///< no rotations are measured
-  bool levers = false;        ///< lines at several places of a lever arm
-  bool squares = false;       ///< one axis against another
-  bool grid = false;          ///< lines at several places, whatever the levers
-  bool constant = false;      ///< one temperature, one pressure, one feed, one load
-  bool time = false;
-  bool irregular = false;  ///< targets at uneven distances: no period hides between them
-  int least_axes = 1;
-  int least_runs = 1;
-  bool whole_runs = false;  ///< one line: a run is one stretch of time
-};
-[[nodiscard]] Needs operator|(const Needs& a, const Needs& b);
-[[nodiscard]] Needs needs_of(EffectKind kind);
 
 /// A machine of one to three axes in any configuration.
 [[nodiscard]] params::Machine draw_machine(Random& random, int least_axes);

@@ -1,5 +1,5 @@
 // What one hidden case is made of before anything is hidden: machine, weather, design of the measurement, map.
-// Does not live here: errors (ecs_emulator/effects/effect.hpp), readings (measure.hpp).
+// Does not live here: errors (ecs_emulator/effects), readings (ecs_emulator/hidden_cases/measure.hpp).
 #pragma once
 
 #include <optional>
@@ -80,15 +80,11 @@ struct Scene {
   }
   /// Place of a sensor in `Weather::degC`; nothing where there is none of that name.
   [[nodiscard]] std::optional<std::size_t> sensor(const std::string& column) const;
+  /// What that sensor's place has at a stop [°C].
+  [[nodiscard]] double degC(const std::string& column, const Stop& stop, double otherwise) const;
 };
 
 /// Linear between points, end values hold. @pre x not empty, as many values
 [[nodiscard]] double between_points(const std::vector<double>& x, const std::vector<double>& value, double at);
-
-/// A rival that comes this close, in sigmas, does the same.
-inline constexpr double kSame = 0.3;
-
-/// A rival that stays this far off, in sigmas, does not.
-inline constexpr double kApart = 8.0;
 
 }  // namespace ecs::emulator

@@ -6,7 +6,7 @@
 
 #include "base/file.hpp"
 #include "base/sealed.hpp"
-#include "hide_cases.hpp"
+#include "hidden_cases.hpp"
 #include "laser/measurement_set.hpp"
 
 using namespace ecs;
@@ -26,9 +26,9 @@ struct Folder {
 
 TEST_CASE("a case is a folder of files that others can read, and the truth is not read by accident") {
   const Folder folder;
-  HideRequest request = request_for(7, CaseKind::single, EffectKind::map_gain);
-  const auto told = hide(request, 1, folder.path / "case");
-  REQUIRE_MESSAGE(told.has_value(), (told ? "" : to_text(told.error())));
+  HiddenCaseRequest request = request_for(7, CaseKind::single, "map_gain");
+  const auto written = write_hidden_cases(request, 1, folder.path / "case");
+  REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
   const HiddenCase c = case_of(request);
   const auto data = laser::read_measurement_set(folder.path / "case/data.csv");
   REQUIRE_MESSAGE(data.has_value(), (data ? "" : to_text(data.error())));
@@ -39,20 +39,20 @@ TEST_CASE("a case is a folder of files that others can read, and the truth is no
   CHECK(fs::exists(folder.path / "case/map.csv"));
   const std::string sealed = *read_file(folder.path / "case/truth.sealed");
   for (const char* secret : {"map_gain", "single", "snr", "Hidden"}) CHECK(sealed.find(secret) == std::string::npos);
-  for (const char* secret : {"map_gain", "single"}) CHECK(told->at(0).find(secret) == std::string::npos);
+  for (const char* secret : {"map_gain", "single"}) CHECK(written->at(0).find(secret) == std::string::npos);
   const auto opened = unsealed(sealed, "truth.sealed");
   REQUIRE(opened.has_value());
   const auto truth = nlohmann::json::parse(*opened);
   CHECK(truth["kind"] == "single");
-  CHECK(truth["effects"][0]["name"] == place_of(c.hidden[0].effect));
+  CHECK(truth["effects"][0]["name"] == name_of(c.hidden[0].effect));
   CHECK(truth["effects"][0]["parameters"].contains("gain"));
   CHECK(truth["true_model_rms_um"] > 0.0);
 }
 
 TEST_CASE("many cases stand in numbered folders, with seeds that count up") {
   const Folder folder;
-  HideRequest request = request_for(20, CaseKind::blank);
-  REQUIRE(hide(request, 3, folder.path / "many").has_value());
+  HiddenCaseRequest request = request_for(20, CaseKind::blank);
+  REQUIRE(write_hidden_cases(request, 3, folder.path / "many").has_value());
   request.seed = 22;
   CHECK(*read_file(folder.path / "many/0003/data.csv") == files_of(case_of(request)).at("data.csv"));
 }
@@ -60,28 +60,28 @@ TEST_CASE("many cases stand in numbered folders, with seeds that count up") {
 TEST_CASE("a folder with something in it is not touched") {
   const Folder folder;
   REQUIRE(write_file(folder.path / "mine.txt", "mine").has_value());
-  const auto told = hide(request_for(1, CaseKind::blank), 1, folder.path);
-  REQUIRE(!told.has_value());
-  CHECK(told.error().kind == ProblemKind::usage);
+  const auto written = write_hidden_cases(request_for(1, CaseKind::blank), 1, folder.path);
+  REQUIRE(!written.has_value());
+  CHECK(written.error().kind == ProblemKind::usage);
   CHECK(*read_file(folder.path / "mine.txt") == "mine");
   CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 1);
 }
 
 TEST_CASE("what cannot be hidden is refused and leaves nothing behind") {
   const Folder folder;
-  const auto refusal = [&](const HideRequest& request) {
-    const auto told = hide(request, 2, folder.path / "case");
-    REQUIRE(!told.has_value());
-    CHECK(told.error().kind == ProblemKind::usage);
+  const auto refusal = [&](const HiddenCaseRequest& request) {
+    const auto written = write_hidden_cases(request, 2, folder.path / "case");
+    REQUIRE(!written.has_value());
+    CHECK(written.error().kind == ProblemKind::usage);
     CHECK(fs::is_empty(folder.path));
-    return told.error().message;
+    return written.error().message;
   };
-  CHECK(refusal(request_for(1, CaseKind::blank, EffectKind::step)).find("effect") == 0);
-  CHECK(refusal(request_for(1, CaseKind::confounded, EffectKind::cyclic)).find("effect") == 0);
-  HideRequest few = request_for(1, CaseKind::single);
+  CHECK(refusal(request_for(1, CaseKind::blank, "step")).find("effect") == 0);
+  CHECK(refusal(request_for(1, CaseKind::confounded, "cyclic")).find("effect") == 0);
+  HiddenCaseRequest few = request_for(1, CaseKind::single);
   few.readings = 12;
   CHECK(refusal(few) == "readings: expected 100 to 20000, got 12");
-  HideRequest silent = request_for(1, CaseKind::single);
+  HiddenCaseRequest silent = request_for(1, CaseKind::single);
   silent.snr = 0.0;
   CHECK(refusal(silent) == "snr: expected above 0 and up to 1000, got 0");
 }

@@ -1,25 +1,26 @@
 // Cases of the proving ground as its tests ask for them.
 #pragma once
 
-#include <optional>
+#include <string_view>
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/files.hpp"
 
 namespace ecs::emulator::test {
 
-inline HideRequest request_for(std::uint64_t seed, CaseKind kind, std::optional<EffectKind> effect = {}) {
-  HideRequest request;
+inline HiddenCaseRequest request_for(std::uint64_t seed, CaseKind kind, std::string_view effect = {}) {
+  HiddenCaseRequest request;
   request.seed = seed;
   request.kind = kind;
-  request.effect = effect;
+  request.effect = effect_named(effect);
   request.readings = 150;
   return request;
 }
 
-inline HiddenCase case_of(const HideRequest& request) {
-  auto made = hide_case(request);
+inline HiddenCase case_of(const HiddenCaseRequest& request) {
+  auto made = draw_hidden_case(request);
   REQUIRE_MESSAGE(made.has_value(), (made ? "" : to_text(made.error())));
   return *made;
 }

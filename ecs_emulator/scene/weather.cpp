@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "ecs_emulator/hidden_cases/design.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {

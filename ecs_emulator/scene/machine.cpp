@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "ecs_emulator/hidden_cases/design.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/hidden_cases/design.hpp"
 #include "ecs_emulator/random/draw.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -212,6 +212,7 @@ Needs operator|(const Needs& a, const Needs& b) {
   n.loads = a.loads || b.loads;
   n.travel = a.travel || b.travel;
   n.map = a.map || b.map;
+  n.known = a.known || b.known;
   n.one_axis = a.one_axis || b.one_axis;
   n.bidirectional = a.bidirectional || b.bidirectional;
   n.fine = a.fine || b.fine;
@@ -226,74 +227,6 @@ Needs operator|(const Needs& a, const Needs& b) {
   n.least_axes = std::max(a.least_axes, b.least_axes);
   n.least_runs = std::max(a.least_runs, b.least_runs);
   n.whole_runs = a.whole_runs || b.whole_runs;
-  return n;
-}
-
-Needs needs_of(EffectKind kind) {
-  Needs n;
-  switch (kind) {
-    case EffectKind::cyclic:
-      n.fine = true;
-      break;
-    case EffectKind::backlash:
-    case EffectKind::reversal_curve:
-      n.bidirectional = true;
-      break;
-    case EffectKind::angular:
-      n.levers = n.translations = true;
-      n.least_axes = 2;
-      break;
-    case EffectKind::squareness:
-      n.squares = n.translations = true;
-      n.least_axes = 2;
-      break;
-    case EffectKind::measurement_line:
-    case EffectKind::sag:
-      n.translations = true;
-      break;
-    case EffectKind::thermal_scale:
-      n.temperature = n.along = n.translations = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::thermal_drift:
-      n.temperature = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::warm_up:
-    case EffectKind::time_drift:
-      n.time = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::air_refraction:
-    case EffectKind::dead_path:
-      n.air = n.temperature = n.along = n.translations = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::cosine:
-      n.along = n.translations = true;
-      break;
-    case EffectKind::servo_lag:
-      n.feeds = n.bidirectional = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::load:
-      n.loads = true;
-      n.least_runs = 3;
-      break;
-    case EffectKind::reversal_spike:
-      n.travel = n.bidirectional = true;
-      break;
-    case EffectKind::map_polarity:
-    case EffectKind::map_gain:
-    case EffectKind::map_shift:
-      n.map = n.translations = true;
-      break;
-    case EffectKind::map_direction_swap:
-      n.map = n.translations = n.bidirectional = n.one_axis = true;
-      break;
-    default:
-      break;
-  }
   return n;
 }
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ecs_emulator/hidden_cases/design.hpp"
+#include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {
 namespace {

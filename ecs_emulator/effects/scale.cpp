@@ -1,0 +1,24 @@
+// A wrong scale: k·p.
+#include "base/units.hpp"
+#include "ecs_emulator/effects/definition.hpp"
+#include "ecs_emulator/effects/places.hpp"
+
+namespace ecs::emulator {
+
+extern const EffectDefinition kScale{
+    .id = "scale",
+    .parameters = {{.name = "um_per_m", .unit = "um/m", .growth = Growth::linear}},
+    .needs_axis = true,
+    .value = [](const PlacedEffect& e, const Conditions& at) { return e.parameter("um_per_m") * (at.p_mm / kMmPerM); },
+    .places = on_all_axes,
+    .draw =
+        [](const Drawing& drawing, PlacedEffect& e) {
+          e.parameters["um_per_m"] = drawing.sign;
+          return true;
+        },
+    .base_probability = 0.6,
+    .confounded_in = kWarm | kAir | kWarmAir | kSquare | kCold,
+    .excluded_from = kWarm | kAir | kWarmAir | kSquare | kCold,
+};
+
+}  // namespace ecs::emulator
