@@ -34,7 +34,7 @@ extern "C" void on_parent_thread_gone(int /*signal*/) {
   if (getppid() != parent_process) stop_requested = 1;
 }
 
-int told(const ecs::Problem& problem) {
+int exit_code_after(const ecs::Problem& problem) {
   fmt::print(stderr, "{}\n", ecs::to_text(problem));
   return static_cast<int>(problem.kind) + 1;
 }
@@ -94,12 +94,12 @@ int run_server(const ServeOptions& options) {
     fmt::print("{}\n", line);
     std::fflush(stdout);
   });
-  return served ? 0 : told(served.error());
+  return served ? 0 : exit_code_after(served.error());
 }
 
 int ask(const std::string& socket, const Json& request) {
   const auto answer = ask_workshop(socket, request.dump(), show_progress);
-  return answer ? shown(*answer) : told(answer.error());
+  return answer ? shown(*answer) : exit_code_after(answer.error());
 }
 
 /// Every measurement of a plan, one after the other; the first that fails ends it.
@@ -108,7 +108,7 @@ int follow_plan(const std::string& socket, const std::string& plan, PlanChoice c
   std::error_code error;
   std::filesystem::create_directories(choice.folder, error);
   const auto requests = requests_of(plan, choice);
-  if (!requests) return told(requests.error());
+  if (!requests) return exit_code_after(requests.error());
   for (const std::string& request : *requests)
     if (const int code = ask(socket, Json::parse(request)); code != 0) return code;
   return 0;
@@ -118,7 +118,7 @@ int follow_plan(const std::string& socket, const std::string& plan, PlanChoice c
 int act_alone(const std::string& machine, const std::string& errors, std::optional<std::uint64_t> seed,
               const Json& request) {
   auto simulation = simulation_for(machine, errors, seed);
-  if (!simulation) return told(simulation.error());
+  if (!simulation) return exit_code_after(simulation.error());
   catch_signals();
   simulation->on_pause([] { return stop_requested == 0; });
   return shown(perform({&*simulation, nullptr, nullptr}, request.dump(), show_progress));

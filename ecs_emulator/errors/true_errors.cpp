@@ -155,7 +155,7 @@ Result<TrueErrors> TrueErrors::parse(std::string_view text, const std::string& f
   return errors;
 }
 
-Result<void> TrueErrors::judged_for(const params::Machine& machine) const {
+Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
   std::vector<Problem> problems;
   const Chain chain = params::chain_of(machine).value_or(Chain{});
   for (const Demand& demand : parts_->demands) {

@@ -46,7 +46,7 @@ class TrueErrors {
 
   /// Refuses what that machine cannot have, each with its line in the errors file: an axis that is not there, a ram
   /// that carries the workpiece, …
-  [[nodiscard]] Result<void> judged_for(const params::Machine& machine) const;
+  [[nodiscard]] Result<void> checked_for(const params::Machine& machine) const;
   /// Effects count from the machine's datum, gravity works on its chain. Without it: datum 0, every axis on the tool's
   /// side, levers from 0.
   void put_on(const MachinePlace& place);

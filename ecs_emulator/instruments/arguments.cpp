@@ -103,7 +103,7 @@ PerAxis<std::optional<double>> Arguments::coordinates(const char* object) {
   return place;
 }
 
-Result<void> Arguments::judged() {
+Result<void> Arguments::checked() {
   for (const auto& [key, value] : request_.items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     const std::string like = nearest_word(key, known_);

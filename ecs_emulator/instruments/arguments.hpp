@@ -1,4 +1,4 @@
-// Arguments of a request as typed values; a wrong one is told by its name. For .cpp files of this room only.
+// Arguments of a request as typed values; a wrong one is reported by its name. For .cpp files only.
 #pragma once
 
 #include <optional>
@@ -31,7 +31,7 @@ class Arguments {
 
   void complain(std::string message);
   /// Call after every argument has been asked for: whatever was not is unknown. `usage` problem with all that is wrong.
-  [[nodiscard]] Result<void> judged();
+  [[nodiscard]] Result<void> checked();
 
  private:
   [[nodiscard]] const nlohmann::json* find(const char* key);

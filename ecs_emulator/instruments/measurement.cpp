@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "ecs_emulator/instruments/instruments.hpp"
 #include "ecs_emulator/instruments/measuring_post.hpp"
 
 namespace ecs::emulator {
@@ -17,10 +18,10 @@ tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "measu
 class Measuring {
  public:
   Measuring(Simulation& simulation, const MeasurementPlan& plan,
-            const std::function<void(const MeasurementProgress&)>& told)
+            const std::function<void(const MeasurementProgress&)>& report)
       : simulation_(simulation),
         plan_(plan),
-        told_(told),
+        report_(report),
         kind_(plan.instrument.value_or(instrument_for(plan.sense, plan.axis))),
         axis_(index_of(plan.axis)) {}
 
@@ -141,7 +142,7 @@ class Measuring {
       place.stood_s = 0.0;
     }
     post_->take(state, place, pose);
-    if (told_) told_({post_->set().readings.size(), total_});
+    if (report_) report_({post_->set().readings.size(), total_});
   }
 
   void describe() {
@@ -158,7 +159,7 @@ class Measuring {
 
   Simulation& simulation_;
   const MeasurementPlan& plan_;
-  const std::function<void(const MeasurementProgress&)>& told_;
+  const std::function<void(const MeasurementProgress&)>& report_;
   InstrumentKind kind_;
   std::size_t axis_;
   Vector3 parked_mm_{};
@@ -194,8 +195,8 @@ Vector3 parking_place(const WorkshopMachine& description, const MeasurementPlan&
 }
 
 Result<laser::MeasurementSet> measure(Simulation& simulation, const MeasurementPlan& plan,
-                                      const std::function<void(const MeasurementProgress&)>& told) {
-  return Measuring(simulation, plan, told).run();
+                                      const std::function<void(const MeasurementProgress&)>& report) {
+  return Measuring(simulation, plan, report).run();
 }
 
 }  // namespace ecs::emulator

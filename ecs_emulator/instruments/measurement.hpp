@@ -47,6 +47,6 @@ struct MeasurementProgress {
 /// Measures. Refuses a plan that the machine or the instrument cannot follow. `usage` problems say why.
 /// The readings carry targets and errors (actual − target) in machine coordinates and the frame of docs/physics.md.
 [[nodiscard]] Result<laser::MeasurementSet> measure(Simulation& simulation, const MeasurementPlan& plan,
-                                                    const std::function<void(const MeasurementProgress&)>& told = {});
+                                                    const std::function<void(const MeasurementProgress&)>& report = {});
 
 }  // namespace ecs::emulator

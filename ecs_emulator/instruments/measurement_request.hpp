@@ -1,4 +1,4 @@
-// The requests `measure` and `capture` as plans. For .cpp files of this room only: it is heavy.
+// The requests `measure` and `capture` as plans. For .cpp files only: it is heavy.
 #pragma once
 
 #include "ecs_emulator/instruments/arguments.hpp"

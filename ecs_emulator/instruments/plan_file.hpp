@@ -17,7 +17,7 @@ struct PlanChoice {
   std::string engineer;
 };
 
-/// One `measure` request (docs/emulator.md) for each row, in file order. Every wrong key or value is told with its
+/// One `measure` request (docs/emulator.md) for each row, in file order. Every wrong key or value is reported with its
 /// line.
 [[nodiscard]] Result<std::vector<std::string>> requests_of(const std::filesystem::path& plan, const PlanChoice& choice);
 

@@ -78,7 +78,7 @@ void AxisOfMachine::step(double command_mm, const AxisDrive& drive, double perio
 }
 
 bool AxisOfMachine::settled(double command_mm) const {
-  const bool arrived = servo_ ? servo_->stands() : std::abs(command_mm - ideal_mm_) < kArrived_mm;
+  const bool arrived = servo_ ? servo_->at_rest() : std::abs(command_mm - ideal_mm_) < kArrived_mm;
   return arrived && std::abs(change_um_) < kStill_um;
 }
 

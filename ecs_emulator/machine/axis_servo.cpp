@@ -49,8 +49,8 @@ void AxisServo::drive_step(double command_mm, double added_pulses, PositionTrans
 
 void AxisServo::step(double command_mm, double added_um, double seconds, PositionTransducer& transducer) {
   const bool same = command_mm == command_mm_ && added_um == added_um_;
-  if (stands_ && same) return;
-  stands_ = false;
+  if (at_rest_ && same) return;
+  at_rest_ = false;
   if (!same) still_s_ = 0.0;
   const double from_mm = command_mm_;
   command_mm_ = command_mm;
@@ -71,7 +71,7 @@ void AxisServo::judge_standing(double added_pulses, double seconds) {
   const bool slow = std::abs(drive_.speed_rad_s()) <= slow_rad_s;
   still_s_ = near && slow ? still_s_ + seconds : 0.0;
   if (still_s_ < standing_s_) return;
-  stands_ = true;
+  at_rest_ = true;
   still_s_ = owed_s_ = 0.0;
   drive_.stand();
 }

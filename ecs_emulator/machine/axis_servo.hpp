@@ -31,7 +31,7 @@ class AxisServo {
   [[nodiscard]] double measured_mm() const { return feedback_ == Feedback::motor ? nut_mm() : slide_.position_mm(); }
   /// Within a pulse of what is asked for, for twice the lag of the loop: held by friction until something else is
   /// asked.
-  [[nodiscard]] bool stands() const { return stands_; }
+  [[nodiscard]] bool at_rest() const { return at_rest_; }
   [[nodiscard]] const ServoDrive& drive() const { return drive_; }
   /// Asked for less fed back [pulses], as the up-down counter shows it.
   [[nodiscard]] double counter_pulses() const { return counter_pulses_; }
@@ -52,7 +52,7 @@ class AxisServo {
   double counter_pulses_ = 0.0;
   double owed_s_ = 0.0;
   double still_s_ = 0.0;
-  bool stands_ = true;
+  bool at_rest_ = true;
 };
 
 }  // namespace ecs::emulator

@@ -7,7 +7,7 @@
 namespace ecs::emulator {
 namespace {
 
-constexpr std::size_t kMissedLines = 100;  ///< that are told
+constexpr std::size_t kMissedLines = 100;  ///< that are reported
 
 double length_mm(const Vector3& from_mm, const PathPiece& piece) {
   if (piece.arc) return arc_between(from_mm, piece.to_mm, *piece.arc).length_mm();

@@ -20,7 +20,7 @@ Result<std::optional<WorkshopMachine>> machine_at(const std::optional<std::files
   return std::optional(std::move(*machine));
 }
 
-/// Nothing stands where `measure` would not refuse the plan either.
+/// Empty where `measure` would not refuse the plan either.
 Result<void> fits(const MeasurementPlan& plan) {
   const auto& targets = plan.targets_mm;
   if (targets.size() < 2) return problem(ProblemKind::usage, "targets: expected at least 2");
@@ -56,7 +56,7 @@ Result<ProgramFile> written(const std::string& request, const std::string& name,
   Arguments arguments(json);
   static_cast<void>(arguments.words("output"));  // of a plan: where its readings would go
   auto plan = plan_in(arguments);
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   if (auto fit = fits(*plan); !fit) return tl::unexpected(fit.error());
   if (machine) park(*plan, *machine);
   ProgramFile file{name, program_for(*plan)};

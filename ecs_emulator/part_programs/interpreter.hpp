@@ -41,7 +41,7 @@ class ProgramInterpreter {
   using Complain = std::function<void(int line, std::string message)>;
 
   /// @param program   must outlive the interpreter
-  /// @param complain  told what is wrong with a block, each time that it is executed; the program goes on as if it had
+  /// @param complain  gets what is wrong with a block, each time that it is executed; the program goes on as if it had
   ///                  been a straight line to its end
   ProgramInterpreter(const Program& program, const Vector3& start_mm, const ProgramRange& range, Complain complain);
 
@@ -89,7 +89,7 @@ struct ProgramSummary {
   std::optional<Vector3> first_reading_mm;
 };
 
-/// Runs the whole program without a machine. `bad_input` problem with every line that is wrong, each told once.
+/// Runs the whole program without a machine. `bad_input` problem with every line that is wrong, each once.
 [[nodiscard]] Result<ProgramSummary> checked_program(const Program& program, const Vector3& start_mm,
                                                      const ProgramRange& range);
 

@@ -54,9 +54,9 @@ struct Program {
 
 inline constexpr int kProgramDepth = 16;  ///< loops in loops
 inline constexpr std::size_t kProgramLines = 1'000'000;
-inline constexpr std::size_t kProgramProblems = 50;  ///< more are not told
+inline constexpr std::size_t kProgramProblems = 50;  ///< more are not reported
 
-/// Every wrong line is told at once, with line and column.
+/// Every wrong line is reported at once, with line and column.
 [[nodiscard]] Result<Program> parse_program(std::string_view text, const std::string& file);
 [[nodiscard]] Result<Program> read_program(const std::filesystem::path& path);
 

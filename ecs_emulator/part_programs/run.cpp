@@ -162,9 +162,9 @@ class ProgramRunner {
   }
 
   void tell(std::size_t blocks, int line) {
-    if (!hooks_.told) return;
+    if (!hooks_.report) return;
     const std::size_t readings = post_ ? post_->post().set().readings.size() : 0;
-    hooks_.told({blocks, result_.summary.blocks, line, readings});
+    hooks_.report({blocks, result_.summary.blocks, line, readings});
   }
 
   Simulation& simulation_;

@@ -38,14 +38,14 @@ struct ProgramResult {
 
 /// What a person at the machine has to do with a program besides starting it.
 struct ProgramHooks {
-  std::function<void(const ProgramProgress&)> told;  ///< after every block that ends standing
-  std::function<void(double rpm)> spindle;           ///< M03 (positive), M04 (negative), M05 (0)
+  std::function<void(const ProgramProgress&)> report;  ///< called after every block that ends standing
+  std::function<void(double rpm)> spindle;             ///< M03 (positive), M04 (negative), M05 (0)
 };
 
 /// Where the axes of this machine can be sent: their travel and kOvertravel_mm.
 [[nodiscard]] ProgramRange range_of(const MachineTool& machine);
 
-/// Checks the whole program from where the machine stands now, then runs it. Nothing moves where anything is wrong.
+/// Checks the whole program from where the machine is now, then runs it. Nothing moves where anything is wrong.
 /// Feed blocks run through; a rapid, G09, G04 and every M word end standing, in position.
 /// Every M08 is a reading at the commanded place, as the machine stands when it comes. Its approach is the direction in
 /// which the measured axis was last sent; its run counts how often that target has been read with that approach.

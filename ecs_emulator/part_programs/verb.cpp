@@ -56,7 +56,7 @@ void add_plan_options(CLI::App& verb, Json& request) {
   number(verb, request, "--overrun", "overrun", "mm (5)");
 }
 
-int told(const Problem& problem) {
+int exit_code_after(const Problem& problem) {
   fmt::print(stderr, "{}\n", to_text(problem));
   return static_cast<int>(problem.kind) + 1;
 }
@@ -65,7 +65,7 @@ int write_all(const fs::path& folder, const std::vector<ProgramFile>& files) {
   std::error_code error;
   fs::create_directories(folder, error);
   for (const ProgramFile& file : files)
-    if (auto written = write_file(folder / file.name, file.text); !written) return told(written.error());
+    if (auto written = write_file(folder / file.name, file.text); !written) return exit_code_after(written.error());
   fmt::print("{} programs in {}\n", files.size(), folder.string());
   return 0;
 }
@@ -77,17 +77,17 @@ int write_one(ProgramArguments& arguments) {
     request["sense"] = "E" + request["axis"].get<std::string>();
   const fs::path output = arguments.output;
   const auto file = program_of_request(request.dump(), output.filename().string(), arguments.machine);
-  if (!file) return told(file.error());
+  if (!file) return exit_code_after(file.error());
   const auto written = write_file(output, file->text);
-  return written ? 0 : told(written.error());
+  return written ? 0 : exit_code_after(written.error());
 }
 
 int write_programs(ProgramArguments& arguments) {
   if (arguments.plan.empty()) return write_one(arguments);
   if (!arguments.request.empty())
-    return told({ProblemKind::usage, "expected a plan file or --axis, --from, …, got both", {}, 0, 0, {}});
+    return exit_code_after({ProblemKind::usage, "expected a plan file or --axis, --from, …, got both", {}, 0, 0, {}});
   const auto files = programs_of_plan(arguments.plan, arguments.machine);
-  return files ? write_all(arguments.output, *files) : told(files.error());
+  return files ? write_all(arguments.output, *files) : exit_code_after(files.error());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Drawing from a stream of random numbers in the proving ground's words.
+// Draws of hidden cases from a stream of random numbers.
 #pragma once
 
 #include <cmath>

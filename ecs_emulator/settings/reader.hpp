@@ -1,4 +1,4 @@
-// The tables of `[emulator]` in a machine file, each value judged where it stands; what is wrong stays in the reader.
+// The tables of `[emulator]` in a machine file, each value checked where it stands; what is wrong stays in the reader.
 // Does not live here: what the values mean (axis.hpp, laser.hpp), the file (emulator.hpp).
 #pragma once
 

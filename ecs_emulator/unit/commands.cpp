@@ -1,4 +1,4 @@
-// What the unit does when told over the link (docs/unit.md, "commands").
+// What the unit does on commands over the link (docs/unit.md, "commands").
 #include <algorithm>
 #include <cmath>
 

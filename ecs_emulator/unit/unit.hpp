@@ -1,5 +1,5 @@
 // The E.C.S. unit: firmware around core/, as the thesis describes it (5.3) and docs/unit.md says in detail.
-// Does not live here: the line it answers on (protocol/server/server.hpp), the machine it stands at
+// Does not live here: the line it answers on (protocol/server/server.hpp), the machine it is at
 // (ecs_emulator/machine/machine_tool.hpp).
 #pragma once
 
@@ -61,7 +61,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   /// A valid request came over the link.
   void note_request();
   void sense_link(LinkSense link) { settings_.link = link; }
-  /// Called when a new map has become the active one, before the host is told.
+  /// Called when a new map has become the active one, before the host is answered.
   void on_commit(std::function<void()> keep) { on_commit_ = std::move(keep); }
 
   [[nodiscard]] Drives tick(const Signals& signals) override;

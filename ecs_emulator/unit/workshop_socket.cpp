@@ -40,8 +40,8 @@ bool send_all(int line, std::string_view text) {
     const ssize_t sent = ::send(line, text.data(), text.size(), MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
-      pollfd room{line, POLLOUT, 0};
-      if (::poll(&room, 1, 5000) <= 0) return false;
+      pollfd writable{line, POLLOUT, 0};
+      if (::poll(&writable, 1, 5000) <= 0) return false;
       continue;
     }
     if (sent <= 0) return false;
@@ -123,9 +123,9 @@ void WorkshopSocket::answer(Visitor& visitor, const WorkshopHandler& handler) {
     const std::string request = visitor.received.substr(0, end);
     visitor.received.erase(0, end + 1);
     const int line = visitor.line.get();
-    const auto told = [line](const std::string& progress) { (void)send_all(line, progress + "\n"); };
+    const auto report = [line](const std::string& progress) { (void)send_all(line, progress + "\n"); };
     served_ = line;
-    if (!send_all(line, handler(request, told) + "\n")) visitor.gone = true;
+    if (!send_all(line, handler(request, report) + "\n")) visitor.gone = true;
     served_ = -1;
   }
 }
@@ -145,7 +145,7 @@ void WorkshopSocket::serve_ready(const WorkshopHandler& handler) {
 }
 
 Result<std::string> ask_workshop(const std::filesystem::path& socket, const std::string& request,
-                                 const std::function<void(const std::string&)>& told) {
+                                 const std::function<void(const std::string&)>& report) {
   const auto address = address_of(socket);
   if (!address) return tl::unexpected(address.error());
   const Descriptor line(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -161,7 +161,7 @@ Result<std::string> ask_workshop(const std::filesystem::path& socket, const std:
       const std::string text = received.substr(0, end);
       received.erase(0, end + 1);
       if (!text.starts_with(kProgress)) return text;
-      if (told) told(text);
+      if (report) report(text);
     }
     const ssize_t got = ::recv(line.get(), piece.data(), piece.size(), 0);
     if (got < 0 && errno == EINTR) continue;

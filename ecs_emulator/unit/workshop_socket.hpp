@@ -30,7 +30,7 @@ class Descriptor {
 
 /// Answers a request; may send progress lines before.
 using WorkshopHandler =
-    std::function<std::string(const std::string& request, const std::function<void(const std::string&)>& told)>;
+    std::function<std::string(const std::string& request, const std::function<void(const std::string&)>& report)>;
 
 class WorkshopSocket {
  public:
@@ -63,8 +63,8 @@ class WorkshopSocket {
   int served_ = -1;  ///< line of the visitor whose request is carried out
 };
 
-/// The client's side: one request, its answer. Progress lines go to `told`. `link` problem if nobody answers.
+/// The client's side: one request, its answer. Progress lines go to `report`. `link` problem if nobody answers.
 [[nodiscard]] Result<std::string> ask_workshop(const std::filesystem::path& socket, const std::string& request,
-                                               const std::function<void(const std::string&)>& told = {});
+                                               const std::function<void(const std::string&)>& report = {});
 
 }  // namespace ecs::emulator

@@ -22,16 +22,16 @@ Answer handed_out(const laser::MeasurementSet& set, const std::vector<std::strin
 }  // namespace
 
 Answer measure_machine(const Workshop& workshop, Arguments& arguments,
-                       const std::function<void(const std::string&)>& told) {
+                       const std::function<void(const std::string&)>& report) {
   const auto plan = plan_in(arguments);
   const auto outputs = arguments.words("output");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   std::size_t percent = 0;
   const auto progress = [&](const MeasurementProgress& at) {
     const std::size_t now = at.readings_done * 100 / at.readings_total;
-    if (now == percent || !told) return;
+    if (now == percent || !report) return;
     percent = now;
-    told(Json{{"progress", static_cast<double>(now) / 100.0}}.dump());
+    report(Json{{"progress", static_cast<double>(now) / 100.0}}.dump());
   };
   const auto set = measure(*workshop.simulation, *plan, progress);
   if (!set) return tl::unexpected(set.error());
@@ -41,7 +41,7 @@ Answer measure_machine(const Workshop& workshop, Arguments& arguments,
 Answer capture_machine(const Workshop& workshop, Arguments& arguments) {
   const auto plan = capture_in(arguments);
   const auto outputs = arguments.words("output");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto set = capture(*workshop.simulation, *plan);
   if (!set) return tl::unexpected(set.error());
   return handed_out(*set, outputs);

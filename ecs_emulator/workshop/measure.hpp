@@ -1,4 +1,4 @@
-// The requests `measure` and `capture` of the workshop. For .cpp files of this room only: heavy.
+// The requests `measure` and `capture` of the workshop. For .cpp files of this folder only: heavy.
 // Does not live here: their arguments (ecs_emulator/instruments/measurement_request.hpp), the other requests
 // (workshop.cpp).
 #pragma once
@@ -13,7 +13,7 @@ namespace ecs::emulator {
 
 /// The readings go into the files under `output`, or back as `csv` where there is none.
 [[nodiscard]] Result<nlohmann::json> measure_machine(const Workshop& workshop, Arguments& arguments,
-                                                     const std::function<void(const std::string&)>& told);
+                                                     const std::function<void(const std::string&)>& report);
 [[nodiscard]] Result<nlohmann::json> capture_machine(const Workshop& workshop, Arguments& arguments);
 
 }  // namespace ecs::emulator

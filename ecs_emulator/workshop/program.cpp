@@ -12,7 +12,7 @@ namespace ecs::emulator {
 namespace {
 
 using Json = nlohmann::json;
-using Told = std::function<void(const std::string&)>;
+using Report = std::function<void(const std::string&)>;
 
 std::optional<Sense> sense_in(Arguments& arguments) {
   const std::string name = arguments.word("sense");
@@ -45,15 +45,15 @@ ProgramOrder order_in(Arguments& arguments) {
 }
 
 /// A line whenever a hundredth of the blocks is done.
-std::function<void(const ProgramProgress&)> percents(const Told& told) {
-  if (!told) return {};
-  return [&told, last = std::size_t{0}](const ProgramProgress& at) mutable {
+std::function<void(const ProgramProgress&)> percents(const Report& report) {
+  if (!report) return {};
+  return [&report, last = std::size_t{0}](const ProgramProgress& at) mutable {
     const std::size_t now = at.blocks_done * 100 / std::max<std::size_t>(at.blocks_total, 1);
     if (now == last) return;
     last = now;
     // "progress" comes first: by that the client knows that this is not the answer.
-    told(fmt::format(R"({{"progress":{},"line":{},"readings":{}}})", static_cast<double>(now) / 100.0, at.line,
-                     at.readings));
+    report(fmt::format(R"({{"progress":{},"line":{},"readings":{}}})", static_cast<double>(now) / 100.0, at.line,
+                       at.readings));
   };
 }
 
@@ -77,17 +77,17 @@ Json answer_of(const ProgramResult& result, const Simulation& simulation) {
 
 }  // namespace
 
-Result<Json> run_part_program(const Workshop& workshop, Arguments& arguments, const Told& told) {
+Result<Json> run_part_program(const Workshop& workshop, Arguments& arguments, const Report& report) {
   const std::string file = arguments.word("program");
   const ProgramOrder order = order_in(arguments);
   const auto outputs = arguments.words("output");
   if (file.empty()) arguments.complain("program: expected the file of a part program");
   if (!outputs.empty() && !order.axis) arguments.complain("output: expected axis and sense, what is measured");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto program = read_program(file);
   if (!program) return tl::unexpected(program.error());
   ProgramHooks hooks;
-  hooks.told = percents(told);
+  hooks.report = percents(report);
   hooks.spindle = spindle_of(workshop);
   const auto result = run_program(*workshop.simulation, *program, order, hooks);
   if (!result) return tl::unexpected(result.error());
@@ -105,7 +105,7 @@ Result<Json> run_block(const Workshop& workshop, Arguments& arguments) {
   const std::string block = arguments.word("block");
   if (block.empty()) arguments.complain("block: expected one block, such as G01 X-100 F2000");
   if (block.find_first_of("\r\n") != block.npos) arguments.complain("block: expected one line");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto program = parse_program(block, "mdi");
   if (!program) return tl::unexpected(program.error());
   const auto result = run_program(*workshop.simulation, *program, {}, {{}, spindle_of(workshop)});

@@ -1,4 +1,4 @@
-// The requests `run` and `mdi` of the workshop: part programs and single blocks. For .cpp files of this room only:
+// The requests `run` and `mdi` of the workshop: part programs and single blocks. For .cpp files of this folder only:
 // heavy.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace ecs::emulator {
 /// `run`: `program` (file), `axis`, `sense`, `instrument`, `output`, `trace`, `trace_period`, `date`, `engineer`.
 /// `mdi`: `block`, one line of the dialect, from G90, G17 and no feed.
 [[nodiscard]] Result<nlohmann::json> run_part_program(const Workshop& workshop, Arguments& arguments,
-                                                      const std::function<void(const std::string&)>& told);
+                                                      const std::function<void(const std::string&)>& report);
 [[nodiscard]] Result<nlohmann::json> run_block(const Workshop& workshop, Arguments& arguments);
 
 }  // namespace ecs::emulator

@@ -53,10 +53,11 @@ class Socket final : public protocol::RegisterHandler {
 };
 
 /// The running workshop.
-class Room {
+class RunningWorkshop {
  public:
-  Room(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
-       protocol::ModbusServer line, std::optional<WorkshopSocket> door, const volatile std::sig_atomic_t& stop)
+  RunningWorkshop(Simulation simulation, const ServeOptions& options, const std::string& serial_number,
+                  protocol::ModbusServer line, std::optional<WorkshopSocket> door,
+                  const volatile std::sig_atomic_t& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
         socket_(unit_),
@@ -70,8 +71,8 @@ class Room {
     simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
     unit_.on_commit([this] { keep_memory(); });
   }
-  Room(const Room&) = delete;
-  Room& operator=(const Room&) = delete;
+  RunningWorkshop(const RunningWorkshop&) = delete;
+  RunningWorkshop& operator=(const RunningWorkshop&) = delete;
 
   Result<void> switch_on() {
     if (!battery_.empty()) {
@@ -92,7 +93,7 @@ class Room {
       else
         wait();
       (void)serve_line();
-      if (door_) door_->serve_ready([this](const auto& request, const auto& told) { return act(request, told); });
+      if (door_) door_->serve_ready([this](const auto& request, const auto& report) { return act(request, report); });
       if (!simulation_.real_time()) catch_up();
       if (unit_.memory().changed() && Clock::now() - kept_ > kBatteryDelay) keep_memory();
     }
@@ -125,8 +126,8 @@ class Room {
     return stop_ == 0;
   }
 
-  std::string act(const std::string& request, const std::function<void(const std::string&)>& told) {
-    std::string answer = perform(workshop_, request, told);
+  std::string act(const std::string& request, const std::function<void(const std::string&)>& report) {
+    std::string answer = perform(workshop_, request, report);
     last_ = Clock::now();
     return answer;
   }
@@ -192,7 +193,7 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
   const std::filesystem::path file = errors.empty() ? description->settings.errors : errors;
   auto true_errors = file.empty() ? Result<TrueErrors>(TrueErrors()) : TrueErrors::load(file);
   if (!true_errors) return tl::unexpected(true_errors.error());
-  if (auto fit = true_errors->judged_for(description->machine); !fit) return tl::unexpected(fit.error());
+  if (auto fit = true_errors->checked_for(description->machine); !fit) return tl::unexpected(fit.error());
   return Simulation(*description, std::move(*true_errors), seed.value_or(description->settings.seed));
 }
 
@@ -219,10 +220,10 @@ Result<void> serve(const ServeOptions& options, const volatile std::sig_atomic_t
   auto line = open_line(options);
   if (!line) return tl::unexpected(line.error());
   const protocol::LinkAddress address = line->address();
-  Room room(std::move(*simulation), options, serial_number, std::move(*line), std::move(door), stop);
-  if (auto on = room.switch_on(); !on) return on;
+  RunningWorkshop running(std::move(*simulation), options, serial_number, std::move(*line), std::move(door), stop);
+  if (auto on = running.switch_on(); !on) return on;
   ready(ready_line(address, options, serial_number));
-  return room.run();
+  return running.run();
 }
 
 }  // namespace ecs::emulator

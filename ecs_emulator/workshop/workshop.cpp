@@ -18,7 +18,7 @@ namespace ecs::emulator {
 namespace {
 
 using Json = nlohmann::json;
-using Told = std::function<void(const std::string&)>;
+using Report = std::function<void(const std::string&)>;
 using Answer = Result<Json>;
 
 tl::unexpected<Problem> simulation_given_up() { return problem(ProblemKind::refused, "given up before its end"); }
@@ -68,7 +68,7 @@ Json state_of(const Workshop& workshop) {
 }
 
 Answer show(const Workshop& workshop, Arguments& arguments) {
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   return state_of(workshop);
 }
 
@@ -89,7 +89,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
   if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
     arguments.complain(
         fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   if (!simulation.move_to(target_mm, feed)) return simulation_given_up();
   return state_of(workshop);
 }
@@ -112,7 +112,7 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
     else
       arguments.complain(fmt::format("axes: expected an axis of this machine, got \"{}\"", name));
   }
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   if (axes.empty())
     for (const Axis a : kAllAxes)
       if (workshop.simulation->machine().has(a)) axes.push_back(a);
@@ -136,7 +136,7 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
   if (approach == 0) arguments.complain("approach: expected 1 or -1");
   plan.approach = approach < 0 ? Approach::reverse : Approach::forward;
   const std::string output = arguments.word("output");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const auto found = survey(*workshop.simulation, plan);
   if (!found) return tl::unexpected(found.error());
   const MachineTool& machine = workshop.simulation->machine();
@@ -164,7 +164,7 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   if (workshop.unit == nullptr) arguments.complain("no unit stands here");
   if (state != "on" && state != "off" && state != "cycle")
     arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   if (state != "on") workshop.unit->power(false);
   if (state == "cycle") workshop.simulation->come_to_rest();
   if (state != "off" && !(state == "on" && workshop.unit->powered())) workshop.unit->power(true);
@@ -175,14 +175,14 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
 Answer wait(const Workshop& workshop, Arguments& arguments) {
   const double seconds = arguments.number_or("seconds", 0.0);
   if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   if (!workshop.simulation->dwell(seconds)) return simulation_given_up();
   return state_of(workshop);
 }
 
 Answer tick(const Workshop& workshop, Arguments& arguments) {
   const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
   if (!workshop.simulation->run_for(seconds)) return simulation_given_up();
   return state_of(workshop);
@@ -191,7 +191,7 @@ Answer tick(const Workshop& workshop, Arguments& arguments) {
 Answer load(const Workshop& workshop, Arguments& arguments) {
   const double load_kg = arguments.number("kg").value_or(-1.0);
   if (!(load_kg >= 0.0 && load_kg <= 1e6)) arguments.complain("kg: expected 0 to 1000000");
-  if (auto right = arguments.judged(); !right) return tl::unexpected(right.error());
+  if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   workshop.simulation->machine().load(load_kg);
   return state_of(workshop);
 }
@@ -201,7 +201,7 @@ Answer fault(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
-Answer act(const Workshop& workshop, const Json& request, const Told& told) {
+Answer act(const Workshop& workshop, const Json& request, const Report& report) {
   if (!request.is_object() || !request.contains("action") || !request["action"].is_string())
     return wrong("expected an object with an \"action\"");
   const auto action = request["action"].get<std::string>();
@@ -210,9 +210,9 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
   if (action == "state") return show(workshop, arguments);
   if (action == "jog") return jog(workshop, arguments);
   if (action == "reference") return reference_machine(workshop, arguments);
-  if (action == "measure") return measure_machine(workshop, arguments, told);
+  if (action == "measure") return measure_machine(workshop, arguments, report);
   if (action == "capture") return capture_machine(workshop, arguments);
-  if (action == "run") return run_part_program(workshop, arguments, told);
+  if (action == "run") return run_part_program(workshop, arguments, report);
   if (action == "mdi") return run_block(workshop, arguments);
   if (action == "survey") return survey_machine(workshop, arguments);
   if (action == "power") return power(workshop, arguments);
@@ -228,10 +228,10 @@ Answer act(const Workshop& workshop, const Json& request, const Told& told) {
 
 }  // namespace
 
-std::string perform(const Workshop& workshop, const std::string& request, const Told& told) {
+std::string perform(const Workshop& workshop, const std::string& request, const Report& report) {
   const Json parsed = Json::parse(request, nullptr, false);
   const Answer answer =
-      parsed.is_discarded() ? Answer(wrong("expected one JSON object on one line")) : act(workshop, parsed, told);
+      parsed.is_discarded() ? Answer(wrong("expected one JSON object on one line")) : act(workshop, parsed, report);
   if (!answer) {
     const Json failure{{"ok", false},
                        {"exit", static_cast<int>(answer.error().kind) + 1},

@@ -12,17 +12,17 @@
 
 namespace ecs::emulator {
 
-/// The room and everything in it that a person can touch. Nothing is owned.
+/// Everything in the workshop that a person can touch. Nothing is owned.
 struct Workshop {
   Simulation* simulation = nullptr;
-  Unit* unit = nullptr;                  ///< null: no unit stands here
+  Unit* unit = nullptr;                  ///< null: there is no unit
   protocol::LinkFaults* line = nullptr;  ///< null: no line
 };
 
 /// Carries out one request, `{"action": "jog", …}`.
-/// @param told  progress of long actions, one JSON object a line: {"progress": 0.25}
+/// @param report  progress of long actions, one JSON object a line: {"progress": 0.25}
 /// @return one line: {"ok": true, …}, or {"ok": false, "exit": n, "error": {"message": …}}; n as in docs/design.md
 [[nodiscard]] std::string perform(const Workshop& workshop, const std::string& request,
-                                  const std::function<void(const std::string&)>& told = {});
+                                  const std::function<void(const std::string&)>& report = {});
 
 }  // namespace ecs::emulator

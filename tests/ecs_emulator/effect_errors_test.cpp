@@ -203,7 +203,7 @@ TEST_CASE("an effect on an axis that the machine lacks is refused with its line"
   const TrueErrors errors = errors_of("\n[[effect]]\nid='scale'\naxis='Y'\nparameters={um_per_m=1}\n");
   std::string machine = small_machine("TXZ");
   machine.erase(machine.find("[axis.Y]"), std::string("[axis.Y]\ntravel_mm = [-400.0, 0.0]\n").size());
-  const auto judged = errors.judged_for(machine_of(machine).machine);
-  REQUIRE(!judged.has_value());
-  has(to_text(judged.error()), "errors.toml:2: effect scale: this machine has no Y");
+  const auto checked = errors.checked_for(machine_of(machine).machine);
+  REQUIRE(!checked.has_value());
+  has(to_text(checked.error()), "errors.toml:2: effect scale: this machine has no Y");
 }

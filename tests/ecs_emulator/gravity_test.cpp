@@ -219,11 +219,11 @@ stiffness_N_um = 100.0
 base_mm = 300.0
 load_at_mm = 0.0
 )");
-  const auto told = errors.judged_for(machine_of(small_machine("TXYZ")).machine);
+  const auto told = errors.checked_for(machine_of(small_machine("TXYZ")).machine);
   REQUIRE(!told.has_value());
   const std::string text = to_text(told.error());
   CHECK_MESSAGE(text.find("errors.toml:3: bed.X: expected supports on both sides") != std::string::npos, text);
   CHECK_MESSAGE(text.find("errors.toml:7: table.Y: expected an axis that carries the workpiece") != std::string::npos,
                 text);
-  CHECK(errors_of("").judged_for(machine_of(small_machine()).machine).has_value());
+  CHECK(errors_of("").checked_for(machine_of(small_machine()).machine).has_value());
 }

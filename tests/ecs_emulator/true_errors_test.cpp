@@ -116,11 +116,11 @@ TEST_CASE("what no machine can do is refused with its line before anything moves
   const auto refusal = [](const std::string& text) {
     auto parsed = TrueErrors::parse(text, "errors.toml", ".");
     if (!parsed) return to_text(parsed.error());
-    const auto judged = parsed->judged_for(
+    const auto checked = parsed->checked_for(
         test::machine_of(
             "configuration = \"TXY\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[axis.Y]\ntravel_mm = [-9.0, 0.0]\n")
             .machine);
-    return judged ? std::string() : to_text(judged.error());
+    return checked ? std::string() : to_text(checked.error());
   };
   const std::string head = "\n[[contribution]]\ncomponent = \"EXX\"\n";
   CHECK(refusal(head + "formula = \"1/0*p\"\n").find("errors.toml:2") != std::string::npos);
