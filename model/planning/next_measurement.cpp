@@ -255,8 +255,8 @@ void take_repetition(NextMeasurement& next, const Setting& in) {
   std::vector<MeasuredLine> lines = measured_lines(in.data, in.times);
   if (lines.empty()) return;
   MeasurementProposal again = lines.front().now;
-  constexpr int kRuns = 2;
-  again.runs = kRuns;
+  constexpr int kTwice = 2;
+  again.runs = kTwice;
   again.minutes = minutes_of(again, in.times);
   again.sentence = sentence_of(again, Question::repeat);
   next.proposals.push_back(std::move(again));
