@@ -29,7 +29,8 @@
   EFFECT(kMapPolarity)               \
   EFFECT(kMapGain)                   \
   EFFECT(kMapShift)                  \
-  EFFECT(kMapDirectionSwap)
+  EFFECT(kMapDirectionSwap)          \
+  EFFECT(kThermalBend)
 
 namespace ecs::emulator {
 
