@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "controllers/curve.hpp"
+#include "controllers/format.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -167,6 +168,23 @@ void say_what_is_lost(const ExportSource& source, double reversal_um, Controller
   leave_behind(made, source, carried, no_axis, no_axis);
 }
 
+Result<ControllerExport> write_etalon(const ExportSource& source, const OptionValues& options) {
+  return etalon_export(
+      source, {"errors.txt", options.text("levers") != "lines", static_cast<std::size_t>(options.integer("points"))});
+}
+
+Result<ControllerTables> read_etalon(const ReadRequest& request) {
+  return parse_etalon(request.text, request.file_name);
+}
+
+bool has_functions(std::string_view text) {
+  const auto lines = lines_of(text);
+  if (std::none_of(lines.begin(), lines.end(), [](std::string_view line) { return trimmed(line).starts_with('['); }))
+    return false;
+  const std::string plain = lower(text);
+  return plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos;
+}
+
 }  // namespace
 
 Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonOptions& options) {
@@ -218,5 +236,35 @@ laser::ErrorMap at_measurement_lines(const laser::ErrorMap& read, const UnitPara
   }
   return out;
 }
+
+extern const ControllerFormat kEtalon{
+    .id = "etalon",
+    .title = "Etalon exchange format",
+    .name = "Etalon",
+    .summary = "the whole volumetric model in the Etalon exchange format (TwinCAT, ISG)",
+    .example = "ecs export etalon map.csv --params mill.toml -o mill_errors.txt",
+    .output_help = "file to write",
+    .marks = "sections such as [EXX]",
+    .holds = {"yes", "mean only", "yes", "yes", "yes", "as many as the control takes"},
+    .resolution_um = 0.00001,
+    .tables_add_up = false,
+    .write_options = {{.name = "levers",
+                       .help = "where the control counts lever arms from: the machine zero (default), or the "
+                               "measurement lines",
+                       .fallback = "zero",
+                       .words = {"zero", "lines"}},
+                      {.name = "points",
+                       .help = "most grid points of a function; default: all of the map",
+                       .fallback = "0",
+                       .range = IntegerRange{2, 1'000'000}}},
+    .read_options = {{.name = "levers",
+                      .help = "where its lever arms count from; default as its head says, else zero",
+                      .words = {"zero", "lines"}}},
+    .is_file = nullptr,
+    .recognises = has_functions,
+    .write = write_etalon,
+    .read = read_etalon,
+    .at_measurement_lines = at_measurement_lines,
+};
 
 }  // namespace ecs::controllers

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "controllers/curve.hpp"
+#include "controllers/format.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -47,6 +49,50 @@ int joint_of(const UnitParameters& parameters, Axis axis) {
 }
 
 std::string file_of(Axis axis) { return fmt::format("{}.comp", static_cast<char>(letter_of(axis) - 'X' + 'x')); }
+
+MachineUnits units_option(const OptionValues& options) {
+  return options.text("units") == "inch" ? MachineUnits::inch : MachineUnits::mm;
+}
+
+/// The first line with content begins with a number.
+bool begins_with_number(std::string_view text) {
+  for (const std::string_view line : lines_of(text)) {
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#' || content.front() == ';') continue;
+    return number_in(content.substr(0, content.find_first_of(" \t"))).has_value();
+  }
+  return false;
+}
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+/// "x.comp", "mill_y.comp", "screwcompZ.dat": a letter of its own at the end of the name.
+std::optional<Axis> axis_in_name(const std::string& file) {
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (stem.empty()) return std::nullopt;
+  const char last = stem.back();
+  const bool capital = last >= 'A' && last <= 'Z';
+  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
+                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
+  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
+}
+
+Result<ControllerExport> write_linuxcnc(const ExportSource& source, const OptionValues& options) {
+  return linuxcnc_export(
+      source, {options.integer("type"), units_option(options), static_cast<std::size_t>(options.integer("points"))});
+}
+
+Result<ControllerTables> read_linuxcnc(const ReadRequest& request) {
+  const auto given = axis_option(request);
+  if (!given) return tl::unexpected(given.error());
+  const auto axis = *given ? *given : axis_in_name(request.file_name);
+  if (!axis)
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: the name does not end in x, y or z: give --axis", request.file_name));
+  LinuxCncReadOptions options{*axis, std::nullopt, units_option(request.options), request.options.flag("as-loaded")};
+  if (!request.options.text("type").empty()) options.type = request.options.integer("type");
+  return parse_linuxcnc(request.bytes, request.file_name, options);
+}
 
 }  // namespace
 
@@ -97,5 +143,38 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
 bool is_linuxcnc_file(std::string_view name) {
   return std::any_of(kAllAxes.begin(), kAllAxes.end(), [&](Axis axis) { return name == file_of(axis); });
 }
+
+extern const ControllerFormat kLinuxCnc{
+    .id = "linuxcnc",
+    .title = "LinuxCNC",
+    .name = "LinuxCNC",
+    .summary = "a screw compensation file for each joint: positioning, both approaches",
+    .example = "ecs export linuxcnc map.csv --params mill.toml -o linuxcnc/",
+    .output_help = "folder for x.comp, y.comp, z.comp",
+    .marks = "rows of three numbers",
+    .holds = {"yes", "yes, by position", "–", "–", "–", "256 a joint, anywhere"},
+    .resolution_um = 0.001,
+    .tables_add_up = false,
+    .write_options = {{.name = "type",
+                       .help = "COMP_FILE_TYPE: 0 positions, 1 trims (the default)",
+                       .fallback = "1",
+                       .words = {"0", "1"}},
+                      {.name = "units",
+                       .help = "LINEAR_UNITS of the control; default mm",
+                       .fallback = "mm",
+                       .words = {"mm", "inch"}},
+                      {.name = "points",
+                       .help = "most points of a file; LinuxCNC takes 256",
+                       .fallback = "256",
+                       .range = IntegerRange{2, static_cast<int>(kLinuxCncMostPoints)}}},
+    .read_options = {{.name = "axis", .help = "the axis; default from the file's name"},
+                     {.name = "type", .help = "COMP_FILE_TYPE; default by the numbers", .words = {"0", "1"}},
+                     {.name = "units", .help = "LINEAR_UNITS; default mm", .fallback = "mm", .words = {"mm", "inch"}},
+                     {.name = "as-loaded", .help = "only the rows that it would take itself", .is_flag = true}},
+    .is_file = is_linuxcnc_file,
+    .recognises = begins_with_number,
+    .write = write_linuxcnc,
+    .read = read_linuxcnc,
+};
 
 }  // namespace ecs::controllers

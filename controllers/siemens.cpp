@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "base/units.hpp"
+#include "controllers/format.hpp"
 #include "controllers/siemens_tables.hpp"
 
 namespace ecs::controllers {
@@ -143,6 +145,63 @@ Result<void> take_back(ControllerExport& made, const SiemensOptions& options) {
   return {};
 }
 
+bool is_axis_name(std::string_view name) {
+  constexpr std::size_t kLongest = 16;
+  const auto fits = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  return !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), fits);
+}
+
+Result<SiemensOptions> siemens_options(const OptionValues& values) {
+  SiemensOptions options;
+  const std::string_view axes = values.text("axes");
+  options.encoder = values.integer("encoder");
+  options.cec_adds = values.text("cec-sign") == "adds";
+  for (const auto& [axis, name] : axis_pairs(axes)) {
+    if (!axis || !is_axis_name(name))
+      return problem(ProblemKind::usage,
+                     fmt::format("--axes: expected X=NAME,Y=NAME,Z=NAME, as in X=AX1, found \"{}\"", axes));
+    options.axis_name[index_of(*axis)] = std::string(name);
+  }
+  for (const Axis a : kAllAxes)
+    for (const Axis b : kAllAxes)
+      if (a < b && lower(options.axis_name[index_of(a)]) == lower(options.axis_name[index_of(b)]))
+        return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same name {}", letter_of(a),
+                                                       letter_of(b), options.axis_name[index_of(a)]));
+  return options;
+}
+
+Result<ControllerExport> write_siemens(const ExportSource& source, const OptionValues& values) {
+  auto options = siemens_options(values);
+  if (!options) return tl::unexpected(options.error());
+  options->most_points = static_cast<std::size_t>(values.integer("points"));
+  options->most_tables = static_cast<std::size_t>(values.integer("tables"));
+  return siemens_export(source, *options);
+}
+
+Result<ControllerTables> read_siemens(const ReadRequest& request) {
+  const auto options = siemens_options(request.options);
+  if (!options) return tl::unexpected(options.error());
+  return parse_siemens(request.text, request.file_name, *options);
+}
+
+bool has_siemens_tables(std::string_view text) {
+  const std::string plain = lower(text);
+  return plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos;
+}
+
+const FormatOption kAxes{.name = "axes", .help = "axes of the control; default X=AX1,Y=AX2,Z=AX3"};
+const FormatOption kEncoder{.name = "encoder",
+                            .help = "measuring system 0 or 1 of $AA_ENC_COMP; default 0",
+                            .fallback = "0",
+                            .range = IntegerRange{0, 1}};
+const FormatOption kCecSign{
+    .name = "cec-sign",
+    .help = "what the control does with a cross value; default subtracts, as it does with encoder values",
+    .fallback = "subtracts",
+    .words = {"subtracts", "adds"}};
+
 }  // namespace
 
 Result<ControllerExport> siemens_export(const ExportSource& source, const SiemensOptions& options) {
@@ -174,5 +233,35 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
 }
 
 bool is_siemens_file(std::string_view name) { return name == kEncoderFile || name == kCrossFile; }
+
+extern const ControllerFormat kSiemens{
+    .id = "siemens",
+    .title = "SINUMERIK 840D",
+    .name = "SINUMERIK",
+    .summary = "SINUMERIK 840D: encoder error tables, and cross tables for straightness, squareness and reversal",
+    .example = "ecs export siemens map.csv --params mill.toml --points 200 --tables 8 -o sinumerik/",
+    .output_help = "folder for AX_EEC.INI and NC_CEC.INI",
+    .marks = "$AA_ENC_COMP or $AN_CEC",
+    .holds = {"yes", "yes, two tables an axis", "yes, two tables each", "yes, a line each", "–",
+              "even; MD38000, MD18342 (828D: 200 points, 8 tables)"},
+    .resolution_um = 0.001,
+    .tables_add_up = true,
+    .write_options = {kAxes,
+                      kEncoder,
+                      kCecSign,
+                      {.name = "points",
+                       .help = "most points of a table; default 1000, 828D has 200",
+                       .fallback = "1000",
+                       .range = IntegerRange{2, 5000}},
+                      {.name = "tables",
+                       .help = "most cross tables; default 62, 828D has 8",
+                       .fallback = "62",
+                       .range = IntegerRange{0, 200}}},
+    .read_options = {kAxes, kEncoder, kCecSign},
+    .is_file = is_siemens_file,
+    .recognises = has_siemens_tables,
+    .write = write_siemens,
+    .read = read_siemens,
+};
 
 }  // namespace ecs::controllers

@@ -8,6 +8,7 @@
 
 #include "base/text.hpp"
 #include "controllers/curve.hpp"
+#include "controllers/format.hpp"
 #include "controllers/twincat_list.hpp"
 
 namespace ecs::controllers {
@@ -110,6 +111,48 @@ void add_settings(const TwinCatOptions& options, const std::vector<Component>& c
   }
 }
 
+constexpr long long kMostAxes = 65'534;  ///< logical axis numbers of the control
+
+Result<TwinCatOptions> options_in(const OptionValues& values) {
+  TwinCatOptions options;
+  const std::string_view axes = values.text("axes"), sign = values.text("ssfk-sign");
+  if (!sign.empty()) options.adds = sign == "adds";
+  for (const auto& [axis, name] : axis_pairs(axes)) {
+    const auto number = integer_in(name);
+    if (!axis || !number || *number < 1 || *number > kMostAxes)
+      return problem(ProblemKind::usage,
+                     fmt::format("--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER, as in X=1, found \"{}\"", axes));
+    options.axis_number[index_of(*axis)] = static_cast<int>(*number);
+  }
+  for (const Axis a : kAllAxes)
+    for (const Axis b : kAllAxes)
+      if (a < b && options.axis_number[index_of(a)] == options.axis_number[index_of(b)])
+        return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same number {}", letter_of(a),
+                                                       letter_of(b), options.axis_number[index_of(a)]));
+  return options;
+}
+
+Result<ControllerExport> write_twincat(const ExportSource& source, const OptionValues& values) {
+  auto options = options_in(values);
+  if (!options) return tl::unexpected(options.error());
+  options->most_points = static_cast<std::size_t>(values.integer("points"));
+  return twincat_export(source, *options);
+}
+
+Result<ControllerTables> read_twincat(const ReadRequest& request) {
+  const auto options = options_in(request.options);
+  if (!options) return tl::unexpected(options.error());
+  const auto axis = axis_option(request);
+  if (!axis) return tl::unexpected(axis.error());
+  return parse_twincat(request.text, request.file_name, *options, *axis);
+}
+
+const FormatOption kSign{.name = "ssfk-sign",
+                         .help =
+                             "what TwinCAT does with a value; default subtracts, as its manual computes; lists of "
+                             "ours say it",
+                         .words = {"subtracts", "adds"}};
+
 }  // namespace
 
 Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCatOptions& options) {
@@ -144,7 +187,33 @@ bool is_twincat_file(std::string_view name) {
   const auto number = name.starts_with("achskw") && name.ends_with(".lis") && name.size() > 10
                           ? integer_in(name.substr(6, name.size() - 10))
                           : std::nullopt;
-  return number && *number > 0 && *number <= 65'534 && name == file_of(static_cast<int>(*number));
+  return number && *number > 0 && *number <= kMostAxes && name == file_of(static_cast<int>(*number));
 }
+
+extern const ControllerFormat kTwinCat{
+    .id = "twincat",
+    .title = "TwinCAT CNC, leadscrew compensation",
+    .name = "TwinCAT",
+    .summary = "TwinCAT CNC and ISG kernels: a leadscrew compensation list for each axis, both directions",
+    .example = "ecs export twincat map.csv --params mill.toml -o twincat/",
+    .output_help = "folder for achskw1.lis, achskw2.lis, achskw3.lis",
+    .marks = "kw.ssfk",
+    .holds = {"yes", "yes, by position", "–", "–", "–", "1,499 an axis, anywhere"},
+    .resolution_um = 0.1,
+    .tables_add_up = false,
+    .write_options = {kSign,
+                      {.name = "axes", .help = "logical axis numbers of the control; default X=1,Y=2,Z=3"},
+                      {.name = "points",
+                       .help = "most points of a list; default 1499",
+                       .fallback = "1499",
+                       .range = IntegerRange{2, static_cast<int>(kTwinCatMostPoints)}}},
+    .read_options = {{.name = "axis", .help = "the axis; default as the list says"},
+                     {.name = "axes", .help = "logical axis numbers; default X=1,Y=2,Z=3"},
+                     kSign},
+    .is_file = is_twincat_file,
+    .recognises = [](std::string_view text) { return lower(text).find("kw.ssfk.") != std::string::npos; },
+    .write = write_twincat,
+    .read = read_twincat,
+};
 
 }  // namespace ecs::controllers

@@ -5,7 +5,7 @@
 
 namespace ecs::app {
 
-void add_export_writers(Menu& menu);  ///< linuxcnc, siemens, etalon, twincat
+void add_export_writers(Menu& menu);  ///< one for each controller format
 void add_export_read(Menu& menu);
 
 }  // namespace ecs::app

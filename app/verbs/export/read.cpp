@@ -1,12 +1,12 @@
 // `ecs export read`: a control's compensation tables back into a map CSV.
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/cli/axis_argument.hpp"
-#include "app/verbs/export/axes.hpp"
+#include "app/verbs/export/format_arguments.hpp"
 #include "app/verbs/export/menu.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
@@ -14,9 +14,7 @@
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
-#include "controllers/etalon.hpp"
-#include "controllers/linuxcnc.hpp"
-#include "controllers/twincat.hpp"
+#include "controllers/registry.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/text_decoding.hpp"
 #include "params/parameters_toml.hpp"
@@ -28,123 +26,55 @@ struct ReadArguments {
   std::vector<std::string> files;
   std::string output;
   std::string format = "auto";
-  std::string axis;
-  std::string type;
-  std::string units = "mm";
-  bool as_loaded = false;
-  std::string levers;
-  SiemensArguments siemens;
-  TwinCatArguments twincat;
+  FormatArguments options;
   std::string params;
   std::string params_out;
 };
 
-/// The first line that says something begins with a number.
-bool is_numbers(std::string_view text) {
-  for (const std::string_view line : lines_of(text)) {
-    const std::string_view content = trimmed(line);
-    if (content.empty() || content.front() == '#' || content.front() == ';') continue;
-    return number_in(content.substr(0, content.find_first_of(" \t"))).has_value();
-  }
-  return false;
-}
-
-/// By what stands in it; empty: nothing that is known here.
-std::string format_of(const std::string& wanted, std::string_view text) {
-  if (wanted != "auto") return wanted;
-  const std::string plain = lower(text);
-  if (plain.find("$aa_enc_comp") != std::string::npos || plain.find("$an_cec") != std::string::npos) return "siemens";
-  if (plain.find("kw.ssfk.") != std::string::npos) return "twincat";
-  const bool sections = plain.find('[') != std::string::npos;
-  if (sections && (plain.find("gridpoints") != std::string::npos || plain.find("value") != std::string::npos))
-    return "etalon";
-  return is_numbers(text) ? "linuxcnc" : "";
-}
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-/// "x.comp", "mill_y.comp", "screwcompZ.dat": a letter of its own at the end of the name.
-std::optional<Axis> axis_in_name(const std::string& file) {
-  const std::string stem = std::filesystem::path(file).stem().string();
-  if (stem.empty()) return std::nullopt;
-  const char last = stem.back();
-  const bool capital = last >= 'A' && last <= 'Z';
-  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
-                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
-  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
-}
-
-/// What --axis says; nothing if it was not given.
-Result<std::optional<Axis>> axis_given(const ReadArguments& arguments) {
-  if (arguments.axis.empty()) return std::nullopt;
-  if (arguments.files.size() > 1)
-    return problem(ProblemKind::usage, "--axis names the axis of one file; several are told apart by what they say");
-  const auto axis = axis_named(arguments.axis);
-  if (!axis) return tl::unexpected(axis.error());
-  return *axis;
-}
-
-Result<controllers::ControllerTables> read_twincat(const ReadArguments& arguments, const std::string& file,
-                                                   const std::string& text) {
-  const auto options = twincat_options(arguments.twincat, arguments.siemens.axes);
-  if (!options) return tl::unexpected(options.error());
-  const auto axis = axis_given(arguments);
-  if (!axis) return tl::unexpected(axis.error());
-  return controllers::parse_twincat(text, file, *options, *axis);
-}
-
-Result<controllers::ControllerTables> read_linuxcnc(const ReadArguments& arguments, const std::string& file,
-                                                    const std::string& bytes) {
-  controllers::LinuxCncReadOptions options;
-  const auto given = axis_given(arguments);
-  if (!given) return tl::unexpected(given.error());
-  if (*given) {
-    options.axis = **given;
-  } else {
-    const auto axis = axis_in_name(file);
-    if (!axis)
-      return problem(ProblemKind::usage,
-                     fmt::format("{}: which axis is it? Its name does not end in x, y or z: give --axis", file));
-    options.axis = *axis;
-  }
-  if (!arguments.type.empty()) options.type = arguments.type == "0" ? 0 : 1;
-  options.units = arguments.units == "inch" ? controllers::MachineUnits::inch : controllers::MachineUnits::mm;
-  options.as_loaded = arguments.as_loaded;
-  return controllers::parse_linuxcnc(bytes, file, options);
-}
-
 struct ReadFiles {
   controllers::ControllerTables tables;
-  std::string format;
+  const controllers::ControllerFormat* format = nullptr;
 };
 
+/// "rows of three numbers (LinuxCNC), … or kw.ssfk (TwinCAT)"
+std::string marks_of_all() {
+  std::vector<std::string> marks;
+  for (const auto* format : controllers::controller_formats())
+    marks.push_back(fmt::format("{} ({})", format->marks, format->name));
+  const std::string last = std::move(marks.back());
+  marks.pop_back();
+  return fmt::format("{} or {}", fmt::join(marks, ", "), last);
+}
+
+Result<const controllers::ControllerFormat*> format_of(const ReadArguments& arguments, const std::string& file,
+                                                       std::string_view text) {
+  const auto* format = arguments.format == "auto" ? controllers::recognised_format(text)
+                                                  : controllers::controller_format(arguments.format);
+  if (format) return format;
+  return problem_at(
+      file, 0, 0,
+      fmt::format("no compensation table that is known here: expected {}; --format says which", marks_of_all()));
+}
+
 Result<ReadFiles> read_files(const ReadArguments& arguments) {
-  const auto siemens = siemens_options(arguments.siemens);
-  if (!siemens) return tl::unexpected(siemens.error());
   ReadFiles all;
   for (const std::string& file : arguments.files) {
     const auto bytes = read_file(file);
     if (!bytes) return tl::unexpected(bytes.error());
     const auto text = laser::decoded(*bytes, file);
     if (!text) return tl::unexpected(text.error());
-    const std::string format = format_of(arguments.format, text->text);
-    if (format.empty())
-      return problem_at(file, 0, 0,
-                        "no compensation table that is known here: expected rows of three numbers (LinuxCNC), "
-                        "$AA_ENC_COMP or $AN_CEC (SINUMERIK), kw.ssfk (TwinCAT), or sections such as [EXX] (Etalon); "
-                        "--format says which");
-    if (!all.format.empty() && format != all.format)
+    const auto format = format_of(arguments, file, text->text);
+    if (!format) return tl::unexpected(format.error());
+    if (all.format && *format != all.format)
       return problem(ProblemKind::usage,
-                     fmt::format("{} is of format {}, the files before it of {}: read one control at a time", file,
-                                 format, all.format));
-    all.format = format;
-    auto tables = format == "siemens"   ? controllers::parse_siemens(text->text, file, *siemens)
-                  : format == "etalon"  ? controllers::parse_etalon(text->text, file)
-                  : format == "twincat" ? read_twincat(arguments, file, text->text)
-                                        : read_linuxcnc(arguments, file, *bytes);
+                     fmt::format("{} is of format {}, the files before it of {}: read the files of one controller at a "
+                                 "time",
+                                 file, (*format)->id, all.format->id));
+    all.format = *format;
+    auto tables = all.format->read({file, text->text, *bytes, arguments.files.size() == 1, arguments.options.values()});
     if (!tables) return tl::unexpected(tables.error());
     for (auto& source : tables->sources) source.name = std::filesystem::path(file).filename().string();
-    if (const auto done = controllers::append(all.tables, std::move(*tables), format != "siemens"); !done)
+    if (const auto done = controllers::append(all.tables, std::move(*tables), !all.format->tables_add_up); !done)
       return tl::unexpected(done.error());
   }
   return all;
@@ -174,23 +104,28 @@ std::string lines_in_words(const UnitParameters& parameters) {
   return fmt::format("{} mm", fmt::join(words, "; "));
 }
 
-/// Where the lever arms of an Etalon file count from: as --levers says, else its head, else the machine zero.
+std::string levers_given(const ReadArguments& arguments) {
+  return std::string(arguments.options.values().text("levers"));
+}
+
+/// Where the lever arms of a file count from: as --levers says, else its head, else the machine zero.
 Result<bool> levers_from_lines(const ReadArguments& arguments, const ReadFiles& files) {
   const auto& said = files.tables.levers_from_lines;
-  if (arguments.levers.empty()) return said.value_or(false);
-  const bool lines = arguments.levers == "lines";
+  const std::string given = levers_given(arguments);
+  if (given.empty()) return said.value_or(false);
+  const bool lines = given == "lines";
   if (said && *said != lines)
     return problem(ProblemKind::usage,
-                   fmt::format("--levers {}: the file says of itself that its lever arms count from the {}",
-                               arguments.levers, *said ? "measurement lines" : "machine zero"));
+                   fmt::format("--levers {}: the file says of itself that its lever arms count from the {}", given,
+                               *said ? "measurement lines" : "machine zero"));
   return lines;
 }
 
-/// Etalon curves onto the lines of the parameters, and a word on it whatever was done.
+/// Curves onto the lines of the parameters, with a note whatever was done.
 Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& files, Taken& made) {
   const auto lines = levers_from_lines(arguments, files);
   if (!lines) return tl::unexpected(lines.error());
-  const std::string by = !arguments.levers.empty()        ? "as --levers says"
+  const std::string by = !levers_given(arguments).empty() ? "as --levers says"
                          : files.tables.levers_from_lines ? "as the head of the file says"
                                                           : "the file does not say it: --levers lines if it is not so";
   made.levers_from = *lines ? "measurement lines" : "machine zero";
@@ -198,7 +133,7 @@ Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& fil
   std::string done;
   if (made.parameters) {
     const UnitParameters& parameters = made.parameters->parameters;
-    made.read.map = controllers::at_measurement_lines(made.read.map, parameters, *lines);
+    made.read.map = files.format->at_measurement_lines(made.read.map, parameters, *lines);
     done = *lines
                ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
                              lines_in_words(parameters))
@@ -222,8 +157,9 @@ Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
   made.read = controllers::map_of(files.tables);
   made.notes = files.tables.notes;
   made.notes.insert(made.notes.end(), made.read.notes.begin(), made.read.notes.end());
-  if (!arguments.levers.empty() && files.format != "etalon")
-    return problem(ProblemKind::usage, "--levers is for the Etalon format: no other has lever arms");
+  const bool has_levers = files.format->at_measurement_lines != nullptr;
+  if (!levers_given(arguments).empty() && !has_levers)
+    return problem(ProblemKind::usage, fmt::format("--levers: the {} format has no lever arms", files.format->name));
   auto& header = made.read.map.header;
   if (!arguments.params.empty()) {
     auto file = params::read_parameters(arguments.params);
@@ -233,8 +169,8 @@ Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
     header.machine = made.parameters->identity.machine;
     header.serial_number = made.parameters->identity.serial_number;
   }
-  header.processing.push_back(fmt::format("read from tables of a control ({})", files.format));
-  if (files.format == "etalon")
+  header.processing.push_back(fmt::format("read from tables of a control ({})", files.format->id));
+  if (has_levers)
     if (const auto done = bring_to_lines(arguments, files, made); !done) return tl::unexpected(done.error());
   return made;
 }
@@ -256,7 +192,7 @@ std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& 
 }
 
 std::string text_of(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
-  std::string text = fmt::format("{}\n\n", files.format) + tables_text(made.read.map.tables);
+  std::string text = fmt::format("{}\n\n", files.format->id) + tables_text(made.read.map.tables);
   for (const Component square : made.read.squareness_found)
     text += fmt::format("compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(square),
                         made.read.squareness[index_of(square)]);
@@ -277,7 +213,7 @@ Json json_of_read(const ReadArguments& arguments, const ReadFiles& files, const 
   for (const Component square : made.read.squareness_found)
     squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
   for (const Problem& warning : files.tables.warnings) warnings.push_back(json_of(warning));
-  return {{"format", files.format},
+  return {{"format", files.format->id},
           {"map", text_or_null(arguments.output)},
           {"tables", std::move(tables)},
           {"squareness", std::move(squareness)},
@@ -310,6 +246,25 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
                  one_line(json_of_read(arguments, *files, *made, *written)), kDone};
 }
 
+std::vector<std::string> format_names() {
+  std::vector<std::string> names{"auto"};
+  for (const auto* format : controllers::controller_formats()) names.emplace_back(format->id);
+  return names;
+}
+
+/// Every read option once, with what it means for each format that has it.
+void take_read_options(Verb& verb, FormatArguments& arguments) {
+  std::vector<const controllers::FormatOption*> options;
+  std::map<std::string_view, std::string> help;
+  for (const auto* format : controllers::controller_formats())
+    for (const controllers::FormatOption& option : format->read_options) {
+      std::string& words = help[option.name];
+      if (words.empty()) options.push_back(&option);
+      words += fmt::format("{}{}: {}", words.empty() ? "" : ". ", format->name, option.help);
+    }
+  for (const auto* option : options) arguments.take(verb, *option, help[option->name]);
+}
+
 }  // namespace
 
 void add_export_read(Menu& menu) {
@@ -319,18 +274,10 @@ void add_export_read(Menu& menu) {
                         "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv");
   verb.texts("FILE", arguments->files, "files of one control", Need::required)
       .text("-o,--output", arguments->output, "map CSV to write")
-      .choice("--format", arguments->format, {"auto", "linuxcnc", "siemens", "etalon", "twincat"},
-              "default: by its content")
-      .text("--axis", arguments->axis, "LinuxCNC, TwinCAT: the axis; default from the file's name, from what it says")
-      .choice("--type", arguments->type, {"0", "1"}, "LinuxCNC: COMP_FILE_TYPE; default by the numbers")
-      .choice("--units", arguments->units, {"mm", "inch"}, "LinuxCNC: LINEAR_UNITS; default mm")
-      .choice("--levers", arguments->levers, {"zero", "lines"},
-              "Etalon: where its lever arms count from; default as its head says, else zero")
-      .flag("--as-loaded", arguments->as_loaded, "LinuxCNC: only the rows that it would take itself")
-      .text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
+      .choice("--format", arguments->format, format_names(), "default: by its content");
+  take_read_options(verb, arguments->options);
+  verb.text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
       .text("--params-out", arguments->params_out, "the same with the squareness that was read");
-  take_siemens_arguments(verb, arguments->siemens);
-  take_twincat_arguments(verb, arguments->twincat);
   verb.runs([arguments](VerbContext& context) { return read(context, *arguments); });
 }
 

@@ -1,0 +1,46 @@
+#include "controllers/format.hpp"
+
+#include <fmt/format.h>
+
+#include "base/numbers.hpp"
+#include "base/text.hpp"
+
+namespace ecs::controllers {
+
+OptionValues::OptionValues(const std::vector<FormatOption>& options) {
+  for (const FormatOption& option : options) set(option.name, std::string(option.fallback));
+}
+
+std::string_view OptionValues::text(std::string_view name) const {
+  const auto at = values_.find(std::string(name));
+  return at == values_.end() ? std::string_view() : at->second;
+}
+
+int OptionValues::integer(std::string_view name) const { return static_cast<int>(integer_in(text(name)).value_or(0)); }
+
+std::vector<std::pair<std::optional<Axis>, std::string_view>> axis_pairs(std::string_view text) {
+  std::vector<std::pair<std::optional<Axis>, std::string_view>> pairs;
+  if (text.empty()) return pairs;
+  for (const std::string_view word : split(text, ',')) {
+    const std::string_view pair = trimmed(word);
+    if (pair.size() > 2 && pair[1] == '=')
+      pairs.emplace_back(axis_of(static_cast<char>(pair[0] & ~0x20)), pair.substr(2));
+    else
+      pairs.emplace_back(std::nullopt, pair);
+  }
+  return pairs;
+}
+
+Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
+  const std::string_view given = request.options.text("axis");
+  if (given.empty()) return std::nullopt;
+  if (!request.only_file)
+    return problem(ProblemKind::usage,
+                   "--axis names the axis of a single file; the axes of several files are taken from their names or "
+                   "their content");
+  const auto axis = axis_named(given);
+  if (!axis) return tl::unexpected(axis.error());
+  return *axis;
+}
+
+}  // namespace ecs::controllers
