@@ -1,6 +1,10 @@
 #include "laser/analysis/refraction.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,7 +13,8 @@
 namespace ecs::laser {
 namespace {
 
-// Names and constants as in the NIST Engineering Metrology Toolbox, documentation appendices A and B.
+// Names and constants as in the NIST Engineering Metrology Toolbox, documentation appendices A (Ciddor 1996; saturation
+// of water vapour: IAPWS) and B (modified Edlén: Birch and Downs, Metrologia 30 (1993) 155 and 31 (1994) 315).
 
 constexpr double kKelvin = 273.15;
 constexpr double R = 8.314472;         ///< gas constant used there [J/(mol K)]
@@ -65,18 +70,32 @@ double modified_edlen(const BeamAir& air, double S) {
   return dry - 1e-10 * (292.75 / (t + kKelvin)) * (3.7345 - 0.0401 * S) * pv;
 }
 
+/// The ranges for which the equations are stated (NIST Engineering Metrology Toolbox, appendix C).
+struct Range {
+  std::string_view what, unit;
+  double least, most;
+};
+constexpr Range kWavelength{"vacuum wavelength", "nm", 300.0, 1700.0};
+constexpr Range kTemperature{"air temperature", "degC", -40.0, 100.0};
+constexpr Range kPressure{"air pressure", "hPa", 100.0, 1400.0};
+constexpr Range kHumidity{"relative humidity", "%", 0.0, 100.0};
+constexpr Range kCarbonDioxide{"carbon dioxide", "ppm", 0.0, 2000.0};
+
 std::string fault_of(const BeamAir& air, double wavelength_nm) {
-  const auto outside = [](double value, double least, double most) { return !(value >= least && value <= most); };
-  const auto say = [](std::string_view what, double value, std::string_view range) {
-    return fmt::format("{}: expected {}, found {}", what, range, value);
-  };
-  if (outside(wavelength_nm, 300.0, 1700.0)) return say("vacuum wavelength", wavelength_nm, "300 to 1700 nm");
-  if (outside(air.temperature_degC, -40.0, 100.0))
-    return say("air temperature", air.temperature_degC, "-40 to 100 degC");
-  if (outside(air.pressure_hPa, 100.0, 1400.0)) return say("air pressure", air.pressure_hPa, "100 to 1400 hPa");
-  if (outside(air.humidity_pct, 0.0, 100.0)) return say("relative humidity", air.humidity_pct, "0 to 100 %");
-  if (outside(air.co2_ppm, 0.0, 2000.0)) return say("carbon dioxide", air.co2_ppm, "0 to 2000 ppm");
+  for (const auto& [range, value] : {std::pair{kWavelength, wavelength_nm},
+                                     {kTemperature, air.temperature_degC},
+                                     {kPressure, air.pressure_hPa},
+                                     {kHumidity, air.humidity_pct},
+                                     {kCarbonDioxide, air.co2_ppm}})
+    if (!(value >= range.least && value <= range.most))
+      return fmt::format("{}: expected {} to {} {}, found {}", range.what, range.least, range.most, range.unit, value);
   return {};
+}
+
+/// S = 1/λ², in 1/µm².
+double wavenumber_squared(double vacuum_wavelength_nm) {
+  const double wavelength_um = vacuum_wavelength_nm / 1000.0;
+  return 1.0 / (wavelength_um * wavelength_um);
 }
 
 }  // namespace
@@ -89,9 +108,18 @@ double water_vapour_saturation_Pa(double temperature_degC) {
 Result<double> refractive_index(const BeamAir& air, double vacuum_wavelength_nm, AirEquation equation) {
   if (const std::string fault = fault_of(air, vacuum_wavelength_nm); !fault.empty())
     return problem(ProblemKind::refused, fault);
-  const double wavelength_um = vacuum_wavelength_nm / 1000.0;
-  const double S = 1.0 / (wavelength_um * wavelength_um);
+  const double S = wavenumber_squared(vacuum_wavelength_nm);
   return equation == AirEquation::ciddor ? ciddor(air, S) : modified_edlen(air, S);
+}
+
+double refractive_index_deviation_ppm(BeamAir air, double vacuum_wavelength_nm) {
+  const auto within = [](double& value, const Range& range) { value = std::clamp(value, range.least, range.most); };
+  within(air.temperature_degC, kTemperature);
+  within(air.pressure_hPa, kPressure);
+  within(air.humidity_pct, kHumidity);
+  within(air.co2_ppm, kCarbonDioxide);
+  const double S = wavenumber_squared(vacuum_wavelength_nm);
+  return (ciddor(air, S) - ciddor(BeamAir{}, S)) * 1e6;
 }
 
 }  // namespace ecs::laser

@@ -26,6 +26,10 @@ enum class AirEquation {
 [[nodiscard]] Result<double> refractive_index(const BeamAir& air, double vacuum_wavelength_nm = kRedHeNe_nm,
                                               AirEquation equation = AirEquation::ciddor);
 
+/// How far the index differs from that of the reference air, `BeamAir{}`, in 1e-6, by Ciddor. Never fails: what lies
+/// outside the range of the equation counts as the end of the range.
+[[nodiscard]] double refractive_index_deviation_ppm(BeamAir air, double vacuum_wavelength_nm = kRedHeNe_nm);
+
 /// Saturation pressure of water vapour [Pa]: over water from 0 °C (IAPWS-IF97), over ice below (IAPWS 1993).
 [[nodiscard]] double water_vapour_saturation_Pa(double temperature_degC);
 

@@ -67,3 +67,11 @@ TEST_CASE("air outside the equations is refused with the quantity that is wrong"
   says({20.0, 1013.25, std::nan(""), 450.0}, "relative humidity");
   says({}, "vacuum wavelength", 6330.0);
 }
+
+TEST_CASE("the deviation counts from the reference air, and stays finite outside the range of the equations") {
+  CHECK(refractive_index_deviation_ppm({}) == 0.0);
+  const double expected = (*refractive_index({25.0, 990.0, 30.0, 450.0}) - *refractive_index({})) * 1e6;
+  CHECK(refractive_index_deviation_ppm({25.0, 990.0, 30.0, 450.0}) == doctest::Approx(expected));
+  CHECK(refractive_index_deviation_ppm({900.0, 1013.25, 50.0, 450.0}) ==
+        refractive_index_deviation_ppm({100.0, 1013.25, 50.0, 450.0}));
+}
