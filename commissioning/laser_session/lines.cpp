@@ -44,10 +44,8 @@ void take_columns(PerAxis<bool>& told, const std::vector<std::string>& columns) 
 
 /// Which axes' places the file itself says; where it does not, a reader takes 0.
 PerAxis<bool> places_in(const laser::Imported& imported, const ImportArguments& answers) {
-  if (imported.format == laser::FileFormat::height_map) return {true, true, true};
-  if (imported.format == laser::FileFormat::plate) return {true, true, false};
-  PerAxis<bool> told{};
-  if (imported.format == laser::FileFormat::measurement_csv) take_columns(told, imported.set.columns);
+  PerAxis<bool> told = imported.format->states_place;
+  if (imported.format->places_in_columns) take_columns(told, imported.set.columns);
   const auto options = import_options(answers);
   if (!options || !options->mapping) return told;
   std::vector<std::string> fields;
@@ -76,7 +74,7 @@ PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& give
   PerAxis<bool> told{};
   for (std::size_t k = 0; k < told.size(); ++k) told[k] = in_file[k] || named[k];
   const auto options = import_options(*answers);
-  if (!options || imported.format != laser::FileFormat::measurement_csv) return told;
+  if (!options || !imported.format->places_in_columns) return told;
   for (laser::Reading& reading : imported.set.readings)
     for (const Axis a : kAllAxes)
       if (const std::size_t k = index_of(a); named[k] && !in_file[k] && a != reading.axis)
@@ -209,7 +207,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     file.wants_answers = imported.error().kind == ProblemKind::usage || explained;
     return file;
   }
-  file.format = laser::name_of(imported->format);
+  file.format = imported->format->title;
   file.format = file.format.substr(0, file.format.find(" ("));
   if (imported->set.readings.empty()) {
     file.problem = "it holds no readings";

@@ -13,8 +13,6 @@
 
 namespace ecs::laser {
 
-struct ImportOptions;
-
 /// One field and where it comes from: `FIELD=COLUMN[unit]*factor+offset`.
 struct ColumnRule {
   std::string field;  ///< a column of the measurement CSV, EX … EC, forwardN, reverseN, date_time, or any name to keep
@@ -53,13 +51,6 @@ struct ColumnMapping {
 
 /// The rules of a mapping with `approach=motion` and `run=motion` set apart.
 [[nodiscard]] Result<ColumnMapping> column_mapping(std::string_view text);
-
-/// Reads the table. The moving axis: column `axis`, the option, or the one position that is mapped; the sense: the
-/// field's name (EX …), column `sense`, the option, or the moving axis's own. A row gives a reading for each of
-/// `reading`, EX … EC, forwardN and reverseN that is mapped and not empty. Lines beginning with '#', '!' or '%' are
-/// comments. Every bad row is reported with line and column.
-[[nodiscard]] Result<MeasurementSet> parse_columns(std::string_view text, const std::string& file_name,
-                                                   const ColumnMapping& mapping, const ImportOptions& options);
 
 /// How a table looks, for the explanation of a file that nothing else reads.
 struct TableShape {

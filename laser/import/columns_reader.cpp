@@ -12,6 +12,7 @@
 #include "laser/findings.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/motion.hpp"
 
@@ -181,10 +182,13 @@ void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan)
   for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].row = static_cast<int>(i) + 1;
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_columns(std::string_view text, const std::string& file_name, const ColumnMapping& mapping,
-                                     const ImportOptions& options) {
+/// Reads the table. The moving axis: column `axis`, the option, or the one position that is mapped; the sense: the
+/// field's name (EX …), column `sense`, the option, or the moving axis's own. A row gives a reading for each of
+/// `reading`, EX … EC, forwardN and reverseN that is mapped and not empty. Lines beginning with '#', '!' or '%' are
+/// comments. Every bad row is reported with line and column.
+/// @pre options.mapping
+Result<MeasurementSet> read_columns(std::string_view text, const std::string& file_name, const ImportOptions& options) {
+  const ColumnMapping& mapping = *options.mapping;
   Plan plan{fields_of(mapping), options.axis, options.sense, mapping.values, mapping.decimal};
   if (!plan.axis) plan.axis = mapped_axis(plan.fields);
   if (const std::string fault = plan_fault(plan); !fault.empty()) return tl::unexpected(wrong_option(fault, file_name));
@@ -223,5 +227,15 @@ Result<MeasurementSet> parse_columns(std::string_view text, const std::string& f
   finish(set, mapping, plan);
   return set;
 }
+
+}  // namespace
+
+extern const FileFormat kMappedColumns{
+    .id = "mapped_columns",
+    .title = "table by a mapping of columns",
+    .sample = "gauge.txt",
+    .read = read_columns,
+    .units = ErrorUnits::fixed,
+};
 
 }  // namespace ecs::laser

@@ -1,5 +1,5 @@
 // Why a file is not read, in words that help: what it seems to be, the table found in it, the command that imports it.
-// Does not live here: the formats that are read (format.cpp).
+// Does not live here: the formats that are read (registry.hpp).
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "laser/findings.hpp"
 #include "laser/import/import.hpp"
+#include "laser/import/registry.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -113,8 +114,10 @@ std::string explanation_of(std::string_view text) {
     why += "; no table of numbers was found in it";
   if (known) return why;
   why += "; looked for: ";
-  for (std::size_t i = 0; i + 1 < kFileFormats; ++i)
-    why += fmt::format("{}{}", i == 0 ? "" : ", ", name_of(static_cast<FileFormat>(i)));
+  std::vector<std::string_view> titles;
+  for (const FileFormat* format : file_formats())
+    if (format->recognises) titles.push_back(format->title);
+  why += fmt::format("{}", fmt::join(titles, ", "));
   return why;
 }
 

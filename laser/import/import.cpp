@@ -5,56 +5,31 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/import/registry.hpp"
+#include "laser/import/renishaw_file.hpp"
 
 namespace ecs::laser {
 namespace {
 
-Result<Imported> wrapped(FileFormat format, Result<MeasurementSet> set) {
-  if (!set) return tl::unexpected(std::move(set.error()));
-  return Imported{format, std::move(*set), {}};
-}
-
-Result<Imported> environment_of(std::string_view text, const std::string& file_name) {
-  auto records = parse_sios_environment(text, file_name);
-  if (!records) return tl::unexpected(std::move(records.error()));
-  Imported imported{FileFormat::sios_environment, {}, std::move(*records)};
-  imported.set.source = file_name;
-  return imported;
-}
-
-Result<Imported> parsed_text(FileFormat format, std::string_view text, const std::string& file_name,
-                             const ImportOptions& options) {
-  switch (format) {
-    case FileFormat::renishaw_run:
-      return wrapped(format, parse_renishaw_run(text, file_name, options));
-    case FileFormat::renishaw_table:
-      return wrapped(format, parse_renishaw_table(text, file_name, options));
-    case FileFormat::api_pos:
-      return wrapped(format, parse_api_pos(text, file_name, options));
-    case FileFormat::iso230_assignments:
-      return wrapped(format, parse_iso230_assignments(text, file_name, options));
-    case FileFormat::sios_environment:
-      return environment_of(text, file_name);
-    case FileFormat::renishaw_dynamic:
-      return wrapped(format, parse_renishaw_dynamic(text, file_name, options));
-    case FileFormat::plate:
-      return wrapped(format, parse_plate(text, file_name, options));
-    case FileFormat::height_map:
-      return wrapped(format, parse_height_map(text, file_name, options));
-    case FileFormat::channel_log:
-      return wrapped(format, parse_channel_log(text, file_name, options));
-    case FileFormat::mapped_columns:
-    case FileFormat::measurement_csv:
-      break;
+/// Readings, or the records of an environment log.
+Result<Imported> content_of(const FileFormat& format, std::string_view text, const std::string& file_name,
+                            const ImportOptions& options) {
+  if (format.read_environment) {
+    auto records = format.read_environment(text, file_name);
+    if (!records) return tl::unexpected(std::move(records.error()));
+    Imported imported{&format, {}, std::move(*records)};
+    imported.set.source = file_name;
+    return imported;
   }
-  return wrapped(FileFormat::measurement_csv, parse_measurement_set(text, file_name));
+  auto set = format.read(text, file_name, options);
+  if (!set) return tl::unexpected(std::move(set.error()));
+  return Imported{&format, std::move(*set), {}};
 }
 
 /// The unit in which a reader took the errors of a file.
-double usual_reading_factor(FileFormat format, Sense sense) {
+double usual_reading_factor(const FileFormat& format, Sense sense) {
   constexpr double kPerMrad = 1000.0;  // and um per mm
-  if (is_rotation(sense)) return kPerMrad;
-  return format == FileFormat::renishaw_run ? 1.0 : kPerMrad;
+  return !is_rotation(sense) && format.holds_um ? 1.0 : kPerMrad;
 }
 
 /// Other units than the file's usual ones.
@@ -63,23 +38,24 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   const auto wrong = [&](std::string message) -> Result<Imported> {
     return tl::unexpected(Problem{ProblemKind::usage, std::move(message), imported->set.source, 0, 0, {}});
   };
-  if (imported->format == FileFormat::measurement_csv || imported->format == FileFormat::sios_environment)
-    return wrong(fmt::format("{}: its units are fixed", name_of(imported->format)));
-  if (imported->format == FileFormat::iso230_assignments && options.reading_unit)
+  const FileFormat& format = *imported->format;
+  if (format.units == ErrorUnits::fixed) return wrong(fmt::format("{}: its units are fixed", format.title));
+  const bool holds_positions = format.units == ErrorUnits::positions;
+  if (holds_positions && options.reading_unit)
     return wrong("the file holds positions: give the unit of the targets, it is that of the readings too");
   if (options.target_unit && options.target_unit->kind != UnitKind::length)
     return wrong(fmt::format("{} is no unit of length", options.target_unit->name));
   for (Reading& reading : imported->set.readings) {
     if (options.target_unit) {
       reading.position_mm[index_of(reading.axis)] *= options.target_unit->factor;
-      if (imported->format == FileFormat::iso230_assignments) reading.error *= options.target_unit->factor;
+      if (holds_positions) reading.error *= options.target_unit->factor;
     }
     if (!options.reading_unit) continue;
     const bool angle = is_rotation(reading.sense);
     if (options.reading_unit->kind != (angle ? UnitKind::angle : UnitKind::length))
       return wrong(fmt::format("{} is no unit of {}", options.reading_unit->name, ecs::name_of(reading.sense)));
     const double inside = options.reading_unit->factor * (angle ? 1.0 : 1000.0);
-    reading.error *= inside / usual_reading_factor(imported->format, reading.sense);
+    reading.error *= inside / usual_reading_factor(format, reading.sense);
   }
   if (options.target_unit) imported->set.notes.push_back(fmt::format("targets taken as {}", options.target_unit->name));
   if (options.reading_unit)
@@ -90,15 +66,14 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
 }  // namespace
 
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
-  if (!options.mapping && format_of(bytes, file_name) == FileFormat::renishaw_dynamic)
-    return rescaled(parsed_text(FileFormat::renishaw_dynamic, bytes, file_name, options), options);
+  const FileFormat* binary = options.mapping ? nullptr : recognised_format(bytes, file_name);
+  if (binary && binary->is_binary) return rescaled(content_of(*binary, bytes, file_name, options), options);
   const auto text = decoded(bytes, file_name, options.encoding);
   if (!text) return tl::unexpected(text.error());
-  const auto format = options.mapping ? FileFormat::mapped_columns : format_of(text->text, file_name);
+  const FileFormat* format = options.mapping ? file_format("mapped_columns") : recognised_format(text->text, file_name);
   if (!format) return problem_at(file_name, 0, 0, explanation_of(text->text));
-  auto imported = format == FileFormat::mapped_columns
-                      ? wrapped(*format, parse_columns(text->text, file_name, *options.mapping, options))
-                      : rescaled(parsed_text(*format, text->text, file_name, options), options);
+  auto imported = content_of(*format, text->text, file_name, options);
+  if (!options.mapping) imported = rescaled(std::move(imported), options);
   if (imported && text->encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));
   return imported;
@@ -126,6 +101,41 @@ Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const s
               0,
               0,
               {}});
+}
+
+Result<PositioningLine> positioning_line(const ImportOptions& options, const std::string& file_name) {
+  const auto axis = axis_wanted(options, file_name);
+  if (!axis) return tl::unexpected(axis.error());
+  const auto sense = positioning_sense(options, *axis, file_name);
+  if (!sense) return tl::unexpected(sense.error());
+  return PositioningLine{*axis, *sense};
+}
+
+Reading reading_at(const ImportOptions& options, const PositioningLine& at, double position_mm, double error_um,
+                   int text_line) {
+  Reading reading;
+  reading.line = text_line;
+  reading.axis = at.axis;
+  reading.sense = at.sense;
+  reading.position_mm = position_at(options, at.axis, position_mm);
+  reading.error = error_um;
+  return reading;
+}
+
+std::vector<double> numbers_alone(std::string_view text_line) {
+  std::vector<double> numbers;
+  for (const std::string_view word : words_of(text_line)) {
+    const auto number = number_or_comma(word);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+std::optional<std::vector<double>> row_of(std::string_view text_line, std::size_t count) {
+  auto numbers = numbers_alone(text_line);
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
 }
 
 Vector3 position_at(const ImportOptions& options, Axis axis, double target_mm) {

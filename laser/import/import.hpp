@@ -1,5 +1,4 @@
-// One door for every measurement file: what an instrument wrote, as a measurement set.
-// Does not live here: the readers themselves (readers.hpp), the CSV form (measurement_set.hpp).
+// Any measurement file of the registry as a measurement set.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +11,12 @@
 #include "base/result.hpp"
 #include "laser/environment_record.hpp"
 #include "laser/import/columns.hpp"
+#include "laser/import/format.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser/text_decoding.hpp"
 #include "laser/units.hpp"
 
 namespace ecs::laser {
-
-enum class FileFormat {
-  measurement_csv,     ///< our own CSV (measurement_set.hpp)
-  renishaw_run,        ///< Renishaw .rtl .rta .rts
-  renishaw_dynamic,    ///< Renishaw .rtx
-  renishaw_table,      ///< Renishaw error compensation table (.REN)
-  api_pos,             ///< API XD laser report (.pos)
-  sios_environment,    ///< SIOS nanomeasuring machine environment log (.pos)
-  iso230_assignments,  ///< ecmc ISO 230-2 input (.dat)
-  plate,               ///< hole positions of a plate from a coordinate measuring machine (SDSS)
-  height_map,          ///< probed surface: Klipper, RepRapFirmware, LinuxCNC
-  channel_log,         ///< time-stamped log of channels (EPICS camonitor)
-  mapped_columns       ///< any table, by a mapping of its columns; never found by `format_of`
-};
-
-inline constexpr std::size_t kFileFormats = 11;
-
-/// In words, for messages.
-[[nodiscard]] std::string_view name_of(FileFormat format);
 
 /// What a file does not say and the caller knows.
 struct ImportOptions {
@@ -56,14 +37,10 @@ struct ImportOptions {
 };
 
 struct Imported {
-  FileFormat format = FileFormat::measurement_csv;
+  const FileFormat* format = nullptr;          ///< never null in an answer
   MeasurementSet set;                          ///< what had to be assumed stands in `set.notes`
   std::vector<EnvironmentRecord> environment;  ///< of an environment log, whose set has no readings
 };
-
-/// The format by content, the extension only where the content leaves a choice; nothing if no format fits.
-/// @param text  decoded, or the bytes of a dynamic capture
-[[nodiscard]] std::optional<FileFormat> format_of(std::string_view text, const std::string& file_name);
 
 /// Why a text of no known format is not read: what it seems to be, the table found in it, and how to import that.
 [[nodiscard]] std::string explanation_of(std::string_view text);

@@ -1,7 +1,7 @@
-// Readers of instruments' own files, one for each format. Use import.hpp unless the format is known.
-// Does not live here: recognising a format, decoding code pages.
+// What the readers of several formats need: axis and sense that the file does not state, rows of numbers.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,48 +12,6 @@
 
 namespace ecs::laser {
 
-/// Renishaw .rtl (linear, um), .rta (angular, mrad, here um/m), .rts (straightness, um); sections `NAME::`, one line
-/// `run target deviation` for each point; the target number decides, not the order of lines. Odd runs go in the
-/// direction of the target list, even ones back; approach is the sign of that motion, so a descending list starts with
-/// reverse. Two passes make one run. Zero-filled backward passes of a file flagged unidirectional are left out.
-[[nodiscard]] Result<MeasurementSet> parse_renishaw_run(std::string_view text, const std::string& file_name,
-                                                        const ImportOptions& options);
-
-/// Renishaw .rtx dynamic capture: text head, then little-endian 64-bit floats in mm or mrad at a fixed rate.
-/// Readings are displacements from the origin of the capture at `parked_mm`, with `time_s`.
-[[nodiscard]] Result<MeasurementSet> parse_renishaw_dynamic(std::string_view bytes, const std::string& file_name,
-                                                            const ImportOptions& options);
-
-/// Renishaw error compensation table: rows number, position, combined value in mm.
-[[nodiscard]] Result<MeasurementSet> parse_renishaw_table(std::string_view text, const std::string& file_name,
-                                                          const ImportOptions& options);
-
-/// API report: blocks of position and mean error in mm, both directions together or each.
-[[nodiscard]] Result<MeasurementSet> parse_api_pos(std::string_view text, const std::string& file_name,
-                                                   const ImportOptions& options);
-
-/// SIOS environment log: nine numbers a line (m, degC, Pa, percent).
-[[nodiscard]] Result<std::vector<EnvironmentRecord>> parse_sios_environment(std::string_view text,
-                                                                            const std::string& file_name);
-
-/// Shell-style assignments TGT_DATA[i], REF_DATA_FWD[i,j], REF_DATA_BWD[i,j]: absolute positions in mm.
-[[nodiscard]] Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std::string& file_name,
-                                                              const ImportOptions& options);
-
-/// Hole positions of a plate: nominal place and error in X and Y, mm. Two readings for each hole, approach unknown.
-[[nodiscard]] Result<MeasurementSet> parse_plate(std::string_view text, const std::string& file_name,
-                                                 const ImportOptions& options);
-
-/// Probed surface: the first bed mesh of a Klipper configuration, a RepRapFirmware height map, or LinuxCNC probe
-/// points, as EZ along X at each Y. Places that were not probed are left out.
-[[nodiscard]] Result<MeasurementSet> parse_height_map(std::string_view text, const std::string& file_name,
-                                                      const ImportOptions& options);
-
-/// One channel of a log, values in mm: readings over time, or, where headings such as `3mm` stand between the values,
-/// deviations from them.
-[[nodiscard]] Result<MeasurementSet> parse_channel_log(std::string_view text, const std::string& file_name,
-                                                       const ImportOptions& options);
-
 /// The moving axis from the options; a `usage` problem that says what to give if they have none.
 [[nodiscard]] Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name);
 
@@ -62,6 +20,22 @@ namespace ecs::laser {
 
 /// `parked_mm` with the moving axis at `target_mm`.
 [[nodiscard]] Vector3 position_at(const ImportOptions& options, Axis axis, double target_mm);
+
+/// The measured line of a file that states neither axis nor sense: axis and positioning sense of the options.
+struct PositioningLine {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+};
+[[nodiscard]] Result<PositioningLine> positioning_line(const ImportOptions& options, const std::string& file_name);
+
+[[nodiscard]] Reading reading_at(const ImportOptions& options, const PositioningLine& at, double position_mm,
+                                 double error_um, int text_line);
+
+/// The numbers of a line that holds nothing else; empty otherwise. Decimal point or comma.
+[[nodiscard]] std::vector<double> numbers_alone(std::string_view text_line);
+
+/// The same, if there are `count` of them.
+[[nodiscard]] std::optional<std::vector<double>> row_of(std::string_view text_line, std::size_t count);
 
 /// Numbers the readings 1, 2, 3 … in their order.
 void number_rows(MeasurementSet& set);

@@ -1,9 +1,10 @@
-// Renishaw .rtx dynamic captures as measurement sets. Does not live here: run files (renishaw_reader.cpp).
+// Renishaw .rtx dynamic captures as measurement sets. Does not live here: run files (renishaw_run.cpp).
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
@@ -11,8 +12,10 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
+#include "laser/writers/renishaw_dynamic_writer.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -81,8 +84,8 @@ Result<Capture> capture_of(const DynamicHead& head, std::string_view bytes, cons
   if (held < capture.count) {
     if (!options.accept_truncated || held == 0)
       return problem_at(file_name, 0, 0,
-                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is cut short (it can be "
-                                    "taken as it is, if so asked)",
+                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is cut short; "
+                                    "--accept-truncated reads the rest",
                                     capture.count, held));
     notes.push_back(fmt::format("cut short: {} of {} samples", held, capture.count));
     capture.count = held;
@@ -108,10 +111,10 @@ Result<Sense> sense_of_capture(const Capture& capture, const ImportOptions& opti
       Problem{ProblemKind::usage, "an angular capture: give the sense EA, EB or EC", file_name, 0, 0, {}});
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_renishaw_dynamic(std::string_view bytes, const std::string& file_name,
-                                              const ImportOptions& options) {
+/// Text head, then little-endian 64-bit floats in mm or mrad at a fixed rate. Readings are displacements from the
+/// origin of the capture at `parked_mm`, with `time_s`.
+Result<MeasurementSet> read_dynamic(std::string_view bytes, const std::string& file_name,
+                                    const ImportOptions& options) {
   const auto head = head_in(bytes);
   if (!head) return problem_at(file_name, 0, 0, "expected a head that ends with a line Data:, found none");
   MeasurementSet set;
@@ -147,5 +150,27 @@ Result<MeasurementSet> parse_renishaw_dynamic(std::string_view bytes, const std:
   number_rows(set);
   return set;
 }
+
+Recognition recognises_dynamic(const FileStart& file) {
+  const bool is_capture =
+      file.has("header::") && file.has("data:") && !file.has("target data::") && !file.has("deviations::");
+  return is_capture ? Recognition::certain : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kRenishawDynamic{
+    .id = "renishaw_dynamic",
+    .title = "Renishaw dynamic capture (.rtx)",
+    .sample = "capture.rtx",
+    .recognises = recognises_dynamic,
+    .is_binary = true,
+    .read = read_dynamic,
+    .written_extensions = {".rtx"},
+    .write =
+        [](const MeasurementSet& set, const std::string& file_name) {
+          return to_renishaw_dynamic(set, std::filesystem::path(file_name).filename().string());
+        },
+};
 
 }  // namespace ecs::laser

@@ -145,22 +145,22 @@ void check_points(const RunFile& file, Findings& findings) {
 }
 
 void check_whole(const RunFile& file, Findings& findings) {
-  constexpr std::string_view kWayOut = ": the file is cut short (it can be taken as it is, if so asked)";
+  constexpr std::string_view kCutShort = ": the file is cut short; --accept-truncated reads the rest";
   if (file.target_count && static_cast<std::size_t>(*file.target_count) != file.targets.size())
     findings.add(0, 0,
                  fmt::format("Targets: expected {} (Target-count), found {}", *file.target_count, file.targets.size()));
   int passes = 0;
   for (const RunPoint& point : file.points) passes = std::max(passes, point.run);
   if (file.run_count && *file.run_count != passes)
-    findings.add(0, 0,
-                 fmt::format("DEVIATIONS: expected {} runs (Run-count), found {}{}", *file.run_count, passes, kWayOut));
+    findings.add(
+        0, 0, fmt::format("DEVIATIONS: expected {} runs (Run-count), found {}{}", *file.run_count, passes, kCutShort));
   std::set<int> present;
   for (const RunPoint& point : file.points) present.insert(point.run);
   const std::size_t expected = present.size() * file.targets.size();
   if (file.points.size() != expected)
     findings.add(0, 0,
                  fmt::format("DEVIATIONS: expected {} points ({} runs of {} targets), found {}{}", expected,
-                             present.size(), file.targets.size(), file.points.size(), kWayOut));
+                             present.size(), file.targets.size(), file.points.size(), kCutShort));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // A Renishaw run file (.rtl .rta .rts) as it stands: sections, keys, targets and points, nothing interpreted.
-// Does not live here: what the numbers mean (renishaw_reader.cpp).
+// Does not live here: what the numbers mean (renishaw_run.cpp).
 #pragma once
 
 #include <optional>

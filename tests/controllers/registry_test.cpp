@@ -2,6 +2,7 @@
 // writing was given.
 #include "controllers/registry.hpp"
 
+#include <filesystem>
 #include <set>
 
 #include <doctest/doctest.h>
@@ -45,7 +46,7 @@ TEST_CASE("every controller format has words, options with help, and an id of it
 }
 
 TEST_CASE("the documentation has the row of every controller format") {
-  const auto text = read_file(ECS_SOURCE_FOLDER "/docs/controllers.md");
+  const auto text = read_file("docs/controllers.md");
   REQUIRE(text);
   for (const ControllerFormat* format : controller_formats())
     CHECK_MESSAGE(text->find(holds_row(*format)) != std::string::npos, holds_row(*format));
@@ -99,6 +100,16 @@ TEST_CASE("a controller format refuses a file of another kind, with the file nam
     REQUIRE_FALSE(read);
     CHECK(read.error().file == "x.csv");
     CHECK_FALSE(read.error().message.empty());
+  }
+}
+
+TEST_CASE("every controller format has a fuzzer and seeds for it") {
+  const auto list = read_file("tests/fuzz/CMakeLists.txt");
+  REQUIRE(list);
+  for (const ControllerFormat* format : controller_formats()) {
+    CAPTURE(format->id);
+    CHECK(list->find(" " + std::string(format->id)) != std::string::npos);
+    CHECK(std::filesystem::is_directory("tests/fuzz/corpus/" + std::string(format->id)));
   }
 }
 

@@ -1,6 +1,6 @@
-// libFuzzer over every reader of measurement files and of controls' tables: whatever the bytes are, a Result comes
-// back, and what was read is finite. Built once for each reader: ECS_FUZZ_READER is its name below. Does not live here:
-// the seeds (corpus/).
+// libFuzzer over every reader of measurement files, controller tables and maps: whatever the bytes are, a Result comes
+// back, and what was read is finite. Built once for each reader: ECS_FUZZ_READER is the id of a format, "any" or "map".
+// The seeds of each are in corpus/<id>.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,13 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "controllers/etalon.hpp"
-#include "controllers/linuxcnc.hpp"
-#include "controllers/siemens.hpp"
-#include "controllers/twincat.hpp"
+#include "controllers/registry.hpp"
 #include "laser/analysis/iso230.hpp"
 #include "laser/import/import.hpp"
-#include "laser/import/readers.hpp"
+#include "laser/import/registry.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
@@ -67,31 +64,15 @@ void any(std::string_view bytes, const ImportOptions& options) {
     std::abort();
 }
 
-void run_file(std::string_view bytes, const ImportOptions& options) {
-  use(parse_renishaw_run(bytes, "fuzz.rtl", options));
-}
-void dynamic(std::string_view bytes, const ImportOptions& options) {
-  use(parse_renishaw_dynamic(bytes, "f.rtx", options));
-}
-void table(std::string_view bytes, const ImportOptions& options) { use(parse_renishaw_table(bytes, "f.ren", options)); }
-void api(std::string_view bytes, const ImportOptions& options) { use(parse_api_pos(bytes, "f.pos", options)); }
-void assignments(std::string_view bytes, const ImportOptions& options) {
-  use(parse_iso230_assignments(bytes, "f.dat", options));
-}
-void plate(std::string_view bytes, const ImportOptions& options) { use(parse_plate(bytes, "f.txt", options)); }
-void height_map(std::string_view bytes, const ImportOptions& options) {
-  use(parse_height_map(bytes, "f.cfg", options));
-}
-void channel_log(std::string_view bytes, const ImportOptions& options) {
-  use(parse_channel_log(bytes, "f.log", options));
-}
-void csv(std::string_view bytes, const ImportOptions&) { use(parse_measurement_set(bytes, "f.csv")); }
-void environment(std::string_view bytes, const ImportOptions&) {
-  static_cast<void>(parse_sios_environment(bytes, "f.pos"));
+void file(const FileFormat& format, std::string_view bytes, const ImportOptions& options) {
+  if (format.read_environment)
+    static_cast<void>(format.read_environment(bytes, "fuzz"));
+  else
+    use(format.read(bytes, "fuzz", options));
 }
 
-/// The mapping stands in the first line, the table below.
-void columns(std::string_view bytes, const ImportOptions& options) {
+/// The mapping is the first line, the table below.
+void mapped_columns(std::string_view bytes, const ImportOptions& options) {
   const std::size_t end = bytes.find('\n');
   const auto mapping = column_mapping(bytes.substr(0, end));
   if (!mapping || end == std::string_view::npos) return;
@@ -124,27 +105,21 @@ void use(const Result<ControllerTables>& tables) {
   if (again && again->tables.size() != read.map.tables.size()) std::abort();
 }
 
-void linuxcnc(std::string_view bytes, const ImportOptions& options) {
-  LinuxCncReadOptions how;
-  if (options.axis) how.type = options.table_holds_errors ? 0 : 1;
-  how.as_loaded = options.accept_truncated;
-  if (options.target_unit) how.units = MachineUnits::inch;
-  use(parse_linuxcnc(bytes, "x.comp", how));
-}
-void siemens(std::string_view bytes, const ImportOptions& options) {
-  SiemensOptions how;
-  how.cec_adds = options.table_holds_errors;
-  use(parse_siemens(bytes, "NC_CEC.INI", how));
-}
-void etalon(std::string_view bytes, const ImportOptions&) { use(parse_etalon(bytes, "errors.txt")); }
-void twincat(std::string_view bytes, const ImportOptions& options) {
-  TwinCatOptions how;
-  how.adds = options.table_holds_errors;
-  use(parse_twincat(bytes, "achskw1.lis", how, options.axis));
+/// The same choices for the options of whichever format: a word of each, or none.
+void tables(const ControllerFormat& format, std::string_view bytes, const ImportOptions& options) {
+  OptionValues values(format.read_options);
+  values.set("axis", "X");
+  std::size_t choice = (options.axis ? 1u : 0u) + (options.table_holds_errors ? 2u : 0u);
+  for (const FormatOption& option : format.read_options) {
+    if (!option.words.empty() && choice > 0)
+      values.set(option.name, std::string(option.words[choice % option.words.size()]));
+    if (option.is_flag && options.accept_truncated) values.set(option.name, "1");
+  }
+  use(format.read({"fuzz", bytes, bytes, true, values}));
 }
 
 /// A map that was read is written and read again as the same tables.
-void map(std::string_view bytes, const ImportOptions&) {
+void map(std::string_view bytes) {
   const auto read = parse_map_csv(bytes, "map.csv");
   if (!read) {
     if (read.error().message.empty()) std::abort();
@@ -159,6 +134,19 @@ void map(std::string_view bytes, const ImportOptions&) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 1) return 0;
   const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  ECS_FUZZ_READER(bytes, options_of(data[0]));
+  const ImportOptions options = options_of(data[0]);
+  constexpr std::string_view kReader = ECS_FUZZ_READER;
+  if (kReader == "any")
+    any(bytes, options);
+  else if (kReader == "map")
+    map(bytes);
+  else if (kReader == "mapped_columns")
+    mapped_columns(bytes, options);
+  else if (const FileFormat* format = file_format(kReader))
+    file(*format, bytes, options);
+  else if (const ControllerFormat* format_of_controller = controller_format(kReader))
+    tables(*format_of_controller, bytes, options);
+  else
+    std::abort();
   return 0;
 }

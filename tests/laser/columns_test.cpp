@@ -34,7 +34,7 @@ ImportOptions by(const std::string& columns, int skip = 0) {
 MeasurementSet read(const std::string& text, const ImportOptions& options) {
   auto imported = parse_any(text, "table.txt", options);
   REQUIRE_MESSAGE(imported.has_value(), (imported ? "" : to_text(imported.error())));
-  CHECK(imported->format == FileFormat::mapped_columns);
+  CHECK(imported->format->id == "mapped_columns");
   return imported->set;
 }
 

@@ -53,7 +53,7 @@ TEST_CASE("six published reports agree to their printed digits") {
     options.axis = Axis::X;
     const auto imported = read_any(folder / (std::string(published.name) + "_ISO230.dat"), options);
     REQUIRE_MESSAGE(imported.has_value(), to_text(imported.error()));
-    CHECK(imported->format == FileFormat::iso230_assignments);
+    CHECK(imported->format->id == "iso230_assignments");
     const auto all = iso230_of(imported->set);
     REQUIRE(all.has_value());
     REQUIRE(all->size() == 1);

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "laser/import/import.hpp"
+#include "laser/import/registry.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
 #include "made_up.hpp"
@@ -125,9 +126,9 @@ TEST_CASE("Shift-JIS and Latin-1 if asked for") {
 }
 
 TEST_CASE("nine numbers are an environment log only with a pressure among them") {
-  CHECK(format_of("-50 -50 -0.03 0 0 0 0 0 0\n", "p.txt") == FileFormat::height_map);
-  CHECK(format_of("1E-2 1E-2 1E-3 21 21 21 97635 42 23\n", "p.txt") == FileFormat::sios_environment);
-  CHECK_FALSE(format_of("1 2 3 4 5 6 7 8 9\n", "p.txt").has_value());
+  CHECK(recognised_format("-50 -50 -0.03 0 0 0 0 0 0\n", "p.txt")->id == "height_map");
+  CHECK(recognised_format("1E-2 1E-2 1E-3 21 21 21 97635 42 23\n", "p.txt")->id == "sios_environment");
+  CHECK(recognised_format("1 2 3 4 5 6 7 8 9\n", "p.txt") == nullptr);
 }
 
 TEST_CASE("places of a height map that were not probed are left out, in every version of its head") {

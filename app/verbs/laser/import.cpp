@@ -4,6 +4,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/verbs/laser/import_arguments.hpp"
 #include "app/verbs/laser/menu.hpp"
@@ -11,10 +12,7 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 #include "commissioning/measurements/json.hpp"
-#include "laser/writers/measurement_writer.hpp"
-#include "laser/writers/renishaw_dynamic_writer.hpp"
-#include "laser/writers/renishaw_writer.hpp"
-#include "laser/writers/table_writers.hpp"
+#include "laser/import/registry.hpp"
 
 namespace ecs::app {
 namespace {
@@ -27,7 +25,7 @@ struct FileImportArguments {
 };
 
 Json json_of_file(const std::string& file, const laser::Imported& imported) {
-  Json object{{"file", file}, {"format", laser::name_of(imported.format)}};
+  Json object{{"file", file}, {"format", imported.format->title}};
   object.update(json_of(imported.set));
   if (!imported.environment.empty()) object["environment_records"] = imported.environment.size();
   return object;
@@ -42,7 +40,7 @@ std::string shortened_table(std::vector<LineSummary> lines) {
 }
 
 std::string text_of_file(const std::string& file, const laser::Imported& imported) {
-  std::string text = fmt::format("{}: {}\n", file, laser::name_of(imported.format));
+  std::string text = fmt::format("{}: {}\n", file, imported.format->title);
   if (imported.set.readings.empty())
     text += fmt::format("  no readings; {} records of the environment\n", imported.environment.size());
   else
@@ -63,25 +61,19 @@ Json whole(const std::vector<Json>& files, const laser::MeasurementSet& set, con
 }
 
 /// The set in the form that the output's extension names; the measurement CSV for any other.
-Result<std::string> content_for(const std::string& output, const laser::MeasurementSet& set) {
-  const std::string extension = lower(std::filesystem::path(output).extension().string());
-  if (extension == ".rtl" || extension == ".rta" || extension == ".rts") {
-    if (!set.readings.empty() && laser::renishaw_extension(set) != extension)
-      return problem(ProblemKind::usage, fmt::format("{}: these readings make a {} file, not {}", output,
-                                                     laser::renishaw_extension(set), extension));
-    return laser::to_renishaw_run(set);
-  }
-  if (extension == ".rtx") return laser::to_renishaw_dynamic(set, std::filesystem::path(output).filename().string());
-  if (extension == ".ren") return laser::to_renishaw_table(set);
-  if (extension == ".pos") return laser::to_api_pos(set);
-  if (extension == ".dat") return laser::to_iso230_assignments(set);
-  return laser::to_csv(set);
-}
-
 Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
-  const auto content = content_for(output, set);
+  const auto& format = laser::format_written_as(std::filesystem::path(output).extension().string());
+  const auto content = format.write(set, output);
   if (!content) return tl::unexpected(content.error());
   return write_file(output, *content);
+}
+
+/// "the file to write: CSV, or .rtl .rta …"
+std::string output_help() {
+  std::vector<std::string_view> extensions;
+  for (const auto* format : laser::file_formats().subspan(1))  // the first is the CSV
+    extensions.insert(extensions.end(), format->written_extensions.begin(), format->written_extensions.end());
+  return fmt::format("the file to write: CSV, or {}", fmt::join(extensions, " "));
 }
 
 Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
@@ -125,7 +117,7 @@ void add_laser_import(Menu& menu) {
                         "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
                         "--skip 3 --save-profile gauge -o table.csv");
   verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
-      .text("-o,--output", arguments->output, "the file to write: CSV, or .rtl .rta .rts .rtx .ren .pos .dat")
+      .text("-o,--output", arguments->output, output_help())
       .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
   take_import_options(verb, arguments->import);
   verb.runs([arguments](VerbContext& context) { return import(context, *arguments); });

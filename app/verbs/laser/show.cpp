@@ -63,9 +63,9 @@ Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const auto imported = read_measurements(arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::MeasurementSet& set = imported->set;
-  Json object{{"file", arguments.file}, {"format", laser::name_of(imported->format)}};
+  Json object{{"file", arguments.file}, {"format", imported->format->title}};
   object.update(json_of(set));
-  std::string text = heading(set, arguments.file, laser::name_of(imported->format));
+  std::string text = heading(set, arguments.file, imported->format->title);
   text += lines_table(lines_in(set));
   const auto groups = laser::groups_of(set);
   for (std::size_t i = 0; i < groups.size(); ++i) {

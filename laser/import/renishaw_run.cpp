@@ -2,14 +2,17 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
+#include "laser/writers/renishaw_writer.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -170,10 +173,11 @@ void add_metadata(MeasurementSet& set, const RunFile& file) {
     for (const MetadataEntry& entry : *entries) set.metadata.push_back({usual_spelling(entry.key), entry.value});
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_renishaw_run(std::string_view text, const std::string& file_name,
-                                          const ImportOptions& options) {
+/// Linear (.rtl, um), angular (.rta, mrad, here um/m), straightness (.rts, um); sections `NAME::`, one line `run target
+/// deviation` for each point; the target number decides, not the order of lines. Odd runs go in the direction of the
+/// target list, even ones back; approach is the sign of that motion, so a descending list starts with reverse. Two
+/// passes make one run. Zero-filled backward passes of a file flagged unidirectional are left out.
+Result<MeasurementSet> read_run(std::string_view text, const std::string& file_name, const ImportOptions& options) {
   const auto file = run_file_in(text, file_name, options.accept_truncated);
   if (!file) return tl::unexpected(file.error());
   MeasurementSet set;
@@ -208,5 +212,30 @@ Result<MeasurementSet> parse_renishaw_run(std::string_view text, const std::stri
   number_rows(set);
   return set;
 }
+
+Recognition recognises_run(const FileStart& file) {
+  return file.has("target data::") || file.has("deviations::") ? Recognition::certain : Recognition::no;
+}
+
+Result<std::string> write_run(const MeasurementSet& set, const std::string& file_name) {
+  const std::string extension = lower(std::filesystem::path(file_name).extension().string());
+  if (!set.readings.empty() && renishaw_extension(set) != extension)
+    return problem(ProblemKind::usage, fmt::format("{}: these readings make a {} file, not {}", file_name,
+                                                   renishaw_extension(set), extension));
+  return to_renishaw_run(set);
+}
+
+}  // namespace
+
+extern const FileFormat kRenishawRun{
+    .id = "renishaw_run",
+    .title = "Renishaw run file (.rtl .rta .rts)",
+    .sample = "vmc_x.rtl",
+    .recognises = recognises_run,
+    .read = read_run,
+    .written_extensions = {".rtl", ".rta", ".rts"},
+    .write = write_run,
+    .holds_um = true,
+};
 
 }  // namespace ecs::laser

@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
 #include "laser/import/time.hpp"
@@ -57,10 +58,10 @@ Result<std::string> channel_of(const std::vector<std::string_view>& lines, const
                                    fmt::join(names, ", "))));
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_channel_log(std::string_view text, const std::string& file_name,
-                                         const ImportOptions& options) {
+/// One channel of a log, values in mm: readings over time, or, where headings such as `3mm` stand between the values,
+/// deviations from them.
+Result<MeasurementSet> read_channel_log(std::string_view text, const std::string& file_name,
+                                        const ImportOptions& options) {
   const auto lines = lines_of(text);
   const auto channel = channel_of(lines, file_name, options);
   if (!channel) return tl::unexpected(channel.error());
@@ -111,5 +112,26 @@ Result<MeasurementSet> parse_channel_log(std::string_view text, const std::strin
   number_rows(set);
   return set;
 }
+
+bool is_channel_sample(std::string_view line) {
+  const auto words = words_of(line);
+  return words.size() >= 4 && words[1].find('-') != std::string_view::npos &&
+         seconds_in(std::string(words[1]) + " " + std::string(words[2])) && !number_in(words[0]);
+}
+
+Recognition recognises_channel_log(const FileStart& file) {
+  const auto lines = lines_of(file.text.substr(0, file.head.size()));
+  return std::count_if(lines.begin(), lines.end(), is_channel_sample) >= 2 ? Recognition::certain : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kChannelLog{
+    .id = "channel_log",
+    .title = "log of channels (camonitor)",
+    .sample = "sensor.log",
+    .recognises = recognises_channel_log,
+    .read = read_channel_log,
+};
 
 }  // namespace ecs::laser

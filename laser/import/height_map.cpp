@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
 
@@ -185,9 +186,9 @@ void probe_points(std::vector<Height>& heights, const std::vector<std::string_vi
   }
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_height_map(std::string_view text, const std::string& file_name, const ImportOptions&) {
+/// The first bed mesh of a Klipper configuration, a RepRapFirmware height map, or LinuxCNC probe points, as EZ along X
+/// at each Y. Places that were not probed are left out.
+Result<MeasurementSet> read_height_map(std::string_view text, const std::string& file_name, const ImportOptions&) {
   MeasurementSet set;
   set.source = file_name;
   Findings findings(file_name);
@@ -216,5 +217,25 @@ Result<MeasurementSet> parse_height_map(std::string_view text, const std::string
   number_rows(set);
   return set;
 }
+
+Recognition recognises_height_map(const FileStart& file) {
+  const auto numbers = numbers_alone(file.first_line);
+  const bool is_probe_point =  // X, Y, Z and six zeros
+      numbers.size() == 9 && std::all_of(numbers.begin() + 3, numbers.end(), [](double n) { return n == 0.0; });
+  const bool is_mesh =
+      file.text.find("[bed_mesh ") != std::string_view::npos || file.head.starts_with("reprapfirmware height map file");
+  return is_mesh || is_probe_point ? Recognition::certain : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kHeightMap{
+    .id = "height_map",
+    .title = "probed surface (bed mesh, height map)",
+    .sample = "bed_mesh.cfg",
+    .recognises = recognises_height_map,
+    .read = read_height_map,
+    .states_place = {true, true, true},
+};
 
 }  // namespace ecs::laser

@@ -9,8 +9,10 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/units.hpp"
+#include "laser/writers/table_writers.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -133,19 +135,16 @@ void check(const Contents& contents, bool accept_truncated, Findings& findings) 
     if (!accept_truncated && plausible && !stops->empty() && static_cast<long long>(stops->size()) != targets * *cycles)
       findings.add(0, 0,
                    fmt::format("expected {} positions in a direction (POSITIONS times CYCLES), found {}: the file "
-                               "is cut short (it can be taken as it is, if so asked)",
+                               "is cut short; --accept-truncated reads the rest",
                                targets * *cycles, stops->size()));
   }
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std::string& file_name,
-                                                const ImportOptions& options) {
-  const auto axis = axis_wanted(options, file_name);
-  if (!axis) return tl::unexpected(axis.error());
-  const auto sense = positioning_sense(options, *axis, file_name);
-  if (!sense) return tl::unexpected(sense.error());
+/// TGT_DATA[i], REF_DATA_FWD[i,j], REF_DATA_BWD[i,j]: absolute positions in mm, or in UNIT.
+Result<MeasurementSet> read_assignments(std::string_view text, const std::string& file_name,
+                                        const ImportOptions& options) {
+  const auto line = positioning_line(options, file_name);
+  if (!line) return tl::unexpected(line.error());
   Findings findings(file_name);
   const Contents contents = contents_of(text, findings);
   if (findings.empty()) check(contents, options.accept_truncated, findings);
@@ -157,13 +156,9 @@ Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std
   for (const auto& [stops, approach] :
        {std::pair{&contents.forward, Approach::forward}, std::pair{&contents.reverse, Approach::reverse}}) {
     for (const auto& [key, stop] : *stops) {
-      const double target_position_mm = contents.targets_mm.at(key.second) * factor;
-      Reading reading;
-      reading.line = stop.line;
-      reading.axis = *axis;
-      reading.sense = *sense;
-      reading.position_mm = position_at(options, *axis, target_position_mm);
-      reading.error = (stop.position_mm - contents.targets_mm.at(key.second)) * factor * kUmPerMm;
+      const double target = contents.targets_mm.at(key.second);
+      Reading reading =
+          reading_at(options, *line, target * factor, (stop.position_mm - target) * factor * kUmPerMm, stop.line);
       reading.approach = approach;
       reading.run = static_cast<int>(key.first);
       set.readings.push_back(std::move(reading));
@@ -173,5 +168,23 @@ Result<MeasurementSet> parse_iso230_assignments(std::string_view text, const std
   number_rows(set);
   return set;
 }
+
+Recognition recognises_assignments(const FileStart& file) {
+  const auto has = [&](std::string_view name) { return file.text.find(name) != std::string_view::npos; };
+  return has("REF_DATA_FWD[") || has("REF_DATA_BWD[") ? Recognition::certain : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kIso230Assignments{
+    .id = "iso230_assignments",
+    .title = "ISO 230-2 assignments (.dat)",
+    .sample = "axis.dat",
+    .recognises = recognises_assignments,
+    .read = read_assignments,
+    .written_extensions = {".dat"},
+    .write = [](const MeasurementSet& set, const std::string&) { return to_iso230_assignments(set); },
+    .units = ErrorUnits::positions,
+};
 
 }  // namespace ecs::laser

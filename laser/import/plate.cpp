@@ -7,25 +7,15 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
+#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/renishaw_file.hpp"
-#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
 
 constexpr std::size_t kColumns = 9;  ///< measured X Y, nominal X Y, error X Y, measured and nominal diameter, roundness
 constexpr double kPrinted_mm = 0.0016;  ///< three numbers rounded to 1 um each
-
-std::vector<double> row_in(std::string_view line) {
-  std::vector<double> numbers;
-  for (const std::string_view word : words_of(line)) {
-    const auto number = number_or_comma(word);
-    if (!number) return {};
-    numbers.push_back(*number);
-  }
-  return numbers;
-}
 
 Reading reading_of(const std::vector<double>& row, Axis axis, double parked_z_mm, int line) {
   const std::size_t i = index_of(axis);
@@ -39,9 +29,8 @@ Reading reading_of(const std::vector<double>& row, Axis axis, double parked_z_mm
   return reading;
 }
 
-}  // namespace
-
-Result<MeasurementSet> parse_plate(std::string_view text, const std::string& file_name, const ImportOptions& options) {
+/// Nominal place and error in X and Y, mm. Two readings for each hole, approach unknown.
+Result<MeasurementSet> read_plate(std::string_view text, const std::string& file_name, const ImportOptions& options) {
   MeasurementSet set;
   set.source = file_name;
   Findings findings(file_name);
@@ -59,7 +48,7 @@ Result<MeasurementSet> parse_plate(std::string_view text, const std::string& fil
       set.metadata.push_back(
           {std::string(trimmed(line.substr(0, colon))), std::string(trimmed(line.substr(colon + 1)))});
     } else if (in_table) {
-      const auto row = row_in(line);
+      const auto row = numbers_alone(line);
       if (row.size() != kColumns) {
         findings.add(number, 1,
                      fmt::format("expected nine numbers as the heading names them, found {}", in_quotes(line)));
@@ -81,5 +70,20 @@ Result<MeasurementSet> parse_plate(std::string_view text, const std::string& fil
   number_rows(set);
   return set;
 }
+
+Recognition recognises_plate(const FileStart& file) {
+  return file.has("meas x") && file.has("nom x") && file.has("err x") ? Recognition::certain : Recognition::no;
+}
+
+}  // namespace
+
+extern const FileFormat kPlate{
+    .id = "plate",
+    .title = "hole positions of a plate",
+    .sample = "plate.txt",
+    .recognises = recognises_plate,
+    .read = read_plate,
+    .states_place = {true, true, false},
+};
 
 }  // namespace ecs::laser
