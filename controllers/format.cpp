@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/numbers.hpp"
 #include "base/text.hpp"
 
 namespace ecs::controllers {
@@ -38,9 +37,9 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
     return problem(ProblemKind::usage,
                    "--axis names the axis of a single file; the axes of several files are taken from their names or "
                    "their content");
-  const auto axis = axis_named(given);
-  if (!axis) return tl::unexpected(axis.error());
-  return *axis;
+  for (const Axis axis : kAllAxes)
+    if (lower(given) == lower(std::string(1, letter_of(axis)))) return axis;
+  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));
 }
 
 }  // namespace ecs::controllers

@@ -76,8 +76,8 @@ struct ControllerFormat {
   Holds holds;
   double resolution_um = 0.0;  ///< of the values in a file
   bool tables_add_up = false;  ///< the controller adds several tables of one component
-  std::vector<FormatOption> write_options;
-  std::vector<FormatOption> read_options;
+  std::vector<FormatOption> write_options = {};
+  std::vector<FormatOption> read_options = {};
   /// Whether the writer names files like that, in a folder. None: one file under any name.
   bool (*is_file)(std::string_view name) = nullptr;
   /// Whether decoded text is of this format.

@@ -59,14 +59,6 @@ laser::MapTable sum_of(const ControllerTables& all, Component component, Approac
   return sum;
 }
 
-double largest_in(const laser::ErrorMap& map, Component component) {
-  double largest = 0.0;
-  for (const laser::MapTable& table : map.tables)
-    if (table.component == component)
-      for (const double value : table.compensation) largest = std::max(largest, std::abs(value));
-  return largest;
-}
-
 }  // namespace
 
 Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
@@ -197,7 +189,8 @@ void leave_behind(ControllerExport& made, const ExportSource& source, const std:
   const auto squareness = squareness_of(source.parameters);
   for (std::size_t i = 0; i < kComponents; ++i) {
     const auto component = static_cast<Component>(i);
-    const double largest = is_squareness(component) ? std::abs(squareness[i]) : largest_in(source.map, component);
+    const double largest =
+        is_squareness(component) ? std::abs(squareness[i]) : largest_in(source.map.tables, component);
     if (largest == 0.0 || is_carried(component)) continue;
     const bool rotation = !is_squareness(component) && is_angular(component);
     made.not_carried.push_back({std::string(name_of(component)), largest, std::string(unit_of(component)),
@@ -207,9 +200,8 @@ void leave_behind(ControllerExport& made, const ExportSource& source, const std:
 
 std::array<double, kComponents> squareness_of(const UnitParameters& parameters) {
   std::array<double, kComponents> values{};
-  values[index_of(Component::C0Y)] = parameters.C0Y_um_per_m;
-  values[index_of(Component::B0Z)] = parameters.B0Z_um_per_m;
-  values[index_of(Component::A0Z)] = parameters.A0Z_um_per_m;
+  for (std::size_t i = kCurves; i < kComponents; ++i)
+    values[i] = squareness_um_per_m(parameters, static_cast<Component>(i));
   return values;
 }
 

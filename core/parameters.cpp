@@ -43,4 +43,14 @@ ComponentSet components_needed(const UnitParameters& parameters) noexcept {
   return components_needed(*terms, true);  // rows that the tool offset does not lever are out already
 }
 
+double& squareness_um_per_m(UnitParameters& parameters, Component component) noexcept {
+  if (component == Component::C0Y) return parameters.C0Y_um_per_m;
+  return component == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
+}
+
+double squareness_um_per_m(const UnitParameters& parameters, Component component) noexcept {
+  if (component == Component::C0Y) return parameters.C0Y_um_per_m;
+  return component == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
+}
+
 }  // namespace ecs

@@ -80,6 +80,10 @@ struct UnitParameters {
   friend bool operator==(const UnitParameters&, const UnitParameters&) = default;
 };
 
+/// The squareness error of C0Y, B0Z or A0Z, um/m. @pre is_squareness(component)
+[[nodiscard]] double& squareness_um_per_m(UnitParameters& parameters, Component component) noexcept;
+[[nodiscard]] double squareness_um_per_m(const UnitParameters& parameters, Component component) noexcept;
+
 /// The configuration string without its padding.
 [[nodiscard]] std::string_view configuration_of(const UnitParameters& parameters) noexcept;
 

@@ -70,32 +70,22 @@ void check_rack(const UnitParameters& p, Findings& findings) {
                              p.memory_modules, encoders, resolvers));
 }
 
-struct SquarenessValue {
-  std::string_view code;
-  double um_per_m;
-  Component component;
-};
-
-std::array<SquarenessValue, 3> squareness_of(const UnitParameters& p) {
-  return {{{"C0Y", p.C0Y_um_per_m, Component::C0Y},
-           {"B0Z", p.B0Z_um_per_m, Component::B0Z},
-           {"A0Z", p.A0Z_um_per_m, Component::A0Z}}};
-}
-
 void check_squareness(const UnitParameters& p, Findings& findings) {
   const bool sound = terms_of(p).has_value();
   const ComponentSet used = components_needed(p);
-  for (const SquarenessValue& s : squareness_of(p)) {
-    const std::string key = fmt::format("compensation.squareness.{}_um_per_m", s.code);
-    if (std::abs(s.um_per_m) > kSteepSquareness_um_per_m)
+  for (std::size_t i = kCurves; i < kComponents; ++i) {
+    const auto component = static_cast<Component>(i);
+    const double um_per_m = squareness_um_per_m(p, component);
+    const std::string key = fmt::format("compensation.squareness.{}_um_per_m", name_of(component));
+    if (std::abs(um_per_m) > kSteepSquareness_um_per_m)
       findings.error({key}, fmt::format("{} um/m is more than 1 mm in 1 m: look for a wrong unit (arc seconds are "
                                         "4.848 um/m) or a wrong decimal point",
-                                        shortest(s.um_per_m)));
-    if (sound && s.um_per_m != 0.0 && !used.contains(s.component))
+                                        shortest(um_per_m)));
+    if (sound && um_per_m != 0.0 && !used.contains(component))
       findings.warning({key, "compensation.scope"},
                        fmt::format("{} um/m is given, but this scope with these axes does not use {}: widen the scope "
                                    "or set it to 0",
-                                   shortest(s.um_per_m), s.code));
+                                   shortest(um_per_m), name_of(component)));
   }
 }
 

@@ -32,7 +32,7 @@ PredictedRow predicted_row(const TableRow& row, const CompiledMap& map) {
   for (laser::Reading& reading : set.readings) compensate(reading, map);
   const auto groups = laser::groups_of(set);
   if (groups.size() != 1) return out;
-  const auto levelled = levelled_readings(set, groups.front(), row.planned.slope);
+  const auto levelled = laser::processed_readings(set, groups.front(), {row.planned.slope});
   if (!levelled) return out;
   out.band = levelled->band;
   out.rms = rms_about_mean(levelled->after);

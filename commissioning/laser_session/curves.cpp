@@ -1,29 +1,15 @@
 #include "commissioning/laser_session/curves.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "commissioning/measurements/levelling.hpp"
 #include "commissioning/plot/curves.hpp"
+#include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
 
 namespace ecs::app {
 namespace {
-
-/// Range of the means of a curve; 0 where there are none.
-double band_of(const laser::Curve& curve) {
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (const laser::CurvePoint& point : curve.points)
-    for (const std::optional<double>& value : {point.forward, point.reverse}) {
-      if (!value) continue;
-      lowest = std::min(lowest, *value);
-      highest = std::max(highest, *value);
-    }
-  return highest >= lowest ? highest - lowest : 0.0;
-}
 
 std::string y_label_of(Sense sense) { return fmt::format("error [{}]", is_rotation(sense) ? "µm/m" : "µm"); }
 
@@ -39,58 +25,43 @@ PlotPanel screen_panel(const laser::MeasurementSet& readings, const laser::Curve
   return panel;
 }
 
-Result<laser::Smoothed> smoothed_over(const laser::Curve& curve, double window_mm) {
-  laser::Smoothing how;
-  how.window_mm = window_mm;
-  return laser::smoothed(curve, how);
-}
-
-void take_level(LaserCurve& out, const laser::Levelled& level) {
-  out.removed_per_m = level.removed.slope_per_m;
-  out.removed_std_error_per_m = level.slope_std_error_per_m;
-}
-
-/// Smooths if that is chosen and draws what comes out. @param readings  behind the curve; empty: none
-void finish(LaserCurve& out, const laser::Curve& level, const laser::MeasurementSet& readings) {
-  if (out.choice.smoothing_mm > 0.0) {
-    auto smooth = smoothed_over(level, out.choice.smoothing_mm);
-    if (!smooth) {
-      out.problem = "smoothing: " + to_text(smooth.error());
-    } else {
-      out.smoothed = std::move(*smooth);
-      out.band_after = band_of(out.smoothed->curve);
-    }
-  }
-  out.after = screen_panel(readings, out.smoothed ? out.smoothed->curve : level, "after");
+/// What the steps made of a curve. @param readings  behind the curve; empty: none
+void finish(LaserCurve& out, const laser::ProcessedCurve& steps, const laser::MeasurementSet& readings) {
+  out.removed_per_m = steps.level.removed.slope_per_m;
+  out.removed_std_error_per_m = steps.level.slope_std_error_per_m;
+  out.smoothed = steps.smooth;
+  if (steps.smooth) out.band_after = laser::band_of(steps.smooth->curve);
+  if (steps.smoothing_fault) out.problem = "smoothing: " + to_text(*steps.smoothing_fault);
+  out.after = screen_panel(readings, steps.curve(), "after");
   out.unchanged = out.slope == laser::SlopeMethod::none && !out.smoothed;
   if (out.unchanged) out.before.title = "before and after";
 }
 
+laser::CurveSteps steps_of(const LaserCurve& curve) { return {curve.slope, curve.choice.smoothing_mm}; }
+
 void take_one_line(LaserCurve& out, const LaserLineResult& line) {
-  const auto readings = levelled_readings(line.chosen, line.group, out.slope);
+  const auto readings = laser::processed_readings(line.chosen, line.group, steps_of(out));
   if (!readings) {
     out.problem = to_text(readings.error());
     return;
   }
-  take_level(out, readings->level);
   out.band_before = readings->band_before;
   out.band_after = readings->band;
   out.before = screen_panel(readings->before, readings->before_curve, "before");
-  finish(out, readings->level.curve, readings->after);
+  finish(out, *readings, readings->after);
 }
 
 void take_two_lines(LaserCurve& out, const LaserLineResult& first, const LaserLineResult& second) {
   const auto rotation = laser::rotation_from(*first.curve, *second.curve);
-  const auto level = rotation ? laser::levelled(*rotation, out.slope) : tl::unexpected(rotation.error());
-  if (!level) {
-    out.problem = to_text(level.error());
+  const auto steps = rotation ? laser::processed(*rotation, steps_of(out)) : tl::unexpected(rotation.error());
+  if (!steps) {
+    out.problem = to_text(steps.error());
     return;
   }
-  take_level(out, *level);
-  out.band_before = band_of(*rotation);
-  out.band_after = band_of(level->curve);
+  out.band_before = laser::band_of(*rotation);
+  out.band_after = laser::band_of(steps->level.curve);
   out.before = screen_panel({}, *rotation, "before");
-  finish(out, level->curve, {});
+  finish(out, *steps, {});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
+#include "laser/analysis/pipeline.hpp"
 #include "laser/import/import.hpp"
 
 namespace ecs::app {
@@ -117,7 +118,7 @@ LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first)
   line.component = curve_of(line.group.sense, line.group.axis);
   take_place(line, first.place_told);
   if (line.square) line.component = squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
-  line.suspects = suspects_of(*line.set, line.group);
+  line.suspects = laser::outliers_of(*line.set, line.group);
   return line;
 }
 
@@ -145,47 +146,6 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
     lines.back().notes.push_back("not joined: " + to_text(all.error()));
   }
   return lines;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Readings of one target and approach.
-using Cell = std::vector<std::size_t>;
-
-std::vector<Cell> cells_of(const laser::MeasurementSet& set, const laser::Group& group) {
-  std::vector<std::size_t> order = group.readings;
-  const auto at = [&](std::size_t i) { return laser::target_mm(set.readings[i]); };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return at(a) < at(b); });
-  const double tolerance_mm = laser::target_tolerance_mm(set, group);
-  std::vector<Cell> cells;
-  std::map<Approach, Cell> here;
-  double first_mm = 0.0;
-  const auto close = [&] {
-    for (auto& [approach, cell] : here) cells.push_back(std::move(cell));
-    here.clear();
-  };
-  for (const std::size_t i : order) {
-    if (here.empty() || at(i) - first_mm > tolerance_mm) {
-      close();
-      first_mm = at(i);
-    }
-    here[set.readings[i].approach].push_back(i);
-  }
-  close();
-  return cells;
-}
-
-/// From the mean of the other readings of the cell.
-double distance_in(const laser::MeasurementSet& set, const Cell& cell, std::size_t reading) {
-  double sum = 0.0;
-  for (const std::size_t other : cell)
-    if (other != reading) sum += set.readings[other].error;
-  return set.readings[reading].error - sum / static_cast<double>(cell.size() - 1);
 }
 
 }  // namespace
@@ -258,28 +218,6 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
   std::stable_sort(lines.begin(), lines.end(),
                    [](const LaserLine& a, const LaserLine& b) { return a.component < b.component; });
   return lines;
-}
-
-std::vector<std::size_t> suspects_of(const laser::MeasurementSet& set, const laser::Group& group) {
-  constexpr double kUsual = 1.4826;  // standard deviation over median distance of a normal distribution
-  constexpr double kFar = 5.0;
-  const auto cells = cells_of(set, group);
-  std::vector<double> distances;
-  for (const Cell& cell : cells)
-    if (cell.size() >= 3)
-      for (const std::size_t i : cell) distances.push_back(std::abs(distance_in(set, cell, i)));
-  const double far = kFar * kUsual * median_of(distances);
-  std::vector<std::size_t> suspects;
-  if (far <= 0.0) return suspects;
-  for (const Cell& cell : cells) {
-    if (cell.size() < 3) continue;
-    const auto farthest = *std::max_element(cell.begin(), cell.end(), [&](std::size_t a, std::size_t b) {
-      return std::abs(distance_in(set, cell, a)) < std::abs(distance_in(set, cell, b));
-    });
-    if (std::abs(distance_in(set, cell, farthest)) > far) suspects.push_back(farthest);
-  }
-  std::sort(suspects.begin(), suspects.end());
-  return suspects;
 }
 
 }  // namespace ecs::app

@@ -53,8 +53,4 @@ struct LaserLine {
 /// joined stands apart, with a note.
 [[nodiscard]] std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files);
 
-/// Readings that stand out from the others of their target and approach by more than five times what is usual on the
-/// line (median of the distances, so that outliers do not hide themselves); needs three readings there.
-[[nodiscard]] std::vector<std::size_t> suspects_of(const laser::MeasurementSet& set, const laser::Group& group);
-
 }  // namespace ecs::app

@@ -83,11 +83,6 @@ std::string from_lines(const LaserAssignment& assignment, Component component) {
   return fmt::format("{}", fmt::join(names, " and "));
 }
 
-double squareness_in(const UnitParameters& parameters, Component c) {
-  if (c == Component::C0Y) return parameters.C0Y_um_per_m;
-  return c == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
-}
-
 LaserComponent state_of(const LaserMapWork& work, Component component) {
   LaserComponent out{component, ComponentState::missing, {}};
   for (const laser::DeclaredZero& zero : work.recipe.declared_zero)
@@ -97,7 +92,7 @@ LaserComponent state_of(const LaserMapWork& work, Component component) {
   for (const std::string& refusal : work.refusals)
     if (!files.empty() && refusal.find(code) != std::string::npos) return {component, ComponentState::refused, refusal};
   if (!files.empty()) return {component, ComponentState::present, files};
-  const double held = is_squareness(component) ? squareness_in(work.parameters->parameters, component) : 0.0;
+  const double held = is_squareness(component) ? squareness_um_per_m(work.parameters->parameters, component) : 0.0;
   if (held != 0.0)
     return {component, ComponentState::in_parameters, fmt::format("{:.2f} um/m in the parameters", held)};
   return out;

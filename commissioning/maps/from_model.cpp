@@ -174,9 +174,8 @@ Result<void> complete_header(Built& built, const FromModelArguments& arguments) 
 }
 
 void take_squareness(UnitParameters& parameters, const model::CompiledModel& compiled) {
-  parameters.C0Y_um_per_m += compiled.squareness[index_of(Component::C0Y)];
-  parameters.B0Z_um_per_m += compiled.squareness[index_of(Component::B0Z)];
-  parameters.A0Z_um_per_m += compiled.squareness[index_of(Component::A0Z)];
+  for (std::size_t i = kCurves; i < kComponents; ++i)
+    squareness_um_per_m(parameters, static_cast<Component>(i)) += compiled.squareness[i];
 }
 
 Result<Built> built_from(MessageSink& messages, const FromModelArguments& arguments) {
@@ -207,14 +206,6 @@ Result<Built> built_from(MessageSink& messages, const FromModelArguments& argume
 }
 
 // --- as text
-
-double largest_in(const std::vector<laser::MapTable>& tables, Component component) {
-  double largest = 0.0;
-  for (const laser::MapTable& table : tables)
-    if (table.component == component)
-      for (const double value : table.compensation) largest = std::max(largest, std::abs(value));
-  return largest;
-}
 
 std::size_t points_in(const std::vector<laser::MapTable>& tables, Component component) {
   for (const laser::MapTable& table : tables)

@@ -50,7 +50,7 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
   if (!set) return tl::unexpected(set.error());
   const auto group = line_for(planned, compensated, *set, file);
   if (!group) return tl::unexpected(group.error());
-  auto readings = levelled_readings(*set, *group, planned.slope);
+  auto readings = laser::processed_readings(*set, *group, {planned.slope});
   if (!readings) return unfit(file, readings.error().message);
   const auto groups = laser::groups_of(readings->after);
   auto iso = laser::iso230_of(readings->after, groups.front());
@@ -148,7 +148,7 @@ std::string table_text(const std::vector<TableRow>& rows) {
   std::string text = fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement", "unit",
                                  " published", "  measured", "A", "E", "x");
   for (const TableRow& row : rows) text += row_text(row);
-  text += fmt::format("\n{}:\n{}", kBandDefinition, slopes_text(rows));
+  text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   text +=
       "A, E: ISO 230-2 of the same readings, after compensation (before, where only\n"
       "that was measured); x: measured band before over after; ! more than published.\n";

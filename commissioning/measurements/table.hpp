@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/measurements/levelling.hpp"
 #include "commissioning/measurements/plan.hpp"
 #include "laser/analysis/iso230.hpp"
+#include "laser/analysis/pipeline.hpp"
 
 namespace ecs::app {
 
 /// One phase of one measurement. Values in um, or um/m for a rotation.
 struct MeasuredPhase {
   std::filesystem::path file;
-  LevelledReadings readings;
+  laser::ProcessedReadings readings;
   laser::Iso230 iso;  ///< of the readings without their slope
 };
 

@@ -44,12 +44,12 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
   std::vector<std::string> objections;
   for (const laser::MapFinding& finding : laser::findings_for(map, parameters))
     if (finding.objection) objections.push_back(finding.message);
-  const std::array<double, 3> squareness{parameters.C0Y_um_per_m, parameters.B0Z_um_per_m, parameters.A0Z_um_per_m};
   for (std::size_t i = kCurves; i < kComponents; ++i) {
-    const auto name = name_of(static_cast<Component>(i));
+    const auto component = static_cast<Component>(i);
+    const auto name = name_of(component);
     const bool measured = std::any_of(map.header.sources.begin(), map.header.sources.end(),
                                       [&](const laser::SourceFile& source) { return source.component == name; });
-    if (measured && squareness[i - kCurves] == 0.0)
+    if (measured && squareness_um_per_m(parameters, component) == 0.0)
       objections.push_back(
           fmt::format("{} was measured for this map, but the parameters hold 0: use the parameters "
                       "that `ecs map build --params-out` wrote",

@@ -50,7 +50,7 @@ struct FileFormat {
   /// Reads an environment log, instead of readings.
   Result<std::vector<EnvironmentRecord>> (*read_environment)(std::string_view text,
                                                              const std::string& file_name) = nullptr;
-  std::vector<std::string_view> written_extensions;  ///< ".rtl"; none: not written
+  std::vector<std::string_view> written_extensions = {};  ///< ".rtl"; none: not written
   Result<std::string> (*write)(const MeasurementSet& set, const std::string& file_name) = nullptr;
   ErrorUnits units = ErrorUnits::usual;
   bool holds_um = false;           ///< translations in um instead of mm

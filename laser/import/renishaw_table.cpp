@@ -34,15 +34,16 @@ void check_announced(const MeasurementSet& set, Findings& findings) {
     const auto text = metadata_value(set, key);
     return text ? number_in(*text) : std::nullopt;
   };
-  constexpr double kSame_mm = 1e-3;
+  constexpr double kSamePosition_mm = 1e-3;
   const auto start = announced("Compensation start"), end = announced("Compensation end");
   const double first = target_mm(set.readings.front()), last = target_mm(set.readings.back());
-  const bool reversed = start && end && std::abs(first - *end) < kSame_mm && std::abs(last - *start) < kSame_mm;
+  const bool reversed =
+      start && end && std::abs(first - *end) < kSamePosition_mm && std::abs(last - *start) < kSamePosition_mm;
   if (reversed) return;
-  if (start && std::abs(first - *start) > kSame_mm)
+  if (start && std::abs(first - *start) > kSamePosition_mm)
     findings.add(set.readings.front().line, 1,
                  fmt::format("expected the first position at {} (Compensation start), found {}", *start, first));
-  if (end && std::abs(last - *end) > kSame_mm)
+  if (end && std::abs(last - *end) > kSamePosition_mm)
     findings.add(set.readings.back().line, 1,
                  fmt::format("expected the last position at {} (Compensation end), found {}: the file is cut short; "
                              "--accept-truncated reads the rest",

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "laser/analysis/process.hpp"
+#include "laser/analysis/pipeline.hpp"
 #include "laser/map/sources.hpp"
 
 namespace ecs::laser {
@@ -38,19 +37,6 @@ std::vector<Wanted> translations_for(Component rotation) {
 double printed_sign(Component c) {
   const bool flipped = is_squareness(c) ? c != Component::B0Z : sense_of(c) == Sense::EA || sense_of(c) == Sense::EC;
   return flipped ? -1.0 : 1.0;
-}
-
-/// Range of the means of a curve.
-double band_of(const Curve& curve) {
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
-  for (const CurvePoint& p : curve.points)
-    for (const std::optional<double>& value : {p.forward, p.reverse}) {
-      if (!value) continue;
-      lowest = std::min(lowest, *value);
-      highest = std::max(highest, *value);
-    }
-  return highest - lowest;
 }
 
 class Builder {
@@ -149,27 +135,20 @@ class Builder {
   }
 
   /// Slope, smoothing, datum, grid: in this order, each step named in the header.
-  Result<Curve> process(Curve curve, const ComponentRecipe& one) {
+  Result<Curve> process(const Curve& curve, const ComponentRecipe& one) {
     const SlopeMethod method = one.slope.value_or(default_slope(one.component));
+    const auto steps = processed(curve, {method, one.smoothing_mm});
+    if (!steps) return tl::unexpected(steps.error());
+    if (steps->smoothing_fault) return tl::unexpected(*steps->smoothing_fault);
     if (method != SlopeMethod::none) {
-      auto level = levelled(curve, method);
-      if (!level) return tl::unexpected(level.error());
-      outcome_.slope_um_per_m = level->removed.slope_per_m;
-      note_step(one.component, fmt::format("slope {:.2f} {}/m removed by {}", level->removed.slope_per_m,
+      outcome_.slope_um_per_m = steps->level.removed.slope_per_m;
+      note_step(one.component, fmt::format("slope {:.2f} {}/m removed by {}", outcome_.slope_um_per_m,
                                            unit_of(one.component), name_of(method)));
-      curve = std::move(level->curve);
     }
-    if (one.smoothing_mm > 0.0) {
-      Smoothing how;
-      how.window_mm = one.smoothing_mm;
-      auto smooth = smoothed(curve, how);
-      if (!smooth) return tl::unexpected(smooth.error());
-      note_smoothing(*smooth, one);
-      curve = std::move(smooth->curve);
-    }
+    if (steps->smooth) note_smoothing(*steps->smooth, one);
     const auto zero_mm = zero_position_mm(one.component);
     if (!zero_mm) return tl::unexpected(zero_mm.error());
-    auto zero = zeroed_at(curve, *zero_mm);
+    auto zero = zeroed_at(steps->curve(), *zero_mm);
     if (!zero) return tl::unexpected(zero.error());
     return on_grid(std::move(zero->curve), one);
   }
@@ -261,10 +240,7 @@ class Builder {
     if (!curve) return tl::unexpected(curve.error());
     const auto square = squareness_of(*curve);
     if (!square) return tl::unexpected(refusal(one.files.front(), one.component, square.error().message));
-    UnitParameters& p = built_.parameters;
-    double& value = one.component == Component::C0Y   ? p.C0Y_um_per_m
-                    : one.component == Component::B0Z ? p.B0Z_um_per_m
-                                                      : p.A0Z_um_per_m;
+    double& value = squareness_um_per_m(built_.parameters, one.component);
     value = unit_sign(one.component) * square->um_per_m;
     outcome_.largest = std::abs(square->um_per_m);
     outcome_.slope_um_per_m = square->indicator_slope_um_per_m;

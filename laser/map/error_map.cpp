@@ -38,4 +38,12 @@ std::string description_of(Component component) {
   return fmt::format("{} axis rotation about {} (pitch or yaw)", axis, direction);
 }
 
+double largest_in(const std::vector<MapTable>& tables, Component component) {
+  double largest = 0.0;
+  for (const MapTable& table : tables)
+    if (table.component == component)
+      for (const double value : table.compensation) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 }  // namespace ecs::laser

@@ -60,6 +60,9 @@ struct ErrorMap {
 /// Compensation at a position; @pre the table is not empty.
 [[nodiscard]] double compensation_at(const MapTable& table, double position_mm);
 
+/// The largest |compensation| in the tables of a component; 0 if there are none.
+[[nodiscard]] double largest_in(const std::vector<MapTable>& tables, Component component);
+
 /// The header as lines `key: value`, as the unit stores it and the CSV shows it behind `# `; and back.
 /// Unknown keys are kept nowhere: they are reported.
 [[nodiscard]] std::string header_text(const MapHeader& header);

@@ -46,12 +46,12 @@ void find_missing(const ErrorMap& map, const UnitParameters& parameters, std::ve
 
 void find_squareness(const ErrorMap& map, const UnitParameters& parameters, std::vector<MapFinding>& findings) {
   const ComponentSet needed = components_needed(parameters);
-  const std::array<double, 3> value{parameters.C0Y_um_per_m, parameters.B0Z_um_per_m, parameters.A0Z_um_per_m};
   for (std::size_t i = kCurves; i < kComponents; ++i) {
     const auto c = static_cast<Component>(i);
     const bool measured = std::any_of(map.header.sources.begin(), map.header.sources.end(),
                                       [&](const SourceFile& s) { return s.component == name_of(c); });
-    if (!needed.contains(c) || measured || is_declared_zero(map, c) || value[i - kCurves] != 0.0) continue;
+    if (!needed.contains(c) || measured || is_declared_zero(map, c) || squareness_um_per_m(parameters, c) != 0.0)
+      continue;
     findings.push_back({true, fmt::format("{} ({}) is needed: the parameters hold 0 and no file says it was measured; "
                                           "set it, or declare it zero with a reason",
                                           name_of(c), description_of(c))});

@@ -74,7 +74,8 @@ TEST_CASE("reading gives back what a controller format was given, within its res
     REQUIRE(made);
     const laser::ErrorMap again = read_back(*format, *made, source);
     for (const Component component : {Component::EXX, Component::EYY, Component::EZZ}) {
-      CAPTURE(format->id << " " << name_of(component));
+      CAPTURE(format->id);
+      CAPTURE(name_of(component));
       const auto given = curve_of(source.map, component);
       const auto read = curve_of(again, component);
       REQUIRE(given);

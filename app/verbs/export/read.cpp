@@ -181,12 +181,8 @@ std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& 
   if (!arguments.output.empty()) files.push_back({arguments.output, laser::to_map_csv(made.read.map)});
   if (arguments.params_out.empty()) return files;
   UnitParameters parameters = made.parameters->parameters;
-  for (const Component square : made.read.squareness_found) {
-    const double value = made.read.squareness[index_of(square)];
-    (square == Component::C0Y   ? parameters.C0Y_um_per_m
-     : square == Component::B0Z ? parameters.B0Z_um_per_m
-                                : parameters.A0Z_um_per_m) = value;
-  }
+  for (const Component square : made.read.squareness_found)
+    squareness_um_per_m(parameters, square) = made.read.squareness[index_of(square)];
   files.push_back({arguments.params_out, params::parameters_toml(parameters, made.parameters->identity)});
   return files;
 }

@@ -10,8 +10,8 @@
 #include "app/verbs/laser/menu.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/measurements/json.hpp"
-#include "commissioning/measurements/levelling.hpp"
 #include "commissioning/plot/curves.hpp"
+#include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
@@ -32,9 +32,8 @@ struct ProcessArguments {
 /// One measurement line, processed.
 struct Processed {
   laser::Group group;
-  LevelledReadings readings;
-  std::optional<laser::Smoothed> smooth;
-  [[nodiscard]] const laser::Curve& curve() const { return smooth ? smooth->curve : readings.level.curve; }
+  laser::ProcessedReadings readings;
+  [[nodiscard]] const laser::Curve& curve() const { return readings.curve(); }
 };
 
 laser::SlopeMethod method_for(const ProcessArguments& arguments, const laser::Group& group) {
@@ -44,17 +43,10 @@ laser::SlopeMethod method_for(const ProcessArguments& arguments, const laser::Gr
 
 Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group& group,
                             const ProcessArguments& arguments) {
-  auto readings = levelled_readings(set, group, method_for(arguments, group));
+  auto readings = laser::processed_readings(set, group, {method_for(arguments, group), arguments.smooth_mm});
   if (!readings) return tl::unexpected(readings.error());
-  Processed out{group, std::move(*readings), std::nullopt};
-  if (arguments.smooth_mm > 0.0) {
-    laser::Smoothing how;
-    how.window_mm = arguments.smooth_mm;
-    auto smooth = laser::smoothed(out.readings.level.curve, how);
-    if (!smooth) return tl::unexpected(smooth.error());
-    out.smooth = std::move(*smooth);
-  }
-  return out;
+  if (readings->smoothing_fault) return tl::unexpected(*readings->smoothing_fault);
+  return Processed{group, std::move(*readings)};
 }
 
 std::string_view word_for(laser::Taken taken) {
@@ -85,7 +77,7 @@ std::string text_of(const Processed& p) {
   if (const auto& s = p.readings.level.slope_std_error_per_m) text += fmt::format(" +- {:.3f}", *s);
   text += fmt::format("\n  band {:.3f} -> {:.3f} {} ({})\n", p.readings.band_before, p.readings.band, unit,
                       "range of all readings, slope removed");
-  if (p.smooth) text += smoothing_text(*p.smooth, unit);
+  if (p.readings.smooth) text += smoothing_text(*p.readings.smooth, unit);
   text += fmt::format("{:>12} {:>14} {:>14} {:>14} {:>14}\n", "target [mm]", "fwd measured", "rev measured",
                       "fwd processed", "rev processed");
   const auto& before = p.readings.before_curve.points;
@@ -117,7 +109,7 @@ Json processed_json(const Processed& p, double window_mm) {
                      {"removed_per_m", number_or_null(level.removed.slope_per_m)},
                      {"removed_offset", number_or_null(level.removed.offset)},
                      {"std_error_per_m", number_or_null(level.slope_std_error_per_m)}};
-  object["smoothing"] = p.smooth ? smoothing_json(*p.smooth, window_mm) : Json(nullptr);
+  object["smoothing"] = p.readings.smooth ? smoothing_json(*p.readings.smooth, window_mm) : Json(nullptr);
   object["band_before"] = number_or_null(p.readings.band_before);
   object["band_after"] = number_or_null(p.readings.band);
   object["points"] = Json::array();
@@ -156,7 +148,7 @@ laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::M
         {"processing",
          fmt::format("{} means; slope {:.4f} {} per m removed by {}", name, p.readings.level.removed.slope_per_m,
                      laser::unit_of(p.group.sense), laser::name_of(p.readings.level.method))});
-    if (p.smooth)
+    if (p.readings.smooth)
       set.metadata.push_back(
           {"processing", fmt::format("{} smoothed by a local quadratic over {} mm", name, window_mm)});
     for (const laser::CurvePoint& point : p.curve().points) {

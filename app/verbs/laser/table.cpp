@@ -116,7 +116,7 @@ Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
   std::string text = table_text(rows);
   if (!plots->empty()) text += "\nplots:\n";
   for (const std::string& path : *plots) text += "  " + path + "\n";
-  Json object{{"plan", arguments.plan}, {"band", kBandDefinition}, {"rows", Json::array()}};
+  Json object{{"plan", arguments.plan}, {"band", laser::kBandDefinition}, {"rows", Json::array()}};
   for (const TableRow& row : rows) object["rows"].push_back(json_of(row));
   object["plots"] = *plots;
   if (const auto unfit = unfit_files(rows)) object["error"] = ecs::json_of(*unfit);

@@ -78,11 +78,6 @@ Result<void> complete(laser::MapRecipe& recipe, const BuildArguments& arguments)
   return declare_zero(recipe, arguments.zero);
 }
 
-double squareness_in(const UnitParameters& parameters, Component c) {
-  if (c == Component::C0Y) return parameters.C0Y_um_per_m;
-  return c == Component::B0Z ? parameters.B0Z_um_per_m : parameters.A0Z_um_per_m;
-}
-
 std::vector<std::string> files_for(const Recipe& recipe, Component component) {
   std::vector<std::string> names;
   for (const laser::ComponentRecipe& one : recipe.recipe.components)
@@ -156,8 +151,8 @@ std::string outcomes_text(const Built& b) {
 std::string squareness_text(const Built& b, const BuildArguments& arguments) {
   std::string text;
   for (const Component c : b.squares())
-    text +=
-        fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c), squareness_in(b.map.parameters, c));
+    text += fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c),
+                        squareness_um_per_m(b.map.parameters, c));
   if (text.empty()) return text;
   if (!arguments.params_out.empty()) return fmt::format("squareness measured, in {}:\n{}", arguments.params_out, text);
   return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
@@ -202,7 +197,7 @@ Json outcomes_json(const Built& b) {
 Json json_of_built(const Built& b, const BuildArguments& arguments) {
   Json squareness = Json::object();
   for (const Component c : b.squares())
-    squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_in(b.map.parameters, c));
+    squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_um_per_m(b.map.parameters, c));
   Json missing = Json::array();
   for (const laser::MapFinding& f : b.findings)
     if (f.objection) missing.push_back(f.message);
