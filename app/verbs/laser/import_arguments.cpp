@@ -32,7 +32,7 @@ Result<laser::Imported> read_with_notes(VerbContext& context, const std::string&
                                         const ImportArguments& arguments) {
   auto imported = read_measurements(file, arguments);
   if (!imported) return imported;
-  context.console.note(fmt::format("{}: {}", file, laser::name_of(imported->format)));
+  context.console.note(fmt::format("{}: {}", file, imported->format->title));
   for (const std::string& note : imported->set.notes) context.console.note(fmt::format("{}: {}", file, note));
   return imported;
 }
