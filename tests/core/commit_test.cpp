@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "core/memory_image.hpp"
-#include "random_values.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 

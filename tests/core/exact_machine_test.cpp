@@ -1,5 +1,5 @@
 // The term table against a machine of exact matrices: agreement to second order for every chain.
-#include "exact_machine.hpp"
+#include "tests/support/exact_machine.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "core/terms.hpp"
-#include "random_values.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

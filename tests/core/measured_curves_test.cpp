@@ -7,9 +7,9 @@
 #include <doctest/doctest.h>
 
 #include "core/tick.hpp"
-#include "exact_machine.hpp"
-#include "image_of.hpp"
-#include "random_values.hpp"
+#include "tests/support/exact_machine.hpp"
+#include "tests/support/image_of.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

@@ -12,8 +12,8 @@
 #include <zlib.h>
 
 #include "core/address_map.hpp"
-#include "image_of.hpp"
-#include "random_values.hpp"
+#include "tests/support/image_of.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

@@ -5,7 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "core/tick.hpp"
-#include "image_of.hpp"
+#include "tests/support/image_of.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

@@ -5,8 +5,8 @@
 #include <doctest/doctest.h>
 
 #include "core/tick.hpp"
-#include "image_of.hpp"
-#include "random_values.hpp"
+#include "tests/support/image_of.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

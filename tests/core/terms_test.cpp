@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "core/parameters.hpp"
-#include "random_values.hpp"
+#include "tests/support/random_values.hpp"
 
 using namespace ecs;
 using namespace ecs::test;

@@ -5,7 +5,7 @@
 
 #include "base/text.hpp"
 #include "laser/writers/measurement_writer.hpp"
-#include "made_up.hpp"
+#include "tests/support/readings.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -17,8 +17,6 @@ Problem refusal_of(const std::string& text) {
   REQUIRE_FALSE(set.has_value());
   return set.error();
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
-#include "random_parameters.hpp"
+#include "tests/support/random_parameters.hpp"
 
 using namespace ecs;
 using namespace ecs::params;
@@ -21,8 +21,6 @@ std::string refusal(std::string_view key, std::string_view text) {
   CHECK(done.error().kind == ProblemKind::usage);
   return done.error().message;
 }
-
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 
@@ -50,7 +48,7 @@ TEST_CASE("every parameter that thesis 5.3 lists stands in the table under its t
                            "reference switch approach speed",
                            "reference switch approach direction",
                            "null offset value"})
-    CHECK_MESSAGE(has(names, name), name);
+    CHECK_MESSAGE(contains(names, name), name);
 }
 
 TEST_CASE("keys are unique, every field has help, and every default lies in its own range") {
@@ -94,35 +92,35 @@ TEST_CASE("setting a field changes that field alone") {
 
 TEST_CASE("a value out of range is refused with the range and its unit") {
   const std::string low = refusal("compensation.loop_period_us", "50");
-  CHECK(has(low, "compensation.loop_period_us"));
-  CHECK(has(low, "100 to 20000 us"));
-  CHECK(has(low, "50"));
-  CHECK(has(refusal("axis.X.position_scale_um_per_count", "0"), "not 0"));
-  CHECK(has(refusal("axis.X.compensation_polarity", "0"), "-1 or 1"));
-  CHECK(has(refusal("compensation.memory_modules", "1.5"), "1 to 5"));
-  CHECK(has(refusal("axis.X.datum.approach_speed_mm_min", "0"), "above 0"));
+  CHECK(contains(low, "compensation.loop_period_us"));
+  CHECK(contains(low, "100 to 20000 us"));
+  CHECK(contains(low, "50"));
+  CHECK(contains(refusal("axis.X.position_scale_um_per_count", "0"), "not 0"));
+  CHECK(contains(refusal("axis.X.compensation_polarity", "0"), "-1 or 1"));
+  CHECK(contains(refusal("compensation.memory_modules", "1.5"), "1 to 5"));
+  CHECK(contains(refusal("axis.X.datum.approach_speed_mm_min", "0"), "above 0"));
 }
 
 TEST_CASE("nan, inf, words and foreign units are no numbers") {
   for (const char* text : {"nan", "inf", "-inf", "much", "", "1e999", "2 mm", "2,5"})
-    CHECK(has(refusal("axis.X.deadband_um", text), "0 to 10000 um"));
+    CHECK(contains(refusal("axis.X.deadband_um", text), "0 to 10000 um"));
 }
 
 TEST_CASE("a misspelt word is answered with the nearest choice, a misspelt key with the nearest key") {
-  CHECK(has(refusal("axis.X.transducer", "encodr"), "did you mean \"encoder\"?"));
-  CHECK(has(refusal("axis.X.transducer", "inductosyn"), "encoder or resolver"));
-  CHECK(has(refusal("compensation.scop", "linear"), "did you mean \"compensation.scope\"?"));
-  CHECK(has(refusal("axis.X.dedband_um", "2"), "did you mean \"axis.X.deadband_um\"?"));
+  CHECK(contains(refusal("axis.X.transducer", "encodr"), "did you mean \"encoder\"?"));
+  CHECK(contains(refusal("axis.X.transducer", "inductosyn"), "encoder or resolver"));
+  CHECK(contains(refusal("compensation.scop", "linear"), "did you mean \"compensation.scope\"?"));
+  CHECK(contains(refusal("axis.X.dedband_um", "2"), "did you mean \"axis.X.deadband_um\"?"));
 }
 
 TEST_CASE("a key without its table is answered with every full key that ends so") {
-  CHECK(has(refusal("deadband_um", "2"), "\"axis.X.deadband_um\" or \"axis.Y.deadband_um\" or \"axis.Z.deadband_um\""));
+  CHECK(contains(refusal("deadband_um", "2"), "\"axis.X.deadband_um\" or \"axis.Y.deadband_um\" or \"axis.Z.deadband_um\""));
 }
 
 TEST_CASE("a chain must have one T and different letters of XYZ") {
   for (const char* chain : {"", "XYZ", "TT", "TXX", "TXYZT", "TXW", "txyz", "T"})
-    CHECK(has(refusal("configuration.chain", chain), "one T and different letters"));
-  for (const char* axes : {"", "XX", "XW", "T"}) CHECK(has(refusal("configuration.axes", axes), "letters of XYZ"));
+    CHECK(contains(refusal("configuration.chain", chain), "one T and different letters"));
+  for (const char* axes : {"", "XX", "XW", "T"}) CHECK(contains(refusal("configuration.axes", axes), "letters of XYZ"));
 }
 
 TEST_CASE("text written from any field sets the same bits again") {

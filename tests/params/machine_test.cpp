@@ -23,8 +23,6 @@ std::string failure(std::string_view text) {
   return to_text(file.error());
 }
 
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
-
 }  // namespace
 
 TEST_CASE("the mill's file is read whole, and its [emulator] table is not its reader's business") {
@@ -100,18 +98,18 @@ TEST_CASE("every wrong value of a machine file is reported in one pass with line
   REQUIRE_FALSE(file.has_value());
   const std::string text = to_text(file.error());
   const std::string at = "samples/params/broken_machine.toml:";
-  CHECK(has(text, at + "1:8: name: expected a text in quotes, found 7"));
-  CHECK(has(text, at + "2:17: configuration: expected one T and different letters of XYZ"));
-  CHECK(has(text, at + "3:10: colour: not a key of a machine file; ignored"));
-  CHECK(has(text, at + "6:13: axis.X.travel_mm: expected two ends in mm, the lower first"));
-  CHECK(has(text, at + "7:14: axis.X.transducer: expected \"encoder\" or \"resolver\", found \"encodr\""));
-  CHECK(has(text, at + "8:17: axis.X.resolution_um: expected a number above 0, at most 10000, found 0"));
-  CHECK(has(text, "did you mean \"axis.X.screw_pitch_mm\"?"));
-  CHECK(has(text, at + "10:12: axis.X.datum_mm: expected a position within 1000000 mm of 0, found nan"));
-  CHECK(has(text, at + "12:1: axis.Y: expected travel_mm"));
-  CHECK(has(text, at + "14:23: axis.Y.measurement_line_mm: expected a table"));
-  CHECK(has(text, at + "16:1: axis.W: not a key of a machine file (did you mean \"axis.X\"?)"));
-  CHECK_FALSE(has(text, "axis.W.travel_mm"));
+  CHECK(contains(text, at + "1:8: name: expected a text in quotes, found 7"));
+  CHECK(contains(text, at + "2:17: configuration: expected one T and different letters of XYZ"));
+  CHECK(contains(text, at + "3:10: colour: not a key of a machine file; ignored"));
+  CHECK(contains(text, at + "6:13: axis.X.travel_mm: expected two ends in mm, the lower first"));
+  CHECK(contains(text, at + "7:14: axis.X.transducer: expected \"encoder\" or \"resolver\", found \"encodr\""));
+  CHECK(contains(text, at + "8:17: axis.X.resolution_um: expected a number above 0, at most 10000, found 0"));
+  CHECK(contains(text, "did you mean \"axis.X.screw_pitch_mm\"?"));
+  CHECK(contains(text, at + "10:12: axis.X.datum_mm: expected a position within 1000000 mm of 0, found nan"));
+  CHECK(contains(text, at + "12:1: axis.Y: expected travel_mm"));
+  CHECK(contains(text, at + "14:23: axis.Y.measurement_line_mm: expected a table"));
+  CHECK(contains(text, at + "16:1: axis.W: not a key of a machine file (did you mean \"axis.X\"?)"));
+  CHECK_FALSE(contains(text, "axis.W.travel_mm"));
 }
 
 TEST_CASE("unknown keys and a datum outside the travel are warnings, not errors") {
@@ -121,18 +119,18 @@ TEST_CASE("unknown keys and a datum outside the travel are warnings, not errors"
       "m.toml");
   REQUIRE(file.has_value());
   REQUIRE(file->warnings.size() == 3);
-  CHECK(has(file->warnings[0].message, "outside the travel"));
-  CHECK(has(file->warnings[1].message, "did you mean \"axis.X.screw_pitch_mm\"?"));
-  CHECK(has(file->warnings[2].message, "own measurement line"));
+  CHECK(contains(file->warnings[0].message, "outside the travel"));
+  CHECK(contains(file->warnings[1].message, "did you mean \"axis.X.screw_pitch_mm\"?"));
+  CHECK(contains(file->warnings[2].message, "own measurement line"));
 }
 
 TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
-  CHECK(has(failure(""), "configuration: expected the chain"));
-  CHECK(has(failure("configuration = \"TX\""), "at least one table such as [axis.X]"));
-  CHECK(has(failure("configuration = \"TX\"\n[axis.X]\n"), "expected travel_mm"));
-  CHECK(has(failure("configuration = \"TX\"\n[axis.Y]\ntravel_mm = [0, 1]\n"), "has no letter Y"));
+  CHECK(contains(failure(""), "configuration: expected the chain"));
+  CHECK(contains(failure("configuration = \"TX\""), "at least one table such as [axis.X]"));
+  CHECK(contains(failure("configuration = \"TX\"\n[axis.X]\n"), "expected travel_mm"));
+  CHECK(contains(failure("configuration = \"TX\"\n[axis.Y]\ntravel_mm = [0, 1]\n"), "has no letter Y"));
   for (const char* travel : {"[1, 1]", "[2, 1]", "[0]", "[0, 1, 2]", "[nan, 1]", "[0, inf]", "\"0 1\"", "[\"0\", 1]"})
-    CHECK(has(failure(std::string("configuration = \"TX\"\n[axis.X]\ntravel_mm = ") + travel), "the lower first"));
+    CHECK(contains(failure(std::string("configuration = \"TX\"\n[axis.X]\ntravel_mm = ") + travel), "the lower first"));
 }
 
 TEST_CASE("axis keys may be dotted and stand before their table's other parts") {

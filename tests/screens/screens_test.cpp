@@ -24,8 +24,6 @@ using namespace std::chrono_literals;
 std::string seen(const Screen& screen, Glyphs glyphs = Glyphs::unicode) {
   return picture_of(screen, screen.title(), {}, Canvas(24, 80, glyphs), false).plain_text();
 }
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 /// A controller whose line cannot be opened.
 std::shared_ptr<UnitConnection> nowhere() { return std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"); }
 
@@ -87,9 +85,9 @@ TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an ac
   const auto menu = main_menu(nowhere());
   const std::string text = seen(*menu);
   for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
-    CHECK(has(text, title));
+    CHECK(contains(text, title));
   type(*menu, "/datum rec");
-  CHECK(has(seen(*menu), "> utility datum record"));
+  CHECK(contains(seen(*menu), "> utility datum record"));
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::back);
 }
@@ -108,13 +106,13 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
   VerbScreen form(entry(verb_catalogue(), "laser stats"), nowhere());
   (void)press(form, Key::Name::enter);
-  CHECK(has(seen(form), "is needed"));
+  CHECK(contains(seen(form), "is needed"));
   type(form, "samples/laser/x_axis.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
   const std::string text = seen(form);
-  CHECK(has(text, "done"));
-  CHECK(has(text, "samples/laser/x_axis.csv: EXX"));
+  CHECK(contains(text, "done"));
+  CHECK(contains(text, "samples/laser/x_axis.csv: EXX"));
 }
 
 TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
@@ -122,30 +120,30 @@ TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
-  CHECK(has(seen(form), "ended with code 3"));
-  CHECK(has(seen(form), "no_such_file.csv"));
+  CHECK(contains(seen(form), "ended with code 3"));
+  CHECK(contains(seen(form), "no_such_file.csv"));
 }
 
 TEST_CASE("the model screen finds the missing effect, adds it on one key, and the error visibly falls") {
   const Case one;
   ModelScreen screen = one.screen();
-  CHECK(has(seen(screen), "what the model leaves"));
+  CHECK(contains(seen(screen), "what the model leaves"));
   (void)screen.on_key({Key::Name::letter, U'd'});
-  CHECK(has(seen(screen), "looking for what is missing"));
+  CHECK(contains(seen(screen), "looking for what is missing"));
   finish(screen);
-  CHECK(has(seen(screen), "> cyclic:X:EX"));
+  CHECK(contains(seen(screen), "> cyclic:X:EX"));
   (void)screen.on_key({Key::Name::letter, U'a'});
   finish(screen);
   const std::string ladder = seen(screen);
-  CHECK(has(ladder, "+ cyclic:X:EX"));
-  CHECK(has(ladder, "noise of one reading"));
+  CHECK(contains(ladder, "+ cyclic:X:EX"));
+  CHECK(contains(ladder, "noise of one reading"));
   CHECK_FALSE(screen.unsaved().empty());
   (void)screen.on_key({Key::Name::letter, U's'});
   CHECK(screen.unsaved().empty());
-  CHECK(has(ecs::read_file(one.files.model).value(), "cyclic"));
+  CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
   (void)screen.on_key({Key::Name::letter, U'u'});
   finish(screen);
-  CHECK(has(seen(screen), "taken back: cyclic:X:EX"));
+  CHECK(contains(seen(screen), "taken back: cyclic:X:EX"));
 }
 
 TEST_CASE("leaving with unsaved work asks once") {
@@ -156,7 +154,7 @@ TEST_CASE("leaving with unsaved work asks once") {
   (void)screen.on_key({Key::Name::letter, U'a'});
   finish(screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  CHECK(has(seen(screen), "Leave without saving the model?"));
+  CHECK(contains(seen(screen), "Leave without saving the model?"));
   CHECK(press(screen, Key::Name::enter).kind == Step::Kind::stay);
   CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
 }
@@ -175,13 +173,13 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
     CHECK(later.on_key({Key::Name::letter, U'n'}).kind == Step::Kind::back);  // not now: it stays
   }
   ModelScreen again = one.screen();
-  CHECK(has(seen(again), "Unsaved work on this model was found"));
+  CHECK(contains(seen(again), "Unsaved work on this model was found"));
   (void)again.on_key({Key::Name::letter, U'y'});
   finish(again);
   CHECK_FALSE(again.unsaved().empty());
   (void)again.on_key({Key::Name::letter, U's'});
-  CHECK(has(ecs::read_file(one.files.model).value(), "cyclic"));
-  CHECK_FALSE(has(seen(one.screen()), "Unsaved work"));
+  CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
+  CHECK_FALSE(contains(seen(one.screen()), "Unsaved work"));
 }
 
 TEST_CASE("a diagnosis that is given up ends soon and leaves nothing behind") {
@@ -190,18 +188,18 @@ TEST_CASE("a diagnosis that is given up ends soon and leaves nothing behind") {
   (void)screen.on_key({Key::Name::letter, U'd'});
   (void)press(screen, Key::Name::escape);
   finish(screen);
-  CHECK(has(seen(screen), "given up"));
-  CHECK(has(seen(screen), "Press d"));
+  CHECK(contains(seen(screen), "given up"));
+  CHECK(contains(seen(screen), "Press d"));
 }
 
 TEST_CASE("what compensation would leave is told, and one run is shown alone") {
   const Case one;
   ModelScreen screen = one.screen();
   (void)screen.on_key({Key::Name::letter, U'r'});
-  CHECK(has(seen(screen), "run 1"));
+  CHECK(contains(seen(screen), "run 1"));
   (void)screen.on_key({Key::Name::letter, U'w'});
   finish(screen);
-  CHECK(has(seen(screen), "would bring the rms from"));
+  CHECK(contains(seen(screen), "would bring the rms from"));
 }
 
 TEST_CASE("the model screen fits any size and any terminal") {
@@ -224,8 +222,8 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
   finish(form);
-  CHECK(has(seen(form), "no_data.csv"));
-  CHECK(has(seen(form), "no such file"));
+  CHECK(contains(seen(form), "no_data.csv"));
+  CHECK(contains(seen(form), "no such file"));
   CHECK(form.opens_by_itself() == nullptr);
 }
 
@@ -238,22 +236,22 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   type(form, one.files.data.front());
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
-  CHECK(has(seen(form), "Begin a new model?"));
+  CHECK(contains(seen(form), "Begin a new model?"));
   CHECK_FALSE(fs::exists(fresh));
   (void)form.on_key({Key::Name::letter, U'y'});
   finish(form);
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
   CHECK(fs::exists(fresh));
-  CHECK(has(seen(*screen), "with offset, slope and backlash"));
+  CHECK(contains(seen(*screen), "with offset, slope and backlash"));
   (void)screen->on_key({Key::Name::letter, U'd'});
   finish(*screen);
-  CHECK(has(seen(*screen), "cyclic:X:EX"));
+  CHECK(contains(seen(*screen), "cyclic:X:EX"));
   (void)screen->on_key({Key::Name::letter, U'a'});
   finish(*screen);
-  CHECK(has(seen(*screen), "added cyclic:X:EX"));
+  CHECK(contains(seen(*screen), "added cyclic:X:EX"));
   (void)screen->on_key({Key::Name::letter, U's'});
-  CHECK(has(ecs::read_file(fresh).value(), "cyclic"));
+  CHECK(contains(ecs::read_file(fresh).value(), "cyclic"));
 }
 
 TEST_CASE("without any model file one is proposed beside the measurements, and no asks for another name") {
@@ -263,9 +261,9 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
   type(form, one.files.data.front());
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
-  CHECK(has(seen(form), "data.model.toml"));
+  CHECK(contains(seen(form), "data.model.toml"));
   (void)form.on_key({Key::Name::letter, U'n'});
-  CHECK_FALSE(has(seen(form), "Begin a new model?"));
+  CHECK_FALSE(contains(seen(form), "Begin a new model?"));
   CHECK_FALSE(fs::exists(one.folder / "data.model.toml"));
   CHECK(form.typing());
 }
@@ -281,7 +279,7 @@ TEST_CASE("measurements that cannot be read leave no new model file behind") {
   (void)press(form, Key::Name::enter);
   (void)form.on_key({Key::Name::letter, U'y'});
   finish(form);
-  CHECK(has(seen(form), "no_data.csv"));
+  CHECK(contains(seen(form), "no_data.csv"));
   CHECK_FALSE(fs::exists(fresh));
 }
 
@@ -293,16 +291,16 @@ TEST_CASE("the answer of a verb moves sideways with its headings, and marks wher
     return picture_of(form, form.title(), {}, Canvas(40, columns), false).plain_text();
   };
   const std::string before = at(44);
-  CHECK(has(before, "PgDn"));
-  CHECK(has(before, "→"));
-  CHECK_FALSE(has(before, "←"));
+  CHECK(contains(before, "PgDn"));
+  CHECK(contains(before, "→"));
+  CHECK_FALSE(contains(before, "←"));
   (void)press(form, Key::Name::page_down);
-  CHECK(has(at(44), "Esc: fields"));
+  CHECK(contains(at(44), "Esc: fields"));
   (void)press(form, Key::Name::home);
   const std::string first = at(44);
   (void)press(form, Key::Name::right);
   const std::string moved = at(44);
-  CHECK(has(moved, "←"));
+  CHECK(contains(moved, "←"));
   const auto column_of = [](const std::string& text, const std::string& word) {
     const std::size_t found = text.find(word);
     REQUIRE(found != std::string::npos);
@@ -349,10 +347,10 @@ TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wh
   };
   const Key click{Key::Name::mouse, 0, 0, row_of("ECS UTILITY"), 10};
   CHECK(menu->on_key(click).kind == Step::Kind::stay);
-  CHECK(has(seen(*menu), "> ECS UTILITY"));
+  CHECK(contains(seen(*menu), "> ECS UTILITY"));
   CHECK(menu->on_key(click).kind == Step::Kind::open);
   (void)menu->on_key({Key::Name::wheel_up, 0, 0, 10, 10});
-  CHECK(has(seen(*menu), "> E.C.S. PARAMETERS"));
+  CHECK(contains(seen(*menu), "> E.C.S. PARAMETERS"));
 }
 
 TEST_CASE("a file can be typed on the model screen where the terminal is narrow") {
@@ -361,8 +359,8 @@ TEST_CASE("a file can be typed on the model screen where the terminal is narrow"
   (void)screen.on_key({Key::Name::letter, U'o'});
   type(screen, "again.csv");
   const std::string text = picture_of(screen, "MODEL", {}, Canvas(12, 40), false).plain_text();
-  CHECK(has(text, "measured again with compensation,"));
-  CHECK(has(text, "again.csv_"));
+  CHECK(contains(text, "measured again with compensation,"));
+  CHECK(contains(text, "again.csv_"));
   const Place cursor = screen.cursor(screen_area(Canvas(12, 40)));
   CHECK(cursor.row == 10);
   CHECK(cursor.column == 1 + 9);

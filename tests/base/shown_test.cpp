@@ -1,0 +1,77 @@
+// Text of files and units on a terminal, and in JSON.
+#include "base/shown.hpp"
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "app/cli/console.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+TEST_CASE("letters of every language, tabs and line ends stay") {
+  for (const char* text : {"plain", "Müller & Söhne, 5 µm\tΔ\n", "工作機械", "\xF0\x9F\x94\xA7"})
+    CHECK(shown(text) == text);
+}
+
+TEST_CASE("what a terminal would obey becomes a question mark") {
+  CHECK(shown("a\x1B[2Jb") == "a?[2Jb");
+  CHECK(shown("\x07\x08\r\x7F") == "????");
+  CHECK(shown("\xC2\x9B"
+              "31m") == "?31m");                    // CSI as one character
+  CHECK(shown("map\xE2\x80\xAEvsc") == "map?vsc");  // right-to-left override
+  CHECK(shown(std::string_view("a\0b", 3)) == "a?b");
+}
+
+TEST_CASE("bytes that are no UTF-8 become question marks, one each") {
+  CHECK(shown("\xFF") == "?");
+  CHECK(shown("\xC0\x9B") == "??");  // overlong escape
+  CHECK(shown("\xE0\x80\x9B") == "???");
+  CHECK(shown("\xED\xA0\x80") == "???");       // surrogate
+  CHECK(shown("\xF4\x90\x80\x80") == "????");  // above U+10FFFF
+  CHECK(shown("ab\xC3") == "ab?");
+}
+
+TEST_CASE("whatever the bytes, what is shown holds no control character and stays as it is when shown again") {
+  CHECK(rc::check([](const std::string& bytes) {
+    const std::string once = shown(bytes);
+    for (const char c : once) {
+      const auto byte = static_cast<unsigned char>(c);
+      RC_ASSERT(byte >= 0x20 || c == '\n' || c == '\t');
+      RC_ASSERT(byte != 0x7F);
+    }
+    RC_ASSERT(shown(once) == once);
+    // what is left is UTF-8: strict JSON takes it
+    RC_ASSERT(Json(once).dump().size() >= 2);
+  }));
+}
+
+TEST_CASE("results, notes, warnings and problems reach the streams harmless") {
+  std::ostringstream out, messages;
+  Console console(out, messages);
+  console.answer("name \x1B]0;owned\x07", "");
+  console.print("\x1B[31m");
+  console.note("\x1B[1m");
+  console.warn("\xFF");
+  console.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
+  CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
+}
+
+TEST_CASE("a map header with escapes and broken UTF-8 is shown harmless and is valid JSON") {
+  const Folder folder;
+  const std::string map = folder.with("map.csv",
+                                      "# machine: mill\x1B[2J\xFF\n# customer: M\xC3\xBCller\n"
+                                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-100,1\nX,EX,0,0,5\n");
+  for (const char* verb : {"header", "show"}) {
+    const Ran plain = ran({"map", verb, map});
+    CHECK((plain.out + plain.messages).find_first_of("\x1B\xFF") == std::string::npos);
+    const Ran json = ran({"map", verb, map, "--json"});
+    CHECK(nlohmann::json::accept(json.out));
+  }
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,60 @@
+// The one line to the unit that all screens share.
+#include "commissioning/link/unit_connection.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+
+namespace ecs::app {
+namespace {
+
+Result<int> work_on(UnitConnection& connection, int& done) {
+  JobControl control;
+  return connection.on_line(control, [&](UnitLink& line) -> Result<int> {
+    if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
+    return ++done;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("another unit on the same line is told before anything is done, and works once it is shown") {
+  auto shop = protocol::Workshop::on_tcp();
+  UnitConnection connection(protocol::to_text(shop.address()));
+  int done = 0;
+  REQUIRE(work_on(connection, done));
+  CHECK(connection.standing().identity->serial_number == "ECS-0042");
+  shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.serial_number = "OTHER-9"; });
+  const auto refused = work_on(connection, done);
+  REQUIRE(!refused);
+  CHECK(refused.error().kind == ProblemKind::refused);
+  CHECK(refused.error().message.find("OTHER-9 in place of ECS-0042") != std::string::npos);
+  CHECK(done == 1);
+  CHECK(connection.standing().identity->serial_number == "OTHER-9");
+  CHECK(work_on(connection, done));
+  CHECK(done == 2);
+}
+
+TEST_CASE("work that is cancelled ends soon, and the line serves the next") {
+  auto shop = protocol::Workshop::on_tcp();
+  UnitConnection connection(protocol::to_text(shop.address()));
+  Job<Result<int>> job;
+  job.start([&connection](JobControl& control) {
+    return connection.on_line(control, [](UnitLink& line) -> Result<int> {
+      const auto result = line.client().test_datum(Axis::X, std::chrono::minutes(1));
+      if (!result) return tl::unexpected(result.error());
+      return 1;
+    });
+  });
+  shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  job.cancel();
+  std::optional<Result<int>> result;
+  for (int k = 0; k < 3000 && !(result = job.take()); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  REQUIRE(result);
+  CHECK_FALSE(result->has_value());
+  int done = 0;
+  CHECK(work_on(connection, done));
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,78 @@
+// Recorded datum sequences as files and as events.
+#include "commissioning/unit/datum_recording.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+
+/// Half a second of standing, then 1 um each ms (60 mm/min), switch closed from 1.0 to 1.2 s, marker at 1.4 s.
+DatumRecording approach() {
+  DatumRecording r;
+  r.axis = Axis::Y;
+  r.taken = "2026-05-04T09:30:00Z";
+  r.serial_number = "MCM-0107";
+  for (int ms = 0; ms < 2000; ++ms) r.samples.push_back({ms < 500 ? 0 : ms - 500, ms >= 1000 && ms < 1200, ms == 1400});
+  return r;
+}
+
+TEST_CASE("the speed is the slope of the position") {
+  const auto speeds = speeds_mm_min(approach());
+  CHECK(speeds[250] == Approx(0.0));
+  CHECK(speeds[1000] == Approx(60.0));
+  CHECK(speeds[1999] == Approx(60.0));
+}
+
+TEST_CASE("events stand in their order with time and position") {
+  const auto events = events_of(approach());
+  REQUIRE(events.size() == 4);
+  CHECK(events[0].what == "motion begins");
+  CHECK(events[0].time_s == Approx(0.5).epsilon(0.05));
+  CHECK(events[1].what == "switch closes");
+  CHECK(events[1].time_s == Approx(1.0));
+  CHECK(events[1].position_mm == Approx(0.5));
+  CHECK(events[2].what == "switch opens");
+  CHECK(events[3].what == "marker");
+  CHECK(events[3].position_mm == Approx(0.9));
+}
+
+TEST_CASE("a record written and read back is the same") {
+  const DatumRecording before = approach();
+  const auto after = parse_recording(to_csv(before), "r.csv");
+  REQUIRE(after);
+  CHECK(after->samples == before.samples);
+  CHECK(after->axis == before.axis);
+  CHECK(after->um_per_count == before.um_per_count);
+  CHECK(after->sample_period_us == before.sample_period_us);
+  CHECK(after->serial_number == before.serial_number);
+}
+
+TEST_CASE("every bad row is told with its line") {
+  const std::string text =
+      "# axis: W\n# sample_period_us: 1000\ntime_s,counts,position_mm,speed_mm_min,switch_closed,marker\n"
+      "0,1,0,0,0,0\n0,one,0,0,0,0\n0,3,0,0,2,0\n0,4\n";
+  const auto read = parse_recording(text, "r.csv");
+  REQUIRE_FALSE(read);
+  CHECK(read.error().line == 1);
+  REQUIRE(read.error().also.size() == 3);
+  CHECK(read.error().also[0].line == 5);
+  CHECK(read.error().also[2].line == 7);
+}
+
+TEST_CASE("show answers with the graph and its events") {
+  const Folder folder;
+  const std::string file = folder.with("r.csv", to_csv(approach()));
+  const Ran text = ran({"utility", "datum", "show", file});
+  CHECK(text.code == 0);
+  CHECK(text.out.find("switch closes") != std::string::npos);
+  CHECK(text.out.find("*****") != std::string::npos);
+  CHECK(ran({"utility", "datum", "show", file, "--json"}).json()["events"].size() == 4);
+  CHECK(ran({"utility", "datum", "show", folder.with("empty.csv", "")}).code == 3);
+}
+
+}  // namespace
+}  // namespace ecs::app

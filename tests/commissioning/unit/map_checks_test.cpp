@@ -1,0 +1,84 @@
+// Whether an image, a map or parameters are for this unit.
+#include "commissioning/unit/map_checks.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "core/memory_image.hpp"
+#include "laser/map/image.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::vector<std::uint8_t> image_with(std::size_t values, std::uint8_t modules, const std::string& serial_number = {}) {
+  UnitParameters parameters;
+  parameters.configuration = {'T', 'X', 0, 0, 0};
+  parameters.axis_present = {true, false, false};
+  parameters.scope = Scope::linear;
+  parameters.memory_modules = modules;
+  laser::ErrorMap map;
+  map.header.serial_number = serial_number;
+  laser::MapTable table;
+  for (std::size_t i = 0; i < values; ++i) {
+    table.position_mm.push_back(static_cast<double>(i) - static_cast<double>(values - 1));
+    table.compensation.push_back(0.0);
+  }
+  map.tables.push_back(std::move(table));
+  auto image = laser::image_of(map, parameters);
+  REQUIRE_MESSAGE(image.has_value(), (image ? "" : to_text(image.error())));
+  return image->bytes;
+}
+
+protocol::Identity unit_with(std::uint16_t modules, std::uint32_t capacity) {
+  protocol::Identity identity;
+  identity.memory_modules = modules;
+  identity.capacity_values = capacity;
+  return identity;
+}
+
+TEST_CASE("an image fits a unit that has its modules and as much room as it has values, and no smaller one") {
+  const auto image = image_with(1000, 2);
+  CHECK(no_room_for(image, unit_with(2, 1000)).empty());
+  CHECK(no_room_for(image, unit_with(5, 160'000)).empty());
+  CHECK(no_room_for(image, unit_with(1, 32'000)).size() == 1);
+  CHECK(no_room_for(image, unit_with(2, 999)).size() == 1);
+  CHECK(no_room_for(image_with(40'000, 2), unit_with(1, 32'000)).size() == 3);  // modules, values and bytes
+}
+
+TEST_CASE("an image without room in the unit is refused before the unit is given any command") {
+  auto shop = protocol::Workshop::on_tcp();  // one module, 32,000 values
+  auto unit = shop.client();
+  const auto sent = send_image(unit, image_with(1000, 2));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().kind == ProblemKind::refused);
+  CHECK(sent.error().message.find("count on 2 axis memory modules, the unit has 1") != std::string::npos);
+  UnitParameters parameters;
+  parameters.memory_modules = 3;
+  CHECK_FALSE(send_parameters(unit, parameters, {}).has_value());
+  CHECK(shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { return model.log; }).empty());
+  CHECK(send_image(unit, image_with(1000, 1)).has_value());
+}
+
+TEST_CASE("a dump belongs to a unit when neither its own serial number nor that of its map says otherwise") {
+  const auto image = image_with(10, 1, "A-1");
+  CHECK(other_unit("A-1", image, "A-1").empty());
+  CHECK(other_unit("", image_with(10, 1), "A-1").empty());
+  CHECK(other_unit("B-2", image, "A-1").size() == 1);
+  CHECK(other_unit("A-1", image, "B-2").size() == 2);
+}
+
+TEST_CASE("a dump whose map cannot be read is not taken for that of the unit") {
+  auto image = image_with(10, 1, "A-1");
+  image[kPrefixBytes + 3] ^= 1;
+  CHECK(other_unit("A-1", image, "A-1").size() == 1);
+}
+
+TEST_CASE("parameters without a serial number are for any unit, others for theirs alone") {
+  CHECK(other_unit(params::Identity{"mill", ""}, "A-1").empty());
+  CHECK(other_unit(params::Identity{"mill", "A-1"}, "A-1").empty());
+  CHECK(other_unit(params::Identity{"mill", "B-2"}, "A-1").size() == 1);
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,99 @@
+// Status files: what was saved is what is decoded, without a unit.
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "base/json.hpp"
+#include "commissioning/unit/status_snapshot.hpp"
+#include "commissioning/unit/status_view.hpp"
+#include "tests/support/verb_run.hpp"
+#include "protocol/registers/unit_registers.hpp"
+
+namespace ecs::app {
+namespace {
+
+StatusSnapshot faulty_unit() {
+  StatusSnapshot s;
+  s.taken = "2026-05-04T09:30:00Z";
+  s.link = "tcp:mill:502:1";
+  s.identity.serial_number = "MCM-0107";
+  s.identity.axis_present = {true, true, false};
+  s.identity.memory_modules = 1;
+  s.status.mode = UnitMode::integration;
+  s.status.fault = Fault::ram_test;
+  s.status.fault_address = 0x100ABC;
+  s.status.ram_test = protocol::TestOutcome::failed;
+  s.status.ram_test_address = 0x100ABC;
+  s.status.active_bank = protocol::Bank::A;
+  s.status.axes[1].datum_failure = DatumFailure::too_fast;
+  s.status.pointers[index_of(Component::ECX)] = {12, 0x1002E0};
+  s.selected[index_of(Component::ECX)] = SelectedValue{-250, -2.5};
+  s.identity_registers = protocol::registers_of(s.identity, 0);
+  s.status_registers = protocol::registers_of(s.status, 0);
+  s.pointer_registers = protocol::pointer_registers_of(s.status, 0);
+  return s;
+}
+
+TEST_CASE("a saved status decodes to the same fault, address, pointers and values") {
+  const Folder folder;
+  const std::string file = folder / "s.json";
+  REQUIRE(write_snapshot(file, faulty_unit()));
+  const Ran r = ran({"utility", "status", "--from", file, "--json"});
+  CHECK(r.code == 0);
+  const auto j = r.json();
+  CHECK(j["fault"]["name"] == "ram_test");
+  CHECK(j["fault"]["address"] == "0x100ABC");
+  CHECK(j["ram_test"]["outcome"] == "failed");
+  CHECK(j["axes"].size() == 2);
+  CHECK(j["axes"]["Y"]["datum_failure"] == "too fast");
+  CHECK(j["axes"]["X"]["position_mm"].is_null());
+  REQUIRE(j["pointers"].size() == 1);
+  CHECK(j["pointers"][0]["component"] == "ECX");
+  CHECK(j["pointers"][0]["address"] == "0x1002E0");
+  CHECK(j["pointers"][0]["value"] == -2.5);
+  CHECK(j["pointers"][0]["unit"] == "um/m");
+  CHECK(j["link"] == "tcp:mill:502:1");
+}
+
+TEST_CASE("the words say what to do next") {
+  const std::string text = text_of(faulty_unit());
+  CHECK(text.find("replace that axis memory module") != std::string::npos);
+  CHECK(text.find("0x100ABC") != std::string::npos);
+  CHECK(text.find("raise the approach speed") != std::string::npos);
+}
+
+TEST_CASE("the registers count, not the words beside them") {
+  const Folder folder;
+  const std::string file = folder / "s.json";
+  REQUIRE(write_snapshot(file, faulty_unit()));
+  Json object = Json::parse(content_of(file));
+  object["fault"]["name"] = "none";
+  const auto read = parse_snapshot(object.dump(), "s");
+  REQUIRE(read);
+  CHECK(read->status.fault == Fault::ram_test);
+}
+
+TEST_CASE("files that hold no status are refused, saying what was expected") {
+  const Folder folder;
+  for (const char* text : {"", "{}", "[1,2]", "not json", R"({"ecs_status": 1})", R"({"ecs_status": 2, "raw": {}})",
+                           R"({"ecs_status": 1, "raw": {"identity": [1, 2]}})"}) {
+    CAPTURE(text);
+    const Ran r = ran({"utility", "status", "--from", folder.with("x.json", text), "--json"});
+    CHECK(r.code == 3);
+    CHECK(r.json()["error"]["message"].get<std::string>().find("expected") != std::string::npos);
+  }
+}
+
+TEST_CASE("registers of any content are decoded or refused, never worse") {
+  const Json whole = json_with_registers(faulty_unit());
+  CHECK(rc::check([&] {
+    Json object = whole;
+    const char* block = *rc::gen::element("identity", "status", "pointers");
+    const auto at = *rc::gen::inRange<std::size_t>(0, object["raw"][block].size());
+    object["raw"][block][at] = *rc::gen::arbitrary<std::uint16_t>();
+    const auto read = parse_snapshot(object.dump(), "s");
+    if (read) RC_ASSERT(Json::parse(one_line(json_of(*read)), nullptr, false).is_object());
+  }));
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,43 @@
+// Surroundings beside the monitor: run under umockdev-wrapper.
+#include "commissioning/measurements/environment_watch.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/fake_hid.hpp"
+
+namespace ecs::app {
+namespace {
+
+bool says(const EnvironmentWatch& watch, const std::string& text) {
+  for (int k = 0; k < 500; ++k) {
+    if (to_text(watch.now()).find(text) != std::string::npos) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  MESSAGE(to_text(watch.now()));
+  return false;
+}
+
+TEST_CASE("a thermometer is read beside the monitor, told when it is pulled out, and read again when it is back") {
+  fake::Bus bus;
+  EnvironmentWatch watch("temper", 0.1);
+  CHECK(says(watch, "temper"));  // none is plugged in, and that is said
+  auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
+  fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
+  CHECK(says(watch, "air 20.50 degC, material 19.25 degC"));
+  stick->unplug();
+  CHECK(says(watch, "was unplugged"));
+  stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
+  fake::answer_like_temper(*stick, {{0x80, 0x04, 0x15, 0x00, 0x13, 0x40, 0, 0}});
+  CHECK(says(watch, "air 21.00 degC"));
+}
+
+TEST_CASE("a device that is no sensor of the surroundings is refused with its kind") {
+  EnvironmentWatch watch("samples/devices/foot_switch.toml", 0.1);
+  CHECK(says(watch, "trigger"));
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,142 @@
+#include "ecs_emulator/instruments/measurement.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "laser/writers/measurement_writer.hpp"
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+
+namespace {
+
+laser::MeasurementSet measured(Simulation& simulation, const MeasurementPlan& plan) {
+  auto set = measure(simulation, plan);
+  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
+  return std::move(*set);
+}
+
+MeasurementPlan plan_for(Axis axis, Sense sense, double from_mm, double to_mm, double step_mm) {
+  MeasurementPlan plan;
+  plan.axis = axis;
+  plan.sense = sense;
+  plan.targets_mm = targets_between(from_mm, to_mm, step_mm);
+  plan.runs = 1;
+  plan.feed_mm_min = 6000.0;
+  return plan;
+}
+
+double reading_at(const laser::MeasurementSet& set, double target_mm, Approach approach) {
+  for (const auto& reading : set.readings)
+    if (laser::target_mm(reading) == target_mm && reading.approach == approach) return reading.error;
+  FAIL("no reading at " << target_mm);
+  return 0.0;
+}
+
+}  // namespace
+
+TEST_CASE("linear optics see scale error and backlash, zeroed at the first target") {
+  auto simulation =
+      simulation_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p + 1.5*d\"\n", ideal_machine());
+  const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 100.0));
+  CHECK(set.readings.size() == 12);
+  CHECK(reading_at(set, 0.0, Approach::reverse) == doctest::Approx(0.0));
+  CHECK(reading_at(set, -300.0, Approach::reverse) == doctest::Approx(-6.0).epsilon(1e-3));
+  CHECK(reading_at(set, -300.0, Approach::forward) == doctest::Approx(-3.0).epsilon(1e-3));
+}
+
+TEST_CASE("a parked axis levers an angle into the positioning error, away from the measurement line only") {
+  const std::string errors = "[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n";  // um/m
+  auto simulation = simulation_of(errors, ideal_machine());
+  auto plan = plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0);
+  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == doctest::Approx(0.0).epsilon(1e-3));
+  plan.parked_mm[1] = -400.0;  // E_X = −ECX·Y = −(−50 um/m)·(−0.4 m)
+  CHECK(reading_at(measured(simulation, plan), -500.0, Approach::reverse) == doctest::Approx(-20.0).epsilon(1e-3));
+}
+
+TEST_CASE("angular optics and the level see the rotation of the tool against the workpiece") {
+  auto simulation = simulation_of(
+      "[[contribution]]\ncomponent = \"EBX\"\nformula = \"0.1*p\"\n"
+      "[[contribution]]\ncomponent = \"EAX\"\nformula = \"-0.2*p\"\n");
+  CHECK(reading_at(measured(simulation, plan_for(Axis::X, Sense::EB, 0.0, -400.0, 200.0)), -400.0, Approach::forward) ==
+        doctest::Approx(-40.0).epsilon(1e-3));
+  CHECK(reading_at(measured(simulation, plan_for(Axis::X, Sense::EA, 0.0, -400.0, 200.0)), -400.0, Approach::forward) ==
+        doctest::Approx(80.0).epsilon(1e-3));
+}
+
+TEST_CASE("a straightness reading carries the slope and offset of its set-up, other than that it is the error") {
+  Simulation simulation(machine_of(small_machine() + R"(
+[emulator.laser]
+straightness_noise_um = 0
+straightness_resolution_um = 0
+)"),
+                        errors_of("[[contribution]]\ncomponent = \"EYX\"\nformula = \"10*sin(pi*p/500)\"\n"), 3);
+  const auto set = measured(simulation, plan_for(Axis::X, Sense::EY, 0.0, -500.0, 250.0));
+  const double left = reading_at(set, 0.0, Approach::forward);
+  const double right = reading_at(set, -500.0, Approach::forward);
+  CHECK(std::abs(left - right) > 0.1);
+  CHECK(reading_at(set, -250.0, Approach::forward) - 0.5 * (left + right) == doctest::Approx(-10.0).epsilon(1e-3));
+}
+
+TEST_CASE("an indicator against a square reads the squareness, the tilt of the first leg taken out") {
+  auto simulation = simulation_of(
+      "[squareness]\nC0Y = 30.0\n"
+      "[[contribution]]\ncomponent = \"EYX\"\nformula = \"0.05*p\"\n");  // the X line rises by 50 um/m
+  auto plan = plan_for(Axis::Y, Sense::EX, 0.0, -400.0, 200.0);
+  plan.instrument = InstrumentKind::square;
+  // E_X = −C0Y·Y = +12 um at −0.4 m; the square, turned with the X line, stands at −50 um/m: E_X + 50·Y = 12 − 20.
+  CHECK(reading_at(measured(simulation, plan), -400.0, Approach::reverse) == doctest::Approx(-8.0).epsilon(1e-3));
+}
+
+TEST_CASE("a reading on the fly is taken where the axis passes, and lags with the feed") {
+  auto simulation = simulation_of("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.02*p\"\n",
+                                  small_machine() + "[emulator.axis.X]\nservo_lag_um_per_m_min = 0.5\n");
+  auto plan = plan_for(Axis::X, Sense::EX, 0.0, -500.0, 10.0);
+  plan.on_the_fly = true;
+  plan.feed_mm_min = 4000.0;
+  const auto set = measured(simulation, plan);
+  CHECK(set.readings.size() == 102);
+  CHECK(reading_at(set, -250.0, Approach::reverse) == doctest::Approx(-5.0).epsilon(1e-3));
+  CHECK(reading_at(set, -250.0, Approach::forward) == doctest::Approx(-5.0 + 2.0 + 2.0).epsilon(1e-3));
+  CHECK(set.readings.front().feed_mm_min == 4000.0);
+}
+
+TEST_CASE("the same seed gives the same bytes, another seed other ones") {
+  const auto csv = [](std::uint64_t seed) {
+    Simulation simulation(machine_of(small_machine()), errors_of("[scatter]\nEXX = { pass = 1.0, reading = 0.3 }\n"),
+                          seed);
+    return laser::to_csv(measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 50.0)));
+  };
+  CHECK(csv(5) == csv(5));
+  CHECK(csv(5) != csv(6));
+}
+
+TEST_CASE("a tool offset levers the angles of the axis that carries it") {
+  auto simulation = simulation_of("[[contribution]]\ncomponent = \"ECX\"\nformula = \"0.1*p\"\n",
+                                  ideal_machine() + "[emulator]\ntool_offset_mm = { y = 200.0 }\n");
+  const auto set = measured(simulation, plan_for(Axis::X, Sense::EX, 0.0, -500.0, 500.0));
+  CHECK(reading_at(set, -500.0, Approach::reverse) == doctest::Approx(10.0).epsilon(1e-3));  // −ECX·Y
+}
+
+TEST_CASE("a plan that cannot be followed is refused with the reason") {
+  auto simulation = simulation_of("", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0.0, 100.0]\n");
+  auto plan = plan_for(Axis::X, Sense::EX, 0.0, 500.0, 100.0);
+  CHECK(!measure(simulation, plan).has_value());
+  plan = plan_for(Axis::Y, Sense::EY, 0.0, 50.0, 10.0);
+  CHECK(!measure(simulation, plan).has_value());
+  plan = plan_for(Axis::X, Sense::EX, 0.0, 100.0, 50.0);
+  plan.instrument = InstrumentKind::angular;
+  CHECK(!measure(simulation, plan).has_value());
+  plan.instrument.reset();
+  plan.targets_mm = {0.0, 50.0, 25.0};
+  CHECK(!measure(simulation, plan).has_value());
+}
+
+TEST_CASE("targets include both ends, in either direction") {
+  CHECK(targets_between(0.0, -100.0, 40.0) == std::vector<double>{0.0, -40.0, -80.0, -100.0});
+  CHECK(targets_between(0.0, 100.0, 50.0) == std::vector<double>{0.0, 50.0, 100.0});
+  CHECK(targets_between(0.0, 100.0, 0.0).empty());
+}

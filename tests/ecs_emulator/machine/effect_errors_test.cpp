@@ -1,0 +1,209 @@
+// [[effect]] tables: each against its formula in docs/surroundings.md, worked out by hand.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+
+namespace {
+
+/// Value of a component with one effect, the datum at −100 on every axis.
+double value(const std::string& effect, Component component, const MachineState& state) {
+  TrueErrors errors = errors_of("[[effect]]\n" + effect);
+  MachinePlace place;
+  place.datum_mm = {-100.0, -100.0, -100.0};
+  errors.put_on(place);
+  return errors.at(state)[index_of(component)];
+}
+
+MachineState at_p(double from_datum_mm, Approach approach = Approach::forward) {
+  MachineState state;
+  state.position_mm = {from_datum_mm - 100.0, 7.0, 9.0};
+  state.approach[0] = approach;
+  return state;
+}
+
+std::string told(const std::string& text) {
+  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
+  REQUIRE(!errors.has_value());
+  return to_text(errors.error());
+}
+
+void has(const std::string& text, const std::string& what) {
+  CHECK_MESSAGE(text.find(what) != std::string::npos, what << " in " << text);
+}
+
+}  // namespace
+
+TEST_CASE("effects of position count from the datum of their axis") {
+  CHECK(value("id='offset'\nsense='EX'\nparameters={um=3}", Component::EXX, at_p(500)) == 3.0);
+  CHECK(value("id='offset'\nsense='EZ'\naxis='X'\nparameters={um=3}", Component::EZX, at_p(500)) == 3.0);
+  CHECK(value("id='scale'\naxis='X'\nparameters={um_per_m=10}", Component::EXX, at_p(500)) == doctest::Approx(5.0));
+  CHECK(value("id='sag'\naxis='X'\nsense='EY'\nparameters={k2=-8, k3=4}", Component::EYX, at_p(-500)) ==
+        doctest::Approx(-8.0 * 0.25 + 4.0 * 0.125));
+  const std::string step = "id='step'\naxis='X'\nparameters={height_um=2, position_mm=40}";
+  CHECK(value(step, Component::EXX, at_p(40)) == 0.0);
+  CHECK(value(step, Component::EXX, at_p(41)) == 2.0);
+}
+
+TEST_CASE("a cyclic error has two harmonics and may belong to one approach") {
+  const std::string cyclic = R"(id = "cyclic"
+axis = "X"
+sense = "EX"
+parameters = { period_mm = 8.0, amplitude_um = 3.0, phase_rad = 0.5, amplitude2_um = 1.0, phase2_rad = -0.2 }
+)";
+  const double turn = 2.0 * 3.14159265358979 * 13.0 / 8.0;
+  const double expected = 3.0 * std::sin(turn + 0.5) + std::sin(2.0 * turn - 0.2);
+  CHECK(value(cyclic, Component::EXX, at_p(13.0)) == doctest::Approx(expected));
+  CHECK(value(cyclic + "approach = \"reverse\"", Component::EXX, at_p(13.0)) == 0.0);
+  CHECK(value(cyclic + "approach = \"reverse\"", Component::EXX, at_p(13.0, Approach::reverse)) ==
+        doctest::Approx(expected));
+}
+
+TEST_CASE("effects of approach change sign with it") {
+  for (const auto& [approach, d] : {std::pair{Approach::forward, 1.0}, std::pair{Approach::reverse, -1.0}}) {
+    MachineState state = at_p(250.0, approach);
+    state.feed_mm_min = 3000.0;
+    state.travel_since_reversal_mm[0] = 4.0;
+    CHECK(value("id='backlash'\naxis='X'\nparameters={um=9}", Component::EXX, state) == doctest::Approx(4.5 * d));
+    CHECK(value("id='servo_lag'\naxis='X'\nparameters={um_per_m_min=2}", Component::EXX, state) ==
+          doctest::Approx(6.0 * d));
+    CHECK(value("id='reversal_spike'\naxis='X'\nsense='EY'\nparameters={c_um=5, u0_mm=2}", Component::EYX, state) ==
+          doctest::Approx(5.0 * d * std::exp(-2.0)));
+    CHECK(value("id='reversal_curve'\naxis='X'\npoints=[[0, 2], [500, 6]]", Component::EXX, state) ==
+          doctest::Approx(2.0 * d));
+  }
+}
+
+TEST_CASE("curves are points or formulas over positions from the datum") {
+  CHECK(value("id='progressive'\naxis='X'\nsense='EZ'\npoints=[[0, 1], [1000, 3]]", Component::EZX, at_p(250)) ==
+        doctest::Approx(1.5));
+  CHECK(value("id='progressive'\naxis='X'\nformula='0.01*p + x'", Component::EXX, at_p(300)) ==
+        doctest::Approx(3.0 + 200.0));
+  CHECK(value("id='angular'\ncode='ECX'\nformula='p/10'", Component::ECX, at_p(300)) == doctest::Approx(30.0));
+  CHECK(value("id='squareness'\ncode='B0Z'\nparameters={um_per_m=-12}", Component::B0Z, at_p(300)) == -12.0);
+}
+
+TEST_CASE("effects of time, load and temperature") {
+  MachineState state = at_p(500.0);
+  state.time_s = 1800.0;
+  state.load_kg = 200.0;
+  CHECK(value("id='time_drift'\nsense='EY'\naxis='X'\nparameters={um_per_h=4}", Component::EYX, state) ==
+        doctest::Approx(2.0));
+  CHECK(value("id='warm_up'\naxis='X'\nparameters={tau_s=1800, c_um=10, c_um_per_m=6}", Component::EXX, state) ==
+        doctest::Approx((10.0 + 3.0) * (1.0 - std::exp(-1.0))));
+  CHECK(value("id='load'\naxis='X'\nsense='EZ'\nparameters={um_per_kg=0.01, um_per_kg_m=-0.04}", Component::EZX,
+              state) == doctest::Approx(200.0 * (0.01 - 0.02)));
+  const std::string drift = "id='thermal_drift'\nsense='EZ'\nsensor='t_oil_degC'\nparameters={um_per_degC=3}\n";
+  CHECK(value(drift + "[temperature]\noil='25 + t/600'", Component::EZZ, state) == doctest::Approx(9.0));
+}
+
+TEST_CASE("thermal effects follow true temperatures of the machine, not what sensors show") {
+  const std::string text = R"([air]
+mean_degC = 26.0
+[material]
+lag_s = 1000.0
+start_degC = 30.0
+[spindle]
+degC_per_1000_rpm = 5.0
+lag_s = 600.0
+steps = [[0, 2000]]
+[sensor.spindle]
+of = "spindle"
+offset_degC = 2.0
+lag_s = 300.0
+[[effect]]
+id = "thermal_scale"
+axis = "X"
+parameters = { um_per_m_degC = 11.0 }
+[[effect]]
+id = "thermal_drift"
+sense = "EZ"
+sensor = "spindle"
+parameters = { um_per_degC = -2.0 }
+)";
+  Simulation simulation = simulation_of(text);
+  REQUIRE(simulation.dwell(1000.0));
+  MachineState state = simulation.machine().state();
+  state.position_mm = {-400.0, 0.0, 0.0};
+  const ComponentValues values = simulation.errors().at(state, simulation.heat());
+  const double material_degC = 26.0 + 4.0 * std::exp(-1.0);
+  CHECK(simulation.material_degC() == doctest::Approx(material_degC));
+  CHECK(values[index_of(Component::EXX)] == doctest::Approx(11.0 * -0.4 * (material_degC - 20.0)));
+  CHECK(values[index_of(Component::EZZ)] == doctest::Approx(-2.0 * 10.0 * (1.0 - std::exp(-1000.0 / 600.0))));
+}
+
+TEST_CASE("effects that do not sit in the machine are refused with where they belong") {
+  has(told("[[effect]]\nid = \"cosine\"\n"),
+      "errors.toml:2:6: cosine: an effect of the instrument: set misalignment_mrad in [emulator.laser]");
+  has(told("[[effect]]\nid = \"dead_path\"\n"), "set dead_path_m in [emulator.laser]");
+  has(told("[[effect]]\nid = \"air_refraction\"\n"), "the air is [air] of this file");
+  has(told("[[effect]]\nid = \"measurement_line\"\n"), "parked_mm of the plan");
+  for (const char* id : {"map_polarity", "map_gain", "map_shift", "map_direction_swap"})
+    has(told(std::string("[[effect]]\nid = \"") + id + "\"\n"), "a fault of the unit's map");
+  has(told("[[effect]]\nid = \"ciclic\"\n"), "did you mean \"cyclic\"?");
+}
+
+TEST_CASE("every wrong key of an effect is refused with its line") {
+  const std::string text = told(R"([[effect]]
+id = "scale"
+sense = "EX"
+parameters = { um_per_m = 1 }
+[[effect]]
+id = "cyclic"
+axis = "X"
+parameters = { period_mm = 0, amplitude_um = 1, amplitud2_um = 3 }
+[[effect]]
+id = "offset"
+axis = "X"
+parameter = { um = 1 }
+[[effect]]
+id = "angular"
+code = "EXX"
+points = [[0, 1]]
+[[effect]]
+id = "backlash"
+axis = "Q"
+parameters = { um = 1 }
+[[effect]]
+id = "progressive"
+axis = "X"
+[[effect]]
+id = "thermal_drift"
+sense = "EZ"
+sensor = "t_oil_degC"
+parameters = { um_per_degC = 1 }
+[[effect]]
+id = "sag"
+axis = "X"
+approach = "up"
+parameters = {}
+[[effect]]
+id = "squareness"
+code = "C0Y"
+axis = "X"
+parameters = { um_per_m = 1 }
+[[effect]]
+id = "backlash"
+axis = "X"
+code = "EXX"
+parameters = { um = 1 }
+)");
+  for (const int line : {1, 8, 9, 12, 15, 19, 21, 27, 32, 33, 37, 42})
+    has(text, "errors.toml:" + std::to_string(line) + ":");
+  has(text, "did you mean \"amplitude_um\"");
+  has(text, "did you mean \"parameters\"");
+}
+
+TEST_CASE("an effect on an axis that the machine lacks is refused with its line") {
+  const TrueErrors errors = errors_of("\n[[effect]]\nid='scale'\naxis='Y'\nparameters={um_per_m=1}\n");
+  std::string machine = small_machine("TXZ");
+  machine.erase(machine.find("[axis.Y]"), std::string("[axis.Y]\ntravel_mm = [-400.0, 0.0]\n").size());
+  const auto checked = errors.checked_for(machine_of(machine).machine);
+  REQUIRE(!checked.has_value());
+  has(to_text(checked.error()), "errors.toml:2: effect scale: this machine has no Y");
+}

@@ -1,0 +1,45 @@
+#include <doctest/doctest.h>
+
+#include "ecs_emulator/settings/emulator.hpp"
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+
+TEST_CASE("the emulator's table is read beside the machine") {
+  const auto machine = machine_of(small_machine() + R"(
+[emulator]
+serial_number = "M-17"
+seed = 9
+errors = "true.toml"
+[emulator.axis.Y]
+dac_um_per_count = -0.2
+reference_kind = "siemens"
+reference_direction = -1
+)");
+  CHECK(machine.machine.configuration == "TXYZ");
+  CHECK(machine.settings.serial_number == "M-17");
+  CHECK(machine.settings.seed == 9);
+  CHECK(machine.settings.errors == "./true.toml");
+  CHECK(machine.settings.axes[1].dac_um_per_count == -0.2);
+  CHECK(machine.settings.axes[1].reference_kind == DatumKind::siemens);
+  CHECK(machine.settings.axes[1].reference_direction == Approach::reverse);
+  CHECK(machine.settings.axes[0].dac_um_per_count == 0.1);
+}
+
+TEST_CASE("every wrong value of the emulator's table is told at once") {
+  const auto machine = parse_workshop_machine(small_machine() + R"(
+[emulator]
+seriel_number = "M-17"
+[emulator.axis.X]
+kv_per_s = 0
+marker_pitch_mm = "ten"
+reference_kind = "heidenhain"
+count_polarity = 2
+)",
+                                              "machine.toml", ".");
+  REQUIRE(!machine.has_value());
+  CHECK(machine.error().also.size() == 4);
+  CHECK(to_text(machine.error()).find("did you mean \"serial_number\"") != std::string::npos);
+}

@@ -1,0 +1,134 @@
+#include "ecs_emulator/errors/true_errors.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+
+namespace {
+
+TrueErrors errors_of(const char* text) {
+  auto errors = TrueErrors::parse(text, "errors.toml", ".");
+  REQUIRE_MESSAGE(errors.has_value(), (errors ? "" : to_text(errors.error())));
+  return std::move(*errors);
+}
+
+double value(const TrueErrors& errors, Component c, const MachineState& state) { return errors.at(state)[index_of(c)]; }
+
+}  // namespace
+
+TEST_CASE("a formula sees the moving axis, the approach and the whole position") {
+  const TrueErrors errors = errors_of(R"(
+[[contribution]]
+component = "EYX"
+formula = "0.01*p + 2*d + 0.001*y"
+[[contribution]]
+component = "EYX"
+formula = "5"
+)");
+  MachineState state;
+  state.position_mm = {-1000.0, 300.0, 0.0};
+  CHECK(value(errors, Component::EYX, state) == doctest::Approx(-10.0 + 2.0 + 0.3 + 5.0));
+  state.approach[0] = Approach::reverse;
+  CHECK(value(errors, Component::EYX, state) == doctest::Approx(-10.0 - 2.0 + 0.3 + 5.0));
+  CHECK(value(errors, Component::EYY, state) == 0.0);
+}
+
+TEST_CASE("points are linear between, held beyond the ends, and have a value for each approach") {
+  const TrueErrors errors = errors_of(R"(
+[[contribution]]
+component = "EZZ"
+points = [[-100, 0, 2], [0, 10, 4]]
+)");
+  MachineState state;
+  state.position_mm[2] = -25.0;
+  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(7.5));
+  state.approach[2] = Approach::reverse;
+  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(3.5));
+  state.position_mm[2] = 50.0;
+  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(4.0));
+}
+
+TEST_CASE("squareness is constant and temperatures feed formulas") {
+  const TrueErrors errors = errors_of(R"(
+[squareness]
+C0Y = 16.0
+[temperature]
+spindle = "20 + t/100"
+[[contribution]]
+component = "EZZ"
+formula = "2*T_spindle - 40"
+)");
+  MachineState state;
+  state.time_s = 500.0;
+  CHECK(value(errors, Component::C0Y, state) == 16.0);
+  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(10.0));
+  REQUIRE(errors.temperatures(100.0).size() == 1);
+  CHECK(errors.temperatures(100.0)[0].second == doctest::Approx(21.0));
+}
+
+TEST_CASE("every problem of an errors file is told with its line") {
+  const auto errors = TrueErrors::parse(R"([squareness]
+C0X = 1.0
+[[contribution]]
+component = "EYQ"
+formula = "1"
+[[contribution]]
+component = "EYX"
+formula = "sin(p"
+[[contribution]]
+component = "EYX"
+points = [[0, 1], [0, 2]]
+)",
+                                        "errors.toml", ".");
+  REQUIRE(!errors.has_value());
+  CHECK(errors.error().also.size() == 3);
+  const std::string text = to_text(errors.error());
+  for (const char* place : {"errors.toml:3", "errors.toml:8:11", "errors.toml:11", "errors.toml:2:7"})
+    CHECK_MESSAGE(text.find(place) != std::string::npos, place << " in " << text);
+}
+
+TEST_CASE("the scatter of a pass is smooth, the same within the pass, new in the next, of the stated size") {
+  const TrueErrors errors = errors_of("[scatter]\nEXX = { pass = 2.0, reading = 0.5 }\n");
+  const PerAxis<std::array<double, 2>> travel{{{0.0, 1000.0}, {0.0, 1000.0}, {0.0, 1000.0}}};
+  MachineState state;
+  double sum = 0.0;
+  int count = 0;
+  for (state.pass[0] = 0; state.pass[0] < 400; ++state.pass[0])
+    for (double p = 0.0; p <= 1000.0; p += 50.0) {
+      state.position_mm[0] = p;
+      const double here = errors.pass_scatter(state, travel, 7)[0];
+      CHECK(here == errors.pass_scatter(state, travel, 7)[0]);
+      state.position_mm[0] = p + 1.0;
+      CHECK(std::abs(errors.pass_scatter(state, travel, 7)[0] - here) < 0.2);
+      sum += here * here;
+      ++count;
+    }
+  CHECK(std::sqrt(sum / count) == doctest::Approx(2.0).epsilon(0.1));
+  CHECK(errors.reading_scatter()[0] == 0.5);
+}
+
+TEST_CASE("what no machine can do is refused with its line before anything moves") {
+  const auto refusal = [](const std::string& text) {
+    auto parsed = TrueErrors::parse(text, "errors.toml", ".");
+    if (!parsed) return to_text(parsed.error());
+    const auto checked = parsed->checked_for(
+        test::machine_of(
+            "configuration = \"TXY\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[axis.Y]\ntravel_mm = [-9.0, 0.0]\n")
+            .machine);
+    return checked ? std::string() : to_text(checked.error());
+  };
+  const std::string head = "\n[[contribution]]\ncomponent = \"EXX\"\n";
+  CHECK(refusal(head + "formula = \"1/0*p\"\n").find("errors.toml:2") != std::string::npos);
+  CHECK(refusal(head + "formula = \"sqrt(p-1)\"\n").find("EXX") != std::string::npos);
+  CHECK(refusal(head + "formula = \"1e300*1e300\"\n") != "");
+  CHECK(refusal(head + "points = [[0, nan]]\n").find("points") != std::string::npos);
+  CHECK(refusal("[air]\nmean_degC = -300\n").find("-40") != std::string::npos);
+  CHECK(refusal("[air]\nmean_degC = 1e300\n").find("60") != std::string::npos);
+  CHECK(refusal("[[contribution]]\ncomponent = \"EYZ\"\nformula = \"p\"\n").find("has no Z") != std::string::npos);
+  CHECK(refusal(head + "formula = \"0.01*p + d\"\n") == "");
+}

@@ -1,0 +1,265 @@
+#include "ecs_emulator/unit/unit.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/emulated_unit.hpp"
+#include "ecs_emulator/instruments/measurement.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandState;
+using protocol::UnitError;
+
+namespace {
+
+bool all_relays(const Bench& bench, bool closed) {
+  for (const auto& drive : bench.simulation.drives())
+    if (drive.relay_closed != closed) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("with a host on the line the unit goes into integration mode") {
+  Bench bench("", small_machine(), LinkSense::automatic);
+  CHECK(bench.unit.mode() == UnitMode::starting);
+  bench.unit.note_request();
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::none);
+}
+
+TEST_CASE("without a host it waits half a second, then tests itself, and says that there is no map") {
+  Bench bench("", small_machine(), LinkSense::automatic);
+  REQUIRE(bench.simulation.run_for(0.49));
+  CHECK(bench.unit.mode() == UnitMode::starting);
+  REQUIRE(bench.simulation.run_for(0.02));
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::no_map);
+  CHECK(bench.unit.status().ram_test == protocol::TestOutcome::passed);
+}
+
+TEST_CASE("a committed map brings the unit through datuming into compensation") {
+  Bench bench;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  bench.unit.sense_link(LinkSense::compensate);
+  bench.unit.power(false);
+  bench.simulation.tick();
+  bench.unit.power(true);
+  REQUIRE(bench.simulation.run_for(0.01));
+  CHECK(bench.unit.mode() == UnitMode::datuming);
+  CHECK(all_relays(bench, false));
+  bench.reference_all();
+  CHECK(bench.unit.mode() == UnitMode::compensating);
+  CHECK(all_relays(bench, true));
+  for (const Axis a : kAllAxes)
+    CHECK(bench.unit.status().axes[index_of(a)].position_mm == doctest::Approx(0.0).epsilon(1e-3));
+}
+
+TEST_CASE("the unit finds the reference position of every kind of controller") {
+  const std::vector<std::pair<std::string, DatumKind>> kinds{
+      {"fanuc", DatumKind::fanuc}, {"allen_bradley", DatumKind::allen_bradley}, {"siemens", DatumKind::siemens}};
+  for (const auto& [name, kind] : kinds)
+    for (const int direction : {1, -1})
+      for (const int polarity : {1, -1}) {
+        CAPTURE(name);
+        CAPTURE(direction);
+        CAPTURE(polarity);
+        Bench bench(
+            "", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\nreference_kind = \"" +
+                    name + "\"\nreference_direction = " + std::to_string(direction) +
+                    "\nnull_offset_mm = 3.0\nswitch_polarity = " + std::to_string(polarity) + "\n");
+        DatumParameters& datum = bench.parameters.axes[0].datum;
+        datum.kind = kind;
+        datum.approach_direction = static_cast<Approach>(direction);
+        datum.switch_polarity = static_cast<std::int8_t>(polarity);
+        datum.null_offset_mm = 3.0;
+        datum.switch_finally_active = kind == DatumKind::siemens;
+        bench.compensate();
+        CHECK(std::abs(bench.unit.status().axes[0].position_mm) < 0.0011);
+      }
+}
+
+TEST_CASE("an axis that stands beyond its switch is brought back and referenced") {
+  Bench bench;
+  bench.reference_all();  // the axes now stand at the datum, past the switch
+  bench.compensate();
+}
+
+TEST_CASE("a stuck bit of axis memory is found with its address, and the content survives the test") {
+  Bench bench;
+  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  const auto before = crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1)));
+  CHECK(bench.tell(CommandCode::run_ram_test).value == protocol::kUnused);
+  CHECK(crc32_of(bench.unit.memory().view(kBankA.first, bank_bytes(1))) == before);
+  bench.unit.memory().stick(kBankB.first + 0x1234, 3, 1);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(bench.unit.fault() == Fault::ram_test);
+  CHECK(bench.unit.status().fault_address == kBankB.first + 0x1234);
+  CHECK(bench.unit.status().ram_test == protocol::TestOutcome::failed);
+}
+
+TEST_CASE("one flipped bit anywhere in the map fails the block check") {
+  Bench bench;
+  const auto image = bench.image([](Component, double p, Approach) { return 0.01 * p; });
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  for (std::uint32_t at = 0; at < image.size(); at += 97) {
+    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
+    CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+    CHECK(bench.unit.fault() == Fault::block_check);
+    bench.unit.memory().corrupt(kBankA.first + at, 0x10);
+  }
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
+}
+
+TEST_CASE("a map that lacks a component of its scope is a fault of its own") {
+  Bench bench;
+  UnitParameters linear = bench.parameters;
+  linear.scope = Scope::linear;
+  auto image =
+      image_of(linear, bench.simulation.description().machine, [](Component, double, Approach) { return 0.0; });
+  write_parameters(image, bench.parameters);  // volumetric
+  seal_image(image);
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.fault() == Fault::map_not_for_parameters);
+}
+
+TEST_CASE("an axis without a module in the rack is an axis module fault") {
+  Bench bench("",
+              "configuration = \"TXYZ\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[axis.Y]\ntravel_mm = [-400.0, 0.0]\n");
+  Bench whole;
+  REQUIRE(bench.stage_and_commit(whole.image([](Component, double, Approach) { return 0.0; })).state ==
+          CommandState::done);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  CHECK(bench.unit.fault() == Fault::axis_module);
+  CHECK(bench.unit.status().fault_axis == Axis::Z);
+}
+
+TEST_CASE("faults in the loop isolate the unit in the same period") {
+  Bench bench;
+  Fault expected = Fault::none;
+  bench.compensate([](Component c, double, Approach) { return is_positioning(c) ? 20.0 : 0.0; });
+  REQUIRE(bench.simulation.run_for(0.2));
+  REQUIRE(bench.simulation.drives()[1].dac_counts != 0);
+  SUBCASE("transducer lost") {
+    bench.simulation.machine().axis(Axis::Y).lose_transducer(true);
+    expected = Fault::axis_module;
+  }
+  SUBCASE("work that takes longer than a period, three times in a row") {
+    bench.unit.slow_down(1500.0);
+    bench.simulation.tick();
+    bench.simulation.tick();
+    CHECK(bench.unit.mode() == UnitMode::compensating);
+    expected = Fault::loop_overrun;
+  }
+  bench.simulation.tick();
+  CHECK(bench.unit.fault() == expected);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+  CHECK(all_relays(bench, false));
+  if (expected == Fault::axis_module) CHECK(bench.unit.status().fault_axis == Axis::Y);
+}
+
+TEST_CASE("a period that is late now and then is counted, and the output holds until the next") {
+  Bench bench;
+  bench.compensate([](Component c, double p, Approach) { return is_positioning(c) ? 0.1 * p : 0.0; });
+  bench.simulation.machine().move_to({-200.0, 0.0, 0.0}, 6000.0);
+  REQUIRE(bench.simulation.run_for(0.5));
+  for (const std::uint32_t so_far : {2u, 4u, 6u}) {
+    bench.unit.slow_down(1500.0, 2);
+    const std::int32_t held = bench.simulation.drives()[0].dac_counts;
+    bench.simulation.tick();
+    CHECK(bench.simulation.drives()[0].dac_counts == held);
+    REQUIRE(bench.simulation.run_for(0.1));
+    CHECK(bench.simulation.drives()[0].dac_counts != held);
+    CHECK(bench.unit.status().loop_overruns == so_far);
+    CHECK(bench.unit.mode() == UnitMode::compensating);
+  }
+}
+
+TEST_CASE("a position that jumps isolates the unit") {
+  Bench bench;
+  bench.compensate();
+  Signals signals = bench.simulation.machine().signals();
+  signals[0].counts += 3000;  // 3 mm in a millisecond
+  CHECK(!bench.unit.tick(signals)[0].relay_closed);
+  CHECK(bench.unit.fault() == Fault::position_jump);
+  CHECK(bench.unit.status().fault_axis == Axis::X);
+}
+
+TEST_CASE("an output that stays at its limit is a fault after a second, not before") {
+  Bench bench;
+  bench.parameters.axes[2].output_limit_um = 10.0;
+  bench.compensate([](Component c, double p, Approach) { return c == Component::EZZ && p < -100.0 ? 20.0 : 0.0; });
+  bench.simulation.machine().move_to({0.0, 0.0, -200.0}, 0.0);
+  int periods_at_limit = 0;
+  for (int i = 0; i < 5000 && bench.unit.fault() == Fault::none; ++i) {
+    bench.simulation.tick();
+    periods_at_limit += bench.simulation.drives()[2].dac_counts == 100 ? 1 : 0;
+  }
+  CHECK(bench.unit.fault() == Fault::compensation_output);
+  CHECK(bench.unit.status().fault_axis == Axis::Z);
+  CHECK(periods_at_limit == doctest::Approx(1000).epsilon(0.02));
+}
+
+TEST_CASE("the watchdog halts a hung processor, and only a power cycle helps") {
+  Bench bench;
+  bench.compensate();
+  bench.unit.hang();
+  REQUIRE(bench.simulation.run_for(kWatchdog_s + 0.002));
+  CHECK(bench.unit.mode() == UnitMode::halted);
+  CHECK(bench.unit.fault() == Fault::watchdog);
+  CHECK(bench.unit.status().watchdog_trips == 1);
+  CHECK(all_relays(bench, false));
+  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::refused);
+  bench.unit.power(false);
+  bench.unit.power(true);
+  bench.simulation.tick();
+  CHECK(bench.unit.mode() == UnitMode::integration);
+}
+
+TEST_CASE("end to end: measured, mapped and compensated, the error of an axis falls to a fraction") {
+  Bench bench("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.05*p + 4*sin(2*pi*p/300) + 3*d\"\n",
+              "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n");
+  MeasurementPlan plan;
+  plan.targets_mm = targets_between(0.0, -500.0, 10.0);
+  plan.runs = 1;
+  plan.feed_mm_min = 6000.0;
+  const auto range = [&] {
+    const auto set = measure(bench.simulation, plan);
+    REQUIRE(set.has_value());
+    double low = 0.0;
+    double high = 0.0;
+    for (const auto& reading : set->readings) {
+      low = std::min(low, reading.error);
+      high = std::max(high, reading.error);
+    }
+    return std::pair(*set, high - low);
+  };
+  const auto [set, before_um] = range();
+  CHECK(before_um > 25.0);
+  bench.compensate([&](Component, double p, Approach approach) {
+    for (const auto& reading : set.readings)
+      if (std::abs(laser::target_mm(reading) - p) < 1e-6 && reading.approach == approach) return -reading.error;
+    return 0.0;
+  });
+  const auto [after, after_um] = range();
+  CHECK(after.readings.front().compensated == true);
+  CHECK(after_um < 1.5);  // from whole pulses of 1 um
+}
+
+TEST_CASE("a wrong output scaling factor shows in what is left") {
+  Bench bench("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.1*p\"\n",
+              "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\ndrive = \"ideal\"\n"
+              "dac_um_per_count = 0.12\n");
+  bench.compensate([](Component, double p, Approach) { return -0.1 * p; });
+  REQUIRE(bench.simulation.move_to({-500.0, 0.0, 0.0}, 6000.0));
+  CHECK(bench.simulation.tool_now(false).error_um[0] == doctest::Approx(10.0).epsilon(0.01));  // 20 % too much
+}

@@ -1,0 +1,178 @@
+// User programs in the unit: 68000 code from samples/user_software, assembled here, and code that goes wrong.
+#include <cstdlib>
+#include <filesystem>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/emulated_unit.hpp"
+#include "core/user_memory.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandResult;
+using protocol::CommandState;
+using protocol::UnitError;
+
+namespace {
+
+using Code = std::vector<std::uint8_t>;
+
+/// Machine code of a sample; empty where the assembler is not installed.
+Code sample(const std::string& name) {
+  const auto out = std::filesystem::temp_directory_path() / ("ecs-" + name + ".bin");
+  const std::string command = "samples/user_software/assemble samples/user_software/" + name + ".s " + out.string();
+  if (std::system("command -v m68k-linux-gnu-as >/dev/null") != 0) return {};
+  REQUIRE(std::system(command.c_str()) == 0);
+  const std::string bytes = read_file(out).value();
+  std::filesystem::remove(out);
+  return {bytes.begin(), bytes.end()};
+}
+
+void put(Bench& bench, Address address, const Code& code) {
+  REQUIRE(bench.unit.write_memory(address, code) == UnitError::none);
+}
+
+CommandResult run(Bench& bench, std::uint32_t argument = 0, int periods = 2000) {
+  CommandResult result =
+      bench.unit.begin(Command{.code = CommandCode::run_user_software, .address = kUserPrograms, .argument = argument});
+  for (int i = 0; i < periods && result.state == CommandState::busy; ++i) {
+    bench.simulation.tick();
+    result = bench.unit.progress();
+  }
+  return result;
+}
+
+CommandResult run_code(const Code& code) {
+  Bench bench;
+  put(bench, kUserPrograms, code);
+  return run(bench);
+}
+
+std::uint32_t long_at(Bench& bench, Address address) {
+  return load_big<std::uint32_t>(bench.unit.memory().view(address, 4), 0);
+}
+
+Code longs(std::initializer_list<std::uint32_t> values) {
+  Code bytes(values.size() * 4);
+  std::size_t at = 0;
+  for (const std::uint32_t value : values) {
+    store_big<std::uint32_t>(bytes, at, value);
+    at += 4;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("the checksum of a stretch of memory is the sum that the test reckons") {
+  Bench bench;
+  const Code program = sample("checksum");
+  if (program.empty()) {
+    MESSAGE("skipped: m68k-linux-gnu-as is not installed");
+    return;
+  }
+  put(bench, kUserPrograms, program);
+  put(bench, 0x043000, longs({kEprom.first + 0x400, 100}));
+  std::uint32_t sum = 0;
+  for (const std::uint8_t byte : bench.unit.memory().view(kEprom.first + 0x400, 100)) sum += byte;
+  const CommandResult result = run(bench, 0x043000);
+  CHECK(result.state == CommandState::done);
+  CHECK(result.value == sum);
+  CHECK(long_at(bench, kUserRegisters) == sum);                                  // D0
+  CHECK(long_at(bench, kUserRegisters + 32 + 4) == kEprom.first + 0x400 + 100);  // A1
+  CHECK(long_at(bench, kUserRegisters + 32 + 28) ==
+        kSystemRam.first + kSystemRam.size);  // A7: the return was taken off
+}
+
+TEST_CASE("a RAM test written by the user finds a stuck bit of axis memory and spoils nothing") {
+  Bench bench;
+  const Code program = sample("ram_test");
+  if (program.empty()) {
+    MESSAGE("skipped: m68k-linux-gnu-as is not installed");
+    return;
+  }
+  put(bench, kUserPrograms, program);
+  put(bench, kBankB.first + 0x100, {1, 2, 3, 4});
+  CHECK(run(bench, kBankB.first).value == 0);
+  CHECK(long_at(bench, kBankB.first + 0x100) == 0x01020304);
+  bench.unit.memory().stick(kBankB.first + 0x123, 3, 1);
+  CHECK(run(bench, kBankB.first).value == kBankB.first + 0x123);
+}
+
+TEST_CASE("a program follows the axes period by period") {
+  Bench bench;
+  const Code program = sample("position_logger");
+  if (program.empty()) {
+    MESSAGE("skipped: m68k-linux-gnu-as is not installed");
+    return;
+  }
+  put(bench, kUserPrograms, program);
+  REQUIRE(bench.tell(Command{.code = CommandCode::set_axis_position, .axis = Axis::X, .position_mm = -10.0}).state ==
+          CommandState::done);
+  REQUIRE(bench.unit.begin(Command{.code = CommandCode::run_user_software, .address = kUserPrograms, .argument = 1000})
+              .state == CommandState::busy);
+  Vector3 to_mm = bench.simulation.machine().command_mm();
+  to_mm[0] += 5.0;
+  REQUIRE(bench.simulation.move_to(to_mm, 1200.0));
+  CommandResult result = bench.unit.progress();
+  for (int i = 0; i < 1000 && result.state == CommandState::busy; ++i) {
+    bench.simulation.tick();
+    result = bench.unit.progress();
+  }
+  REQUIRE(result.state == CommandState::done);
+  CHECK(result.value == 1000);
+  CHECK(static_cast<std::int32_t>(long_at(bench, 0x042004)) == doctest::Approx(-10'000).epsilon(0.01));
+  const auto at = [&](std::uint32_t k) { return static_cast<std::int32_t>(long_at(bench, 0x042000 + 16 * k + 4)); };
+  for (std::uint32_t k = 1; k < 1000; ++k) {
+    CHECK(long_at(bench, 0x042000 + 16 * k) == long_at(bench, 0x042000) + k);  // no period is missed
+    CHECK(at(k) >= at(k - 1));
+  }
+  CHECK(at(999) == doctest::Approx(-5'000).epsilon(0.001));
+}
+
+TEST_CASE("what a program must not do ends it with the reason and the place") {
+  struct Wrong {
+    Code code;
+    const char* reason;
+  };
+  const std::vector<Wrong> wrong{
+      {{0x20, 0x39, 0x00, 0x30, 0x00, 0x00}, "bus error: read of 0x300000 at PC 0x041000"},
+      {{0x23, 0xC0, 0x00, 0x00, 0x10, 0x00}, "bus error: write to 0x001000 at PC 0x041000"},  // EPROM
+      {{0x23, 0xC0, 0x00, 0x0F, 0x00, 0x00}, "bus error: write to 0x0F0000 at PC 0x041000"},  // commit records
+      {{0x23, 0xC0, 0x00, 0x0E, 0x00, 0x04}, "bus error: write to 0x0E0004 at PC 0x041000"},  // inputs
+      {{0x20, 0x39, 0x00, 0x04, 0x20, 0x01}, "address error: odd address 0x042001 at PC 0x041000"},
+      {{0x4E, 0xF9, 0x00, 0x30, 0x00, 0x00}, "bus error: jump to 0x300000"},
+      {{0x4A, 0xFC}, "illegal instruction at PC 0x041000"},
+      {{0x80, 0xFC, 0x00, 0x00}, "division by zero"},
+      {{0x4E, 0x43}, "TRAP #3"},
+      {{0x4E, 0x72, 0x27, 0x00}, "STOP"}};
+  for (const Wrong& one : wrong) {
+    const CommandResult result = run_code(one.code);
+    CHECK(result.state == CommandState::failed);
+    CHECK(result.error == UnitError::unit_fault);
+    CHECK_MESSAGE(result.text.find(one.reason) != std::string::npos, result.text);
+  }
+}
+
+TEST_CASE("a program that never ends is ended, by the host or by its limit") {
+  const Code for_ever{0x60, 0xFE};
+  Bench bench;
+  put(bench, kUserPrograms, for_ever);
+  CHECK(run(bench, 0, 50).state == CommandState::busy);
+  CHECK(bench.tell(CommandCode::stop).state == CommandState::done);
+  CHECK(bench.unit.progress().error == UnitError::stopped);
+  const CommandResult result = run(bench, 0, 61'000);
+  CHECK(result.state == CommandState::failed);
+  CHECK(result.error == UnitError::time_out);
+  CHECK(bench.unit.mode() == UnitMode::integration);
+}
+
+TEST_CASE("programs start at an even address of system RAM above the registers") {
+  Bench bench;
+  for (const Address start : {kUserRegisters, kUserPrograms + 1, kEprom.first, kBankA.first, Address{0x300000}})
+    CHECK(bench.tell(Command{.code = CommandCode::run_user_software, .address = start}).error ==
+          UnitError::bad_argument);
+}

@@ -1,0 +1,115 @@
+// Errors referred to 20 °C and back.
+#include "laser/analysis/normalise.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "laser/import/import.hpp"
+#include "laser/writers/measurement_writer.hpp"
+#include "tests/support/readings.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+using doctest::Approx;
+
+namespace {
+
+MeasurementSet warm(double material_degC) {
+  MeasurementSet set = set_of({{0.0, {1.0}, {0.0}}, {500.0, {60.0}, {59.0}}, {1000.0, {120.0}, {119.0}}});
+  for (Reading& reading : set.readings) reading.sensors_degC["t_material_degC"] = material_degC;
+  return set;
+}
+
+Normalisation steel() {
+  Normalisation how;
+  how.coefficient_um_per_m_degC = 11.7;
+  return how;
+}
+
+}  // namespace
+
+TEST_CASE("a metre of steel ten degrees warm is 117 um too long, and that is taken off") {
+  const auto done = normalised(warm(30.0), steel());
+  REQUIRE(done.has_value());
+  CHECK(done->set.readings[0].error == 1.0);
+  CHECK(done->set.readings[2].error == Approx(60.0 - 58.5));
+  CHECK(done->set.readings[4].error == Approx(3.0));
+  CHECK(done->changed == 6);
+  CHECK(done->largest_um == Approx(117.0));
+  CHECK(done->per_coefficient_um == Approx(10.0));
+  CHECK(says(done->notes, "coefficient 11.7"));
+  CHECK(says(done->notes, "several materials"));
+  CHECK(says(done->notes, "makes up to 10.000 um"));
+}
+
+TEST_CASE("the way back is exact, through a CSV file too") {
+  const bool undone = rc::check("denormalised undoes normalised to the last bit", [](double error) {
+    RC_PRE(std::isfinite(error));
+    const double degC = *rc::gen::inRange(-4900, 14900) / 100.0;
+    const double coefficient = *rc::gen::inRange(-90000, 90000) / 93.0;
+    MeasurementSet set = warm(degC);
+    set.readings[3].error = error;
+    Normalisation how;
+    how.coefficient_um_per_m_degC = coefficient;
+    const auto done = normalised(set, how);
+    RC_ASSERT(done.has_value());
+    RC_ASSERT(denormalised(done->set) == set);
+  });
+  CHECK(undone);
+  const MeasurementSet set = warm(23.4);
+  const auto read = parse_measurement_set(to_csv(normalised(set, steel())->set), "n.csv");
+  REQUIRE(read.has_value());
+  const auto back = denormalised(*read);
+  REQUIRE(back.has_value());
+  for (std::size_t i = 0; i < set.readings.size(); ++i) CHECK(back->readings[i].error == set.readings[i].error);
+  CHECK_FALSE(metadata_value(*back, "normalised").has_value());
+}
+
+TEST_CASE("only the difference to what the instrument applied is applied") {
+  MeasurementSet set = warm(30.0);
+  set.metadata.push_back({"Exp coeff", "11.700000 11.700000 0"});
+  const auto same = normalised(set, steel());
+  REQUIRE(same.has_value());
+  CHECK(same->set.readings[4].error == 120.0);
+  Normalisation none;
+  const auto machine = normalised(set, none);
+  REQUIRE(machine.has_value());
+  CHECK(machine->set.readings[4].error == Approx(237.0));
+  none.instrument_um_per_m_degC = 0.0;
+  CHECK(normalised(set, none)->set.readings[4].error == 120.0);
+}
+
+TEST_CASE("another fixed point, one temperature for all, and straightness left alone") {
+  MeasurementSet set = warm(30.0);
+  set.readings[4].sense = Sense::EY;
+  Normalisation how = steel();
+  how.fixed_mm = 500.0;
+  how.material_degC = 19.0;
+  const auto done = normalised(set, how);
+  REQUIRE(done.has_value());
+  CHECK(done->set.readings[0].error == Approx(1.0 - 5.85));  // cold and below the fixed point
+  CHECK(done->set.readings[4].error == 120.0);
+  CHECK(done->changed == 5);
+}
+
+TEST_CASE("what cannot be referred to 20 degC is refused") {
+  MeasurementSet set = warm(30.0);
+  CHECK(normalised(normalised(set, steel())->set, steel()).error().message.find("already") != std::string::npos);
+  CHECK(denormalised(set).error().kind == ProblemKind::refused);
+  Normalisation how = steel();
+  how.sensor = "t_column_degC";
+  CHECK(normalised(set, how).error().message.find("t_column_degC") != std::string::npos);
+  how = steel();
+  how.material_degC = 500.0;
+  CHECK_FALSE(normalised(set, how).has_value());
+  for (Reading& reading : set.readings) reading.sense = Sense::EB;
+  CHECK(normalised(set, steel()).error().message.find("along the moving axis") != std::string::npos);
+}
+
+TEST_CASE("sensors that differ say that the machine is not at one temperature") {
+  MeasurementSet set = warm(24.0);
+  for (Reading& reading : set.readings) reading.sensors_degC["t_material2_degC"] = 22.9;
+  CHECK(says(normalised(set, steel())->notes, "differ by up to 1.10 degC"));
+}

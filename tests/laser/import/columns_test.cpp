@@ -1,0 +1,213 @@
+// Any table as measurements, by a mapping of its columns.
+#include "laser/import/columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <rapidcheck.h>
+
+#include "base/text.hpp"
+#include "laser/import/import.hpp"
+#include "laser/import/motion.hpp"
+#include "laser/import/time.hpp"
+#include "tests/support/readings.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+using doctest::Approx;
+
+namespace {
+
+ImportOptions by(const std::string& columns, int skip = 0) {
+  ImportOptions options;
+  auto mapping = column_mapping(columns);
+  REQUIRE_MESSAGE(mapping.has_value(), (mapping ? "" : to_text(mapping.error())));
+  options.mapping = *mapping;
+  options.mapping->skip_lines = skip;
+  return options;
+}
+
+MeasurementSet read(const std::string& text, const ImportOptions& options) {
+  auto imported = parse_any(text, "table.txt", options);
+  REQUIRE_MESSAGE(imported.has_value(), (imported ? "" : to_text(imported.error())));
+  CHECK(imported->format->id == "mapped_columns");
+  return imported->set;
+}
+
+std::string refusal(const std::string& text, const ImportOptions& options) {
+  const auto imported = parse_any(text, "table.txt", options);
+  REQUIRE_FALSE(imported.has_value());
+  return to_text(imported.error());
+}
+
+}  // namespace
+
+TEST_CASE("columns by number, with a factor, a run and an approach") {
+  const auto set = read("0 1 0.001 1\n100 1 0.003 -1\n", by("x_mm=1,reading=3*1000,run=2,approach=4"));
+  REQUIRE(set.readings.size() == 2);
+  CHECK(set.readings[1].axis == Axis::X);
+  CHECK(set.readings[1].sense == Sense::EX);
+  CHECK(target_mm(set.readings[1]) == 100.0);
+  CHECK(set.readings[1].error == Approx(3.0));
+  CHECK(set.readings[1].approach == Approach::reverse);
+}
+
+TEST_CASE("columns by heading, units in brackets, lines skipped, decimal commas") {
+  const std::string text = "Protokoll 7\nBediener: N.N.\nPos [in];Abw;\"Temp; Bett\"\n0,0;0,0001;68\n10,0;-0,0002;77\n";
+  const auto set = read(text, by("y_mm=\"Pos [in]\"[in],reading=Abw[in],t_material_degC=\"Temp; Bett\"[degF]", 2));
+  REQUIRE(set.readings.size() == 2);
+  CHECK(set.readings[1].axis == Axis::Y);
+  CHECK(target_mm(set.readings[1]) == Approx(254.0));
+  CHECK(set.readings[0].error == Approx(2.54));
+  CHECK(set.readings[1].sensors_degC.at("t_material_degC") == Approx(25.0));
+}
+
+TEST_CASE("a table with a column for each pass") {
+  const auto set =
+      read("target,f1,b1,f2,b2\n0,1,2,3,4\n50,5,6,,8\n", by("z_mm=1,forward1=2,reverse1=3,forward2=4,reverse2=5"));
+  REQUIRE(set.readings.size() == 7);
+  CHECK(set.readings[3].approach == Approach::reverse);
+  CHECK(set.readings[3].run == 2);
+  CHECK(set.readings[3].error == 4.0);
+  CHECK(set.readings[6].error == 8.0);
+}
+
+TEST_CASE("several senses in a row, angles in arc seconds") {
+  const auto set = read("0|1.5|2\n10|0|-1\n", by("x_mm=1,EX=2,EC=3[arcsec]"));
+  REQUIRE(set.readings.size() == 4);
+  CHECK(set.readings[1].sense == Sense::EC);
+  CHECK(set.readings[1].error == Approx(9.6963).epsilon(1e-4));
+}
+
+TEST_CASE("actual positions and compensations become errors") {
+  ImportOptions actual = by("x_mm=1,forward=2,reverse=3");
+  actual.mapping->values = TableValues::actual_positions;
+  const auto set = read("-10 -10.001 -9.999\n-8 -8.001 -7.999\n", actual);
+  CHECK(set.readings[0].error == Approx(-1.0));
+  CHECK(set.readings[1].error == Approx(1.0));
+  ImportOptions trim = by("x_mm=1,forward=2[mm],reverse=3[mm]");
+  trim.mapping->values = TableValues::compensations;
+  CHECK(read("-10 0.001 -0.001\n", trim).readings[0].error == Approx(-1.0));
+}
+
+TEST_CASE("approach and run from the order of the targets") {
+  const auto set =
+      read("0 1\n100 2\n200 3\n200 4\n100 5\n0 6\n0 7\n100 8\n", by("x_mm=1,reading=2,approach=motion,run=motion"));
+  const std::vector<int> approach{1, 1, 1, -1, -1, -1, 1, 1};
+  const std::vector<int> run{1, 1, 1, 1, 1, 1, 2, 2};
+  for (std::size_t i = 0; i < 8; ++i) {
+    CHECK(static_cast<int>(set.readings[i].approach) == approach[i]);
+    CHECK(set.readings[i].run == run[i]);
+  }
+  CHECK(says(set.notes, "order of the targets"));
+}
+
+TEST_CASE("the order of the targets counts rows, however many readings a row has") {
+  const auto set = read("0 1 1\n100 2 2\n100 3 3\n0 4 4\n", by("x_mm=1,EX=2,EB=3,approach=motion,run=motion"));
+  REQUIRE(set.readings.size() == 8);
+  CHECK(set.readings[3].approach == Approach::forward);
+  CHECK(set.readings[4].approach == Approach::reverse);
+  CHECK(set.readings[7].run == 1);
+}
+
+TEST_CASE("one-way passes: a single jump back is no reverse pass") {
+  const auto motion = motion_of({0.0, 100.0, 200.0, 0.0, 100.0, 200.0});
+  for (const MotionStop& stop : motion) CHECK(stop.approach == Approach::forward);
+  CHECK(motion[2].run == 1);
+  CHECK(motion[3].run == 2);
+  CHECK(motion_of({5.0})[0].approach == Approach::unknown);
+  CHECK(motion_of({}).empty());
+}
+
+TEST_CASE("a made-up bidirectional test keeps its approaches however many targets and runs it has") {
+  const bool kept = rc::check("motion_of names every stop of there-and-back runs", [] {
+    const int targets = *rc::gen::inRange(2, 12);
+    const int runs = *rc::gen::inRange(1, 6);
+    std::vector<double> positions;
+    std::vector<std::pair<int, int>> truth;
+    for (int run = 1; run <= runs; ++run) {
+      for (int i = 0; i < targets; ++i) positions.push_back(37.0 * i), truth.emplace_back(1, run);
+      for (int i = targets; i-- > 0;) positions.push_back(37.0 * i), truth.emplace_back(-1, run);
+    }
+    const auto motion = motion_of(positions);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      RC_ASSERT(static_cast<int>(motion[i].approach) == truth[i].first);
+      RC_ASSERT(motion[i].run == truth[i].second);
+    }
+  });
+  CHECK(kept);
+}
+
+TEST_CASE("repeats without a run column are numbered, dates become seconds") {
+  const auto set = read("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12.5,0,2\n", by("date_time=1,x_mm=2,reading=3"));
+  CHECK(*set.readings[1].time_s == Approx(1.5));
+  CHECK(read("0 1\n0 2\n", by("x_mm=1,reading=2")).readings[1].run == 2);
+  CHECK(*seconds_in("08.11.2022 14:07:19") - *seconds_in("2022-11-07T14:07:19Z") == Approx(86400.0));
+  CHECK_FALSE(seconds_in("2022-13-07 14:07:19").has_value());
+}
+
+TEST_CASE("every bad row is named with line and column, and what to map is said") {
+  const auto bad = parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by("x_mm=x,reading=e"));
+  REQUIRE_FALSE(bad.has_value());
+  CHECK(bad.error().line == 3);
+  CHECK(bad.error().column == 1);
+  REQUIRE(bad.error().also.size() == 1);
+  CHECK(bad.error().also[0].line == 4);
+  CHECK(bad.error().also[0].column == 4);
+  CHECK(contains(refusal("x,e\n0,1\n", by("x_mm=x,reading=err")), "expected a heading \"err\", found none"));
+  CHECK(contains(refusal("0 1\n", by("x_mm=1,reading=5")), "expected a column 5, found 2"));
+  CHECK(contains(refusal("0 1\n", by("reading=2")), "which axis moved"));
+  CHECK(contains(refusal("0 1\n", by("x_mm=1,run=2")), "expected one of reading"));
+  CHECK(contains(refusal("0 1\n", by("x_mm=1[degC],reading=2")), "is no unit of it"));
+  CHECK(contains(refusal("0 1\n", by("x_mm=1,reading=2[mrad]")), "is no unit of it"));
+  CHECK(contains(refusal("x e\n", by("x_mm=1,reading=2")), "expected rows"));
+}
+
+TEST_CASE("a wrong mapping is refused rule by rule") {
+  const auto wrong = column_mapping("x_mm=0,reading=2[furlong],reading=3,run=,approach=4*x,time_s");
+  REQUIRE_FALSE(wrong.has_value());
+  CHECK(wrong.error().kind == ProblemKind::usage);
+  CHECK(wrong.error().also.size() == 5);
+  CHECK(contains(to_text(wrong.error()), "expected a unit in brackets"));
+  CHECK(contains(to_text(wrong.error()), "each field once"));
+  CHECK_FALSE(column_mapping("").has_value());
+  const auto scaled = column_rules("reading=\"Err, X\"[mm]*-1e-3+0.5");
+  REQUIRE(scaled.has_value());
+  CHECK(scaled->front().heading == "Err, X");
+  CHECK(scaled->front().factor == -1e-3);
+  CHECK(scaled->front().offset == 0.5);
+}
+
+TEST_CASE("a table that nothing else reads is described, with the option that imports it") {
+  const auto why = parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {});
+  REQUIRE_FALSE(why.has_value());
+  CHECK(contains(why.error().message, "2 rows and 2 columns between semicolons begins in line 3"));
+  CHECK(contains(why.error().message, "1 \"pos\", 2 \"dev\""));
+  CHECK(contains(why.error().message, "--columns"));
+  CHECK(contains(why.error().message, "--skip 2"));
+}
+
+TEST_CASE("a written table is read back whatever delimiter, unit and decimal sign it has") {
+  const bool same = rc::check("columns round trip", [](const std::vector<short>& errors) {
+    RC_PRE(errors.size() >= 2);
+    const char delimiter = *rc::gen::elementOf(std::string(";\t| "));
+    const bool comma = *rc::gen::arbitrary<bool>();
+    std::string text = "head\n";
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      std::string line =
+          fmt::format("{:.3f}{}{:.4f}\n", static_cast<double>(i) * 12.5, delimiter, errors[i] / 10.0 / 25.4);
+      if (comma) std::replace(line.begin(), line.end(), '.', ',');
+      text += line;
+    }
+    ImportOptions options = by("x_mm=1,reading=2*25.4", 1);
+    options.mapping->delimiter = delimiter;
+    const auto set = parse_any(text, "t.txt", options);
+    RC_ASSERT(set.has_value());
+    RC_ASSERT(set->set.readings.size() == errors.size());
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      RC_ASSERT(std::abs(set->set.readings[i].error - errors[i] / 10.0) < 0.002);
+  });
+  CHECK(same);
+}

@@ -1,0 +1,259 @@
+// Instruments' own files as measurement sets.
+#include "laser/import/import.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/text.hpp"
+#include "laser/writers/renishaw_writer.hpp"
+#include "tests/support/readings.hpp"
+
+using namespace ecs;
+using namespace ecs::laser;
+using doctest::Approx;
+
+namespace {
+
+ImportOptions options_with(std::optional<Axis> axis, std::optional<Sense> sense = std::nullopt) {
+  ImportOptions options;
+  options.axis = axis;
+  options.sense = sense;
+  return options;
+}
+
+Imported imported(const std::string& name, const ImportOptions& options = {}) {
+  auto result = read_any(sample(name), options);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : to_text(result.error())));
+  return *result;
+}
+
+std::string refusal(const std::string& name, const ImportOptions& options = {}) {
+  const auto result = read_any(sample(name), options);
+  REQUIRE_FALSE(result.has_value());
+  return to_text(result.error());
+}
+
+}  // namespace
+
+TEST_CASE("a linear run uses the target number, not the order of lines") {
+  const Imported file = imported("vmc_x.rtl");
+  CHECK(file.format->id == "renishaw_run");
+  REQUIRE(file.set.readings.size() == 6);
+  const Reading& fourth = file.set.readings[3];
+  CHECK(fourth.axis == Axis::X);
+  CHECK(fourth.sense == Sense::EX);
+  CHECK(target_mm(fourth) == 200.0);
+  CHECK(fourth.error == 3.1);
+  CHECK(fourth.approach == Approach::reverse);
+  CHECK(fourth.run == 1);
+  CHECK(target_mm(file.set.readings[5]) == 0.0);
+  CHECK(metadata_value(file.set, "Date") == "2024-05-06 09:10:11");
+}
+
+TEST_CASE("the environment goes from start to end over the readings, pressure in hPa, missing sensors left out") {
+  const Imported file = imported("vmc_x.rtl");
+  const Reading& first = file.set.readings.front();
+  const Reading& last = file.set.readings.back();
+  CHECK(first.sensors_degC.at("t_air_degC") == Approx(20.1));
+  CHECK(last.sensors_degC.at("t_air_degC") == Approx(20.3));
+  CHECK(file.set.readings[1].sensors_degC.at("t_material_degC") == Approx(20.24));
+  CHECK(*first.pressure_hPa == Approx(991.0));
+  CHECK(*last.humidity_pct == Approx(45.2));
+  CHECK_FALSE(first.sensors_degC.contains("t_material2_degC"));
+  ImportOptions ends_only;
+  ends_only.spread_environment = false;
+  const Imported ends = imported("vmc_x.rtl", ends_only);
+  CHECK_FALSE(ends.set.readings[2].pressure_hPa.has_value());
+  CHECK(*ends.set.readings.back().pressure_hPa == Approx(991.1));
+}
+
+TEST_CASE("code pages of Western and Chinese PCs become UTF-8") {
+  CHECK(metadata_value(imported("windows1252.rtl").set, "Machine") == "Fr\xC3\xA4smaschine");
+  const Imported chinese = imported("chinese.rtl");
+  CHECK(metadata_value(chinese.set, "Machine") ==
+        "\xE7\xAB\x8B\xE5\xBC\x8F\xE5\x8A\xA0\xE5\xB7\xA5\xE4\xB8\xAD\xE5\xBF\x83");
+  CHECK(says(chinese.set.notes, "GBK"));
+}
+
+TEST_CASE("descending targets start in reverse, and zero-filled passes of a one-way file are left out") {
+  const Imported file = imported("one_way.rtl");
+  REQUIRE(file.set.readings.size() == 6);
+  CHECK(file.set.readings[0].axis == Axis::Z);
+  CHECK(target_mm(file.set.readings[0]) == 200.0);
+  CHECK(file.set.readings[0].approach == Approach::reverse);
+  CHECK(file.set.readings[3].run == 2);
+  CHECK(file.set.readings[5].error == 3.5);
+}
+
+TEST_CASE("angular runs are mrad in the file and um/m here, and need their sense") {
+  CHECK(contains(refusal("pitch.rta"), "give EA, EB or EC"));
+  CHECK(contains(refusal("pitch.rta", options_with({}, Sense::EX)), "expected the sense EA, EB or EC"));
+  const Imported file = imported("pitch.rta", options_with({}, Sense::EC));
+  CHECK(file.set.readings[1].sense == Sense::EC);
+  CHECK(file.set.readings[1].error == Approx(50.0));
+}
+
+TEST_CASE("straightness runs need a sense across the axis") {
+  CHECK(read_any(sample("straight.rts"), {}).error().kind == ProblemKind::usage);
+  CHECK(contains(refusal("straight.rts", options_with({}, Sense::EX)), "across the axis"));
+  CHECK(imported("straight.rts", options_with({}, Sense::EZ)).set.readings[1].error == Approx(5.0));
+}
+
+TEST_CASE("a run file cut short is refused unless asked for") {
+  CHECK(contains(refusal("broken_cut.rtl"), "cut short"));
+  ImportOptions accept;
+  accept.accept_truncated = true;
+  CHECK(imported("broken_cut.rtl", accept).set.readings.size() == 4);
+}
+
+TEST_CASE("every bad point of a run file is reported with its line") {
+  const auto result = read_any(sample("broken_points.rtl"), {});
+  REQUIRE_FALSE(result.has_value());
+  CHECK(result.error().line == 28);
+  REQUIRE(result.error().also.size() == 1);
+  CHECK(result.error().also[0].line == 31);
+}
+
+TEST_CASE("a dynamic capture gives displacements over time") {
+  const Imported file = imported("capture.rtx");
+  CHECK(file.format->id == "renishaw_dynamic");
+  REQUIRE(file.set.readings.size() == 4);
+  CHECK(file.set.readings[2].error == Approx(-2.0));
+  CHECK(*file.set.readings[2].time_s == Approx(2.0 / 500.0));
+  CHECK(file.set.readings[2].axis == Axis::X);
+  ImportOptions thin;
+  thin.most_samples = 2;
+  const Imported thinned = imported("capture.rtx", thin);
+  REQUIRE(thinned.set.readings.size() == 2);
+  CHECK(*thinned.set.readings[1].time_s == Approx(2.0 / 500.0));
+  CHECK(says(thinned.set.notes, "every 2. of 4"));
+}
+
+TEST_CASE("a dynamic capture with fewer samples than announced is refused unless asked for") {
+  std::string bytes = sample_text("capture.rtx");
+  bytes.resize(bytes.size() - 20);
+  CHECK(contains(to_text(parse_any(bytes, "c.rtx", {}).error()), "expected 4 samples (Sample no), found 2"));
+  ImportOptions accept;
+  accept.accept_truncated = true;
+  CHECK(parse_any(bytes, "c.rtx", accept)->set.readings.size() == 2);
+}
+
+TEST_CASE("a compensation table becomes errors of the opposite sign, in um") {
+  CHECK(contains(refusal("table.REN"), "give the axis"));
+  const Imported file = imported("table.REN", options_with(Axis::Y));
+  CHECK(file.format->id == "renishaw_table");
+  REQUIRE(file.set.readings.size() == 3);
+  CHECK(file.set.readings[2].error == Approx(3.6));
+  CHECK(file.set.readings[2].position_mm == Vector3{0.0, 200.0, 0.0});
+  ImportOptions errors = options_with(Axis::Y);
+  errors.table_holds_errors = true;
+  CHECK(imported("table.REN", errors).set.readings[2].error == Approx(-3.6));
+}
+
+TEST_CASE("an API report gives the two directions rather than their mean") {
+  const Imported file = imported("report.pos", options_with(Axis::X));
+  CHECK(file.format->id == "api_pos");
+  REQUIRE(file.set.readings.size() == 4);
+  CHECK(file.set.readings[1].approach == Approach::forward);
+  CHECK(file.set.readings[1].error == Approx(1.9));
+  CHECK(file.set.readings[3].error == Approx(0.9));
+  const std::string text = sample_text("report.pos");
+  const auto mean_only = parse_any(text.substr(0, text.find("Position   \tForward")), "r.pos", options_with(Axis::X));
+  REQUIRE(mean_only.has_value());
+  REQUIRE(mean_only->set.readings.size() == 2);
+  CHECK(mean_only->set.readings[1].approach == Approach::unknown);
+}
+
+TEST_CASE("an environment log gives records and no readings") {
+  const Imported file = imported("environment.pos");
+  CHECK(file.format->id == "sios_environment");
+  REQUIRE(file.environment.size() == 2);
+  CHECK(file.environment[0].stage_mm[0] == Approx(12.8479997342998));
+  CHECK(file.environment[0].air_degC[1] == Approx(21.56));
+  CHECK(file.environment[1].pressure_hPa == Approx(992.3));
+  CHECK(file.environment[1].sample_degC == Approx(23.1));
+  CHECK(file.set.readings.empty());
+}
+
+TEST_CASE("assignments of absolute positions become errors in um") {
+  const Imported file = imported("axis.dat", options_with(Axis::Z));
+  REQUIRE(file.set.readings.size() == 8);
+  CHECK(file.set.readings[0].error == Approx(1.0));
+  CHECK(file.set.readings[0].approach == Approach::forward);
+  CHECK(target_mm(file.set.readings[0]) == -10.0);
+  CHECK(file.set.readings[7].error == Approx(-4.0));
+  CHECK(file.set.readings[7].approach == Approach::reverse);
+  CHECK(file.set.readings[7].run == 2);
+}
+
+TEST_CASE("assignments that contradict themselves are refused") {
+  const std::string good = sample_text("axis.dat");
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const auto result = parse_any(text, "a.dat", options_with(Axis::Z));
+    REQUIRE_FALSE(result.has_value());
+    CHECK_MESSAGE(contains(to_text(result.error()), words), to_text(result.error()));
+  };
+  refused(good + "TGT_DATA[1]=-10\n", "each index once");
+  refused(good + "REF_DATA_FWD[1]=2\n", "target and cycle index");
+  refused(good + "REF_DATA_FWD[9,1]=2\n", "an index with a target");
+  refused(good.substr(0, good.rfind("REF_DATA")), "cut short");
+  std::string furlongs = good;
+  furlongs.replace(furlongs.find("UNIT=mm"), 7, "UNIT=fur");
+  refused(furlongs, "UNIT: expected a unit of length");
+}
+
+TEST_CASE("our own CSV comes through the same door") {
+  CHECK(imported("x_axis.csv").format->id == "measurement_csv");
+  CHECK(imported("semicolon.csv").set.readings[0].error == 1.5);
+}
+
+TEST_CASE("a file of no known format is refused with what was looked for") {
+  const auto result = parse_any("Dear all,\nno readings today.\n", "letter.txt", {});
+  REQUIRE_FALSE(result.has_value());
+  CHECK(contains(result.error().message, "Renishaw run file"));
+  CHECK(contains(result.error().message, "measurement CSV"));
+}
+
+TEST_CASE("a written run file is read back: both ways, one way, and angles") {
+  for (const Sense sense : {Sense::EX, Sense::EY, Sense::EB}) {
+    for (const bool one_way : {false, true}) {
+      MeasurementSet set = one_way ? set_of({{-200.0, {}, {1.25, 2.5}}, {-100.0, {}, {3.0, -4.125}}})
+                                   : set_of({{-200.0, {1.25, 2.5}, {0.5, 0.25}}, {-100.0, {3.0, -4.125}, {7.0, 8.0}}});
+      for (Reading& r : set.readings) r.sense = sense;
+      set.readings.front().sensors_degC["t_air_degC"] = 20.5;
+      set.readings.back().sensors_degC["t_air_degC"] = 21.5;
+      const auto text = to_renishaw_run(set);
+      REQUIRE(text.has_value());
+      const auto back = parse_any(*text, "x" + renishaw_extension(set), options_with({}, sense));
+      REQUIRE_MESSAGE(back.has_value(), to_text(back.error()));
+      REQUIRE(back->set.readings.size() == set.readings.size());
+      for (const Reading& wanted : set.readings) {
+        int found = 0;
+        for (const Reading& r : back->set.readings)
+          if (r.run == wanted.run && r.approach == wanted.approach && target_mm(r) == target_mm(wanted)) {
+            ++found;
+            CHECK(r.error == Approx(wanted.error));
+            CHECK(r.sense == sense);
+          }
+        CHECK(found == 1);
+      }
+      CHECK(back->set.readings.back().sensors_degC.at("t_air_degC") == Approx(21.5));
+    }
+  }
+}
+
+TEST_CASE("incomplete or mixed sets are not written as run files") {
+  MeasurementSet set = set_of({{0.0, {1.0, 2.0}, {1.0, 2.0}}, {10.0, {1.0}, {1.0, 2.0}}});
+  CHECK(contains(to_renishaw_run(set).error().message, "complete runs (8 readings), found 7"));
+  set.readings.back().axis = Axis::Y;
+  CHECK(contains(to_renishaw_run(set).error().message, "one axis"));
+  CHECK(to_renishaw_run(MeasurementSet{}).error().kind == ProblemKind::refused);
+}
+
+TEST_CASE("real environment logs are read whole") {
+  const auto folder = shared_data("nmm-environment");
+  if (folder.empty()) return;
+  const auto log = read_any(folder / "T22-0263_L2_16_1.pos", {});
+  REQUIRE(log.has_value());
+  CHECK(log->environment.size() == 251);
+  CHECK(log->environment[0].pressure_hPa == Approx(976.35));
+}

@@ -1,0 +1,305 @@
+#include "model/diagnosis/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/candidates.hpp"
+#include "model/planning/next_measurement.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using enum ecs::model::EffectId;
+
+namespace {
+
+bool in_group(const Candidate& candidate, const std::string& name) {
+  const auto& list = candidate.indistinguishable_from;
+  return to_text(candidate.effect) == name || std::find(list.begin(), list.end(), name) != list.end();
+}
+
+/// The first candidate for a hidden cause on one line.
+Candidate first_for(const Truth& truth, double noise_um = 0.3) {
+  const Diagnosis found = diagnosed(straight(), measured({}, noise_um, truth));
+  CHECK(found.verdict == Verdict::missing_effect);
+  return found.candidates.empty() ? Candidate{} : found.candidates.front();
+}
+
+}  // namespace
+
+TEST_CASE("each cause on a line is named first") {
+  CHECK(in_group(first_for([](const laser::Reading& r) { return 1.0 * d(r); }), "backlash:X:EX"));
+  CHECK(in_group(first_for([](const laser::Reading& r) { return p(r) > 430.0 ? 2.5 : 0.0; }), "step:X:EX"));
+  CHECK(
+      in_group(first_for([](const laser::Reading& r) { return 1.4 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0); }),
+               "cyclic:X:EX"));
+  CHECK(in_group(first_for([](const laser::Reading& r) { return 12.0 * std::pow(p(r) / 1000.0, 2); }), "sag:X:EX"));
+  CHECK(in_group(first_for([](const laser::Reading& r) {
+                   return 6.0 * (r.sensors_degC.at("t_material_degC") - 20.0) * p(r) / 1000.0;
+                 }),
+                 "thermal_scale:X:EX"));
+  CHECK(in_group(first_for([](const laser::Reading& r) { return 3.0 * *r.time_s / 3600.0; }), "time_drift:X:EX"));
+  CHECK(in_group(first_for([](const laser::Reading& r) {
+                   return std::sin(7.0 * p(r) / 1000.0) + 0.8 * std::cos(11.0 * p(r) / 1000.0 + 1.0);
+                 }),
+                 "progressive:X:EX"));
+}
+
+TEST_CASE("the evidence is told: parameters with sigma, proof on readings not fitted to, chance of a false name") {
+  const Candidate first = first_for([](const laser::Reading& r) { return 1.0 * d(r); });
+  REQUIRE(first.parameters.size() == 1);
+  CHECK(std::abs(first.parameters[0].value - 2.0) < 3.0 * *first.parameters[0].sigma);
+  CHECK(first.explained > 0.85);
+  CHECK(first.false_naming < 0.005);
+  REQUIRE(first.held_out_rms_um);
+  CHECK(*first.held_out_rms_um < 0.4 * *first.held_out_rms_before_um);
+  CHECK(first.because.find("um rms") != std::string::npos);
+  CHECK_FALSE(first.next_measurement.empty());
+}
+
+TEST_CASE("noise alone has no cause") {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto set = measured(
+        {}, 0.4, [](const laser::Reading& r) { return 3.0 + 9.0 * p(r) / 1000.0; }, seed);
+    const Diagnosis found = diagnosed(straight(), set);
+    CHECK(found.verdict == Verdict::adequate);
+    CHECK(found.candidates.empty());
+  }
+}
+
+TEST_CASE("causes of one shape come back as one group") {
+  Model model;
+  model.effects = {effect(offset, Axis::X, Sense::EX)};
+  auto set = measured({}, 0.3, [](const laser::Reading& r) { return -12.0 * p(r) / 1000.0; });
+  for (auto& r : set.readings) r.sensors_degC["t_material_degC"] = 22.0;
+  const Diagnosis found = diagnosed(model, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  for (const char* name : {"scale:X:EX", "thermal_scale:X:EX", "cosine:X:EX"})
+    CHECK(in_group(found.candidates.front(), name));
+  CHECK(found.candidates.front().indistinguishable_from.size() == 2);
+  for (auto& r : set.readings) r.error = -r.error;  // a cosine error cannot lengthen
+  const Diagnosis other = diagnosed(model, set);
+  REQUIRE_FALSE(other.candidates.empty());
+  CHECK_FALSE(in_group(other.candidates.front(), "cosine:X:EX"));
+}
+
+TEST_CASE("for backlash and following error at one feed another feed is proposed") {
+  auto set = measured({}, 0.3, [](const laser::Reading& r) { return 1.0 * d(r); });
+  for (auto& r : set.readings) r.feed_mm_min = 2000.0;
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE_FALSE(found->candidates.empty());
+  CHECK(in_group(found->candidates.front(), "backlash:X:EX"));
+  CHECK(in_group(found->candidates.front(), "servo_lag:X:EX"));
+  const NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().condition.find("feed") != std::string::npos);
+  CHECK(next.proposals.front().separation_sigma > 3.0);
+}
+
+TEST_CASE("a wave that even targets cannot follow is no rival of what it looks like there") {
+  Model model;
+  model.effects = {effect(scale, Axis::X, Sense::EX)};
+  auto set = measured({}, 0.3, [](const laser::Reading&) { return 1.5; });
+  for (auto& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const Diagnosis found = diagnosed(model, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(to_text(found.candidates.front().effect) == "offset:X:EX");
+  CHECK(found.candidates.front().indistinguishable_from.empty());
+}
+
+TEST_CASE("a candidate of the user's own is fitted in all its parameters before it is weighed") {
+  Model model = straight();
+  EffectInstance bump = effect(EffectId::user, Axis::X, Sense::EX);
+  bump.name = "bump";
+  bump.formulas = {{Sense::EX, "a*exp(-((x_mm-at)/width)^2)"}};
+  bump.user = {
+      {"a", "um", {}, {}, {}, {}}, {"at", "mm", {}, 100.0, 0.0, 1000.0}, {"width", "mm", {}, 300.0, 20.0, 400.0}};
+  model.candidates = {bump};
+  const Diagnosis found = diagnosed(model, measured({}, 0.3, [](const laser::Reading& r) {
+                                      return 4.0 * std::exp(-std::pow((p(r) - 640.0) / 60.0, 2));
+                                    }));
+  REQUIRE_FALSE(found.candidates.empty());
+  const Candidate& first = found.candidates.front();
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(to_text(first.effect) == "user:bump");
+  for (const ParameterEstimate& parameter : first.parameters) {
+    const double truth = parameter.name == "a" ? 4.0 : parameter.name == "at" ? 640.0 : 60.0;
+    REQUIRE(parameter.sigma);
+    CHECK(std::abs(parameter.value - truth) < 4.0 * *parameter.sigma);
+  }
+}
+
+TEST_CASE("two causes at once are both named") {
+  const Diagnosis found = diagnosed(straight(), measured({}, 0.3, [](const laser::Reading& r) {
+                                      return 1.2 * d(r) + 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
+                                    }));
+  REQUIRE(found.candidates.size() >= 2);
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(found.candidates[0].named);
+  CHECK(found.candidates[1].named);
+  CHECK((in_group(found.candidates[0], "cyclic:X:EX") || in_group(found.candidates[1], "cyclic:X:EX")));
+  CHECK((in_group(found.candidates[0], "backlash:X:EX") || in_group(found.candidates[1], "backlash:X:EX")));
+  CHECK(found.rms_after_um == Approx(0.3).epsilon(0.15));
+}
+
+TEST_CASE(
+    "a new model has offset, slope and lost motion of every measured curve, and what is hidden is named over it") {
+  const auto set = measured({}, 0.3, [](const laser::Reading& r) {
+    return 8.0 + 0.01 * p(r) + 1.2 * d(r) + 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
+  });
+  Model begun;
+  begun.effects = usual_effects(observations_of(set, begun, std::nullopt));
+  std::vector<std::string> names;
+  for (const EffectInstance& effect : begun.effects) names.push_back(to_text(effect));
+  CHECK(names == std::vector<std::string>{"offset:X:EX", "scale:X:EX", "backlash:X:EX"});
+  const Diagnosis found = diagnosed(begun, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(in_group(found.candidates[0], "cyclic:X:EX"));
+}
+
+TEST_CASE("one bad run is structure that no effect explains") {
+  Plan plan;
+  plan.runs = 5;
+  const auto set = measured(plan, 0.3, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  const auto run =
+      std::find_if(found.where.begin(), found.where.end(), [](const Dependence& w) { return w.variable == "run"; });
+  REQUIRE(run != found.where.end());
+  CHECK(run->strength > 0.7);
+}
+
+TEST_CASE("a wander over more than a run is structure, however many drifts come near it together") {
+  Plan plan;
+  plan.runs = 4;
+  auto set = measured(plan, 0.3, [](const laser::Reading& r) { return 1.5 * std::sin(*r.time_s / 620.0 + 1.0); });
+  const double last = *set.readings.back().time_s;
+  for (auto& r : set.readings) {
+    r.sensors_degC["t_spindle_degC"] = 20.0 + 4.0 * (1.0 - std::exp(-3.0 * *r.time_s / last));
+    r.sensors_degC["t_air_degC"] = 20.0 + std::pow(*r.time_s / last, 2);
+  }
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  REQUIRE_FALSE(found.where.empty());
+  CHECK((found.where.front().variable == "time_s" || found.where.front().variable == "run"));
+}
+
+TEST_CASE("a scale of its own in every run is structure, though turbulence could bend a single short pass") {
+  Plan plan;
+  plan.runs = 8;
+  plan.targets = 21;
+  const double slopes[] = {4.0, -3.0, 1.0, -5.0, 2.5, 3.5, -1.5, -2.0};
+  const auto set =
+      measured(plan, 0.3, [&](const laser::Reading& r) { return slopes[r.run - 1] * (p(r) / 250.0 - 1.0); });
+  CHECK(diagnosed(straight(), set).verdict == Verdict::unexplained_structure);
+}
+
+TEST_CASE("another value at every target is structure that no effect explains") {
+  std::map<double, double> values;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const auto set = measured(
+      {}, 0.3, [&](const laser::Reading& r) { return values.try_emplace(p(r), 1.2 * normal(random)).first->second; });
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  REQUIRE_FALSE(found.where.empty());
+  CHECK(found.where.front().variable == "x_mm");
+}
+
+TEST_CASE("the order of the rows and of the model's effects does not change the answer") {
+  auto set = measured({}, 0.3, [](const laser::Reading& r) {
+    return 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0) + 0.8 * d(r);
+  });
+  Model model = straight();
+  const Diagnosis one = diagnosed(model, set);
+  std::mt19937_64 random(5);
+  std::shuffle(set.readings.begin(), set.readings.end(), random);
+  std::reverse(model.effects.begin(), model.effects.end());
+  const Diagnosis two = diagnosed(model, set);
+  REQUIRE(one.candidates.size() == two.candidates.size());
+  CHECK(one.verdict == two.verdict);
+  for (std::size_t i = 0; i < one.candidates.size(); ++i) {
+    CHECK(to_text(one.candidates[i].effect) == to_text(two.candidates[i].effect));
+    CHECK(one.candidates[i].rms_after_um == Approx(two.candidates[i].rms_after_um).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
+  Model model = straight();
+  laser::ErrorMap map;
+  map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});
+  for (int i = 0; i <= 40; ++i) {
+    map.tables[0].position_mm.push_back(25.0 * i);
+    map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
+  }
+  model.map = map;
+  const auto set =
+      measured({}, 0.3, [&](const laser::Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+  const Diagnosis found = diagnosed(model, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(found.candidates[0].effect.id == map_polarity);
+  CHECK(in_group(found.candidates[0], "map_gain:X:EX"));
+}
+
+TEST_CASE("poor data get a clear answer and no confident name") {
+  const auto zero = [](const laser::Reading&) { return 0.0; };
+  Plan three;
+  three.targets = 3;
+  three.runs = 1;
+  three.both_ways = false;
+  const Diagnosis few = diagnosed(straight(), measured(three, 0.3, zero));
+  CHECK(few.verdict == Verdict::adequate);
+  REQUIRE_FALSE(few.notes.empty());
+  CHECK(few.notes.front().find("too few") != std::string::npos);
+
+  Plan once;
+  once.runs = 1;
+  CHECK(diagnosed(straight(), measured(once, 0.3, zero)).verdict == Verdict::adequate);
+
+  auto equal = measured({}, 0.0, zero);  // every reading the same
+  CHECK(diagnosed(straight(), equal).verdict == Verdict::adequate);
+
+  auto bare = measured({}, 0.3, zero);  // no time, no sensors, no approach, one run
+  for (auto& r : bare.readings) {
+    r.time_s.reset();
+    r.sensors_degC.clear();
+    r.approach = Approach::unknown;
+    r.run = 1;
+  }
+  const Diagnosis without = diagnosed(straight(), bare);
+  CHECK(without.verdict == Verdict::adequate);
+  CHECK(without.notes.size() >= 4);
+
+  Model twice = straight();  // a model with the same term twice
+  twice.effects.push_back(twice.effects[1]);
+  CHECK(diagnosed(twice, measured({}, 0.3, zero)).verdict == Verdict::adequate);
+}
+
+TEST_CASE("one reading in a hundred grossly wrong changes nothing but the list of outliers") {
+  auto set = measured({}, 0.3, [](const laser::Reading& r) { return 1.0 * d(r); });
+  for (const std::size_t k : {31U, 140U, 222U}) set.readings[k].error += 15.0;
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.outliers == std::vector<int>{32, 141, 223});
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(in_group(found.candidates.front(), "backlash:X:EX"));
+}
+
+TEST_CASE("a diagnosis that is stopped says so") {
+  std::atomic<bool> stopped = true;
+  DiagnoseOptions options;
+  options.cancelled = &stopped;
+  const laser::MeasurementSet set = measured({}, 0.3, [](const laser::Reading& r) { return 1.0 * d(r); });
+  const Observations data = observations_of(set, straight(), mill());
+  const auto found = diagnose(straight(), data, options);
+  REQUIRE(!found);
+  CHECK(found.error().kind == ProblemKind::refused);
+}

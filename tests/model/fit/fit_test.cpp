@@ -1,0 +1,231 @@
+#include "model/fit/fit.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/ladder.hpp"
+#include "model/fit/compare.hpp"
+#include "model/planning/next_measurement.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+using enum ecs::model::EffectId;
+
+namespace {
+
+const ParameterEstimate& parameter(const Fit& fit, std::size_t effect, const std::string& name) {
+  for (const ParameterEstimate& each : fit.effects[effect].parameters)
+    if (each.name == name) return each;
+  throw std::runtime_error("no parameter " + name);
+}
+
+}  // namespace
+
+TEST_CASE("a fit finds the values that the readings were made of, within three of its sigmas") {
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  const auto set = measured({}, 0.3, [](const laser::Reading& r) { return 2.0 + 14.0 * p(r) / 1000.0 + 1.5 * d(r); });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  const auto near = [&](std::size_t i, const char* name, double truth) {
+    const ParameterEstimate& estimate = parameter(*found, i, name);
+    REQUIRE(estimate.sigma);
+    CHECK(std::abs(estimate.value - truth) < 3.0 * *estimate.sigma);
+  };
+  near(0, "um", 2.0);
+  near(1, "um_per_m", 14.0);
+  near(2, "um", 3.0);
+  CHECK(found->rms_um == Approx(0.3).epsilon(0.15));
+  CHECK(found->noise.noise_um == Approx(0.3).epsilon(0.15));
+  CHECK(found->noise.from_repeats);
+  CHECK(found->fitted_parameters == 3);
+}
+
+TEST_CASE("a period that is not given is found and has a sigma") {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  Plan plan;
+  plan.step_mm = 3.0;
+  const auto set = measured(
+      plan, 0.2, [](const laser::Reading& r) { return 3.0 * std::sin(2.0 * std::numbers::pi * p(r) / 12.7 + 0.4); });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 2, "period_mm").value == Approx(12.7).epsilon(0.001));
+  CHECK(std::abs(parameter(*found, 2, "amplitude_um").value - 3.0) < 3.0 * *parameter(*found, 2, "amplitude_um").sigma);
+  CHECK(std::abs(parameter(*found, 2, "phase_rad").value - 0.4) < 3.0 * *parameter(*found, 2, "phase_rad").sigma);
+}
+
+TEST_CASE("parameters that the file gives are held") {
+  Model model = straight();
+  model.effects[1].parameters["um_per_m"] = 10.0;
+  const auto set = measured({}, 0.1, [](const laser::Reading& r) { return 14.0 * p(r) / 1000.0; });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 1, "um_per_m").value == 10.0);
+  CHECK(parameter(*found, 1, "um_per_m").held);
+  CHECK(found->rms_um > 1.0);
+}
+
+TEST_CASE("gross errors are listed with their rows, weigh nothing, and stay in the rms") {
+  auto set = measured({}, 0.2, [](const laser::Reading& r) { return 5.0 * p(r) / 1000.0; });
+  set.readings[17].error += 40.0;
+  set.readings[120].error -= 25.0;
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto robust = fit(model, data);
+  const auto plain = fit(model, data, {true});
+  REQUIRE(robust);
+  REQUIRE(plain);
+  CHECK(robust->outliers == std::vector<int>{18, 121});
+  CHECK(plain->outliers.empty());
+  CHECK(parameter(*robust, 1, "um_per_m").value == Approx(5.0).epsilon(0.02));
+  CHECK(robust->rms_um > 2.0);
+}
+
+TEST_CASE("terms that the data cannot tell apart are named, and nothing breaks") {
+  Model model = straight();
+  model.effects.push_back(effect(cosine, Axis::X, Sense::EX));
+  const auto set = measured({}, 0.2, [](const laser::Reading& r) { return -5.0 * p(r) / 1000.0; });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  REQUIRE_FALSE(found->undetermined.empty());
+  CHECK(found->undetermined.front().find("cannot be told from") != std::string::npos);
+  CHECK(found->rms_um == Approx(0.2).epsilon(0.2));
+}
+
+TEST_CASE("a user's formulas share their parameters across senses, linear or not") {
+  Model model;
+  EffectInstance user = effect(EffectId::user, Axis::X, Sense::EX);
+  user.name = "tilt";
+  user.formulas = {{Sense::EX, "a*sin(x_mm/b)"}, {Sense::EY, "2*a*cos(x_mm/b) + c"}};
+  user.user = {{"a", "um", {}, {}, {}, {}}, {"b", "mm", {}, 130.0, 50.0, 500.0}, {"c", "um", {}, {}, {}, {}}};
+  model.effects.push_back(user);
+  laser::MeasurementSet set;
+  Plan plan;
+  measure(
+      set, plan, 0.1, [](const laser::Reading& r) { return 4.0 * std::sin(p(r) / 150.0); }, 1);
+  plan.sense = Sense::EY;
+  measure(
+      set, plan, 0.1, [](const laser::Reading& r) { return 8.0 * std::cos(p(r) / 150.0) - 3.0; }, 2);
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 0, "a").value == Approx(4.0).epsilon(0.01));
+  CHECK(parameter(*found, 0, "b").value == Approx(150.0).epsilon(0.002));
+  CHECK(parameter(*found, 0, "c").value == Approx(-3.0).epsilon(0.02));
+}
+
+TEST_CASE("a formula with an unknown name is refused with the columns there are") {
+  Model model;
+  EffectInstance user = effect(EffectId::user, Axis::X, Sense::EX);
+  user.name = "tilt";
+  user.formulas = {{Sense::EX, "a*t_oil_degC"}};
+  user.user = {{"a", "um", {}, {}, {}, {}}};
+  model.effects.push_back(user);
+  const auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE_FALSE(found);
+  CHECK(to_text(found.error()).find("t_material_degC") != std::string::npos);
+}
+
+TEST_CASE("the comparison says in which direction and where the model fails") {
+  const Model model = straight();
+  const auto set = measured({}, 0.2, [](const laser::Reading& r) { return 2.0 * d(r); });
+  const Observations data = observations_of(set, model, mill());
+  const auto found = fit(model, data);
+  REQUIRE(found);
+  const Comparison where = compare(*found, data);
+  REQUIRE(where.directions.size() == 2);
+  CHECK(where.directions[0].approach == 1);
+  CHECK(where.directions[0].bias_um == Approx(2.0).epsilon(0.1));
+  CHECK(where.directions[1].bias_um == Approx(-2.0).epsilon(0.1));
+  CHECK(where.directions[0].readings == 123);
+  for (const ResidualView& view : where.views)
+    if (view.variable == "approach") CHECK(view.share > 0.95);
+}
+
+TEST_CASE("adding an effect lets the error fall, is remembered, and can be undone") {
+  const Model model = straight();
+  const auto set = measured({}, 0.2, [](const laser::Reading& r) {
+    return 3.0 * std::sin(2.0 * std::numbers::pi * p(r) / 160.0) + 6.0 * p(r) / 1000.0;
+  });
+  const Observations data = observations_of(set, model, mill());
+  const auto added = add_effect(model, data, *parse_add_request("cyclic:X"), "x.csv");
+  REQUIRE(added);
+  CHECK(added->rms_before_um > 1.8);
+  CHECK(added->rms_after_um == Approx(0.2).epsilon(0.15));
+  CHECK(added->model.effects.back().parameters.at("period_mm") == Approx(160.0).epsilon(0.002));
+  REQUIRE(added->model.history.size() == 1);
+  CHECK(*added->model.history[0].held_out_rms_um < 0.3);
+  const auto back = undo(added->model);
+  REQUIRE(back);
+  CHECK(back->effects.size() == 2);
+  CHECK(back->history.empty());
+  CHECK_FALSE(undo(*back));
+}
+
+TEST_CASE("a fitted model predicts what it was fitted to, and compiles into its compensation") {
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  model.effects.push_back(effect(time_drift, Axis::X, Sense::EX));
+  const auto set = measured({}, 0.05, [](const laser::Reading& r) { return 1.0 + 8.0 * p(r) / 1000.0 + 2.0 * d(r); });
+  const Observations data = observations_of(set, model, mill());
+  const auto found = fit(model, data);
+  REQUIRE(found);
+  const Model with = with_values(model, *found);
+  const auto values = predicted(with, data);
+  REQUIRE(values);
+  for (std::size_t k = 0; k < data.size(); ++k) CHECK((*values)[k] == Approx(found->predicted[k]).epsilon(1e-6));
+  const auto map = compiled(with, mill(), 100.0);
+  REQUIRE(map);
+  REQUIRE(map->map.tables.size() == 2);
+  const laser::MapTable* forward = laser::table_of(map->map, Component::EXX, Approach::forward);
+  REQUIRE(forward != nullptr);
+  CHECK(laser::compensation_at(*forward, 500.0) == Approx(-7.0).epsilon(0.02));
+  REQUIRE(map->not_carried.size() == 1);
+  CHECK(map->not_carried[0].find("time_drift") != std::string::npos);
+}
+
+TEST_CASE("a plan is told whether it can determine a model before anybody measures") {
+  Model model = straight();
+  model.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
+  for (auto& r : set.readings) r.feed_mm_min = 2000.0;
+  const auto one_feed = check_plan(model, observations_of(set, model, mill()), 0.5);
+  REQUIRE(one_feed);
+  CHECK_FALSE(one_feed->determines);
+  for (auto& r : set.readings) r.feed_mm_min = r.run == 1 ? 500.0 : 4000.0;
+  const auto two_feeds = check_plan(model, observations_of(set, model, mill()), 0.5);
+  REQUIRE(two_feeds);
+  CHECK(two_feeds->determines);
+}
+
+TEST_CASE("the length of a spike that all readings see at one distance is not determined, at two distances it is") {
+  Model model = straight();
+  model.effects.push_back(effect(reversal_spike, Axis::X, Sense::EX));
+  for (const bool two_distances : {false, true}) {
+    CAPTURE(two_distances);
+    auto set = measured({}, 0.1, [](const laser::Reading&) { return 0.0; });
+    std::size_t k = 0;
+    for (laser::Reading& r : set.readings) {
+      const double u_mm = k % 3 == 0 ? 5.0 : two_distances && k % 3 == 1 ? 12.0 : 300.0;
+      ++k;
+      r.travel_since_reversal_mm = u_mm;
+      r.error += 6.0 * static_cast<int>(r.approach) * std::exp(-u_mm / 8.0);
+    }
+    const auto found = fit(model, observations_of(set, model, mill()));
+    REQUIRE(found);
+    const auto& length = parameter(*found, 2, "u0_mm");
+    const auto& size = parameter(*found, 2, "c_um");
+    CHECK(length.undetermined == !two_distances);
+    CHECK(size.undetermined == !two_distances);
+    CHECK(length.sigma.has_value() == two_distances);
+    if (two_distances) CHECK(std::abs(length.value - 8.0) < 4.0 * *length.sigma);
+    CHECK(found->rms_um == Approx(0.1).epsilon(0.2));
+  }
+}

@@ -1,0 +1,176 @@
+#include "model/planning/next_measurement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "model/planning/part_program.hpp"
+#include "tests/support/measuring_session.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using enum ecs::model::EffectId;
+
+TEST_CASE("a polarity of the map and a gain of minus one are the same thing: said, not measured") {
+  Model model = straight();
+  laser::ErrorMap map;
+  map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});
+  for (int i = 0; i <= 40; ++i) {
+    map.tables[0].position_mm.push_back(25.0 * i);
+    map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
+  }
+  model.map = map;
+  auto set = measured({}, kNoise_um,
+                      [&](const laser::Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+  const Observations data = observations_of(set, model, mill());
+  auto found = diagnose(model, data);
+  REQUIRE(found);
+  std::erase_if(found->candidates,
+                [](const Candidate& c) { return c.effect.id != map_polarity && c.effect.id != map_gain; });
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(next.rivals.size() >= 2);
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 1);
+  CAPTURE(next.notes[0]);
+  CHECK(next.notes[0].find("contribute alike") != std::string::npos);
+}
+
+TEST_CASE("proposals stay inside the travel with their overrun, or inside what was measured") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  for (const bool with_machine : {true, false}) {
+    const Observations data = observations_of(set, model, with_machine ? std::optional(mill()) : std::nullopt);
+    const auto found = diagnose(model, data);
+    REQUIRE(found);
+    const NextMeasurement next = next_measurement(model, data, *found);
+    REQUIRE_FALSE(next.proposals.empty());
+    double least = 0.0, greatest = 1000.0;
+    if (!with_machine) {
+      const auto ends = std::minmax_element(set.readings.begin(), set.readings.end(),
+                                            [](const auto& a, const auto& b) { return p(a) < p(b); });
+      least = p(*ends.first);
+      greatest = p(*ends.second);
+    }
+    for (const MeasurementProposal& proposal : next.proposals) {
+      CHECK(proposal.targets_mm.front() - proposal.overrun_mm >= least - 1e-9);
+      CHECK(proposal.targets_mm.back() + proposal.overrun_mm <= greatest + 1e-9);
+      CHECK(proposal.first_run == 4);
+    }
+  }
+}
+
+TEST_CASE("three readings, no machine, no times, no approach: an answer without a proposal beyond what was measured") {
+  Plan plan;
+  plan.targets = 3;
+  plan.runs = 1;
+  plan.both_ways = false;
+  auto set = measured(plan, kNoise_um, [](const laser::Reading&) { return 0.0; });
+  for (auto& r : set.readings) {
+    r.time_s.reset();
+    r.sensors_degC.clear();
+    r.approach = Approach::unknown;
+  }
+  const Model model = straight();
+  const Observations data = observations_of(set, model, std::nullopt);
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK_FALSE(next.notes.empty());
+  for (const MeasurementProposal& proposal : next.proposals)
+    for (const double target : proposal.targets_mm) {
+      CHECK(target >= p(set.readings.front()));
+      CHECK(target <= p(set.readings.back()));
+    }
+  CHECK_FALSE(next_measurement(model, Observations{}, Diagnosis{}).notes.empty());
+}
+
+TEST_CASE("an adequate model with few readings says what it could not have seen, and what would show it") {
+  Plan plan;
+  plan.targets = 6;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.step_mm = 190.0;
+  auto set = session(
+      plan, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; },
+      [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::adequate);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(next.rivals.size() >= 2);
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma >= 3.0);
+}
+
+TEST_CASE("an adequate model with many readings asks for nothing") {
+  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 9.0 * p(r) / 1000.0; });
+  for (auto& r : set.readings) {
+    r.time_s.reset();
+    r.sensors_degC.clear();
+  }
+  params::Machine one = mill("TX");
+  one.axes[1].reset();
+  one.axes[2].reset();
+  const Model model = straight();
+  const Observations data = observations_of(set, model, one);
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::adequate);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.notes.empty());
+  CAPTURE(next.notes.front());
+  const auto names = [&](const char* name) {
+    return std::find(next.rivals.begin(), next.rivals.end(), name) != next.rivals.end();
+  };
+  CHECK(names("cosine:X:EX"));  // beside a scale it is never seen
+  CHECK_FALSE(names("backlash:X:EX"));
+}
+
+TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
+  Plan plan;
+  plan.runs = 5;
+  const auto set = measured(plan, kNoise_um, [](const laser::Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  REQUIRE(found->verdict == Verdict::unexplained_structure);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
+  CHECK_FALSE(next.notes.empty());
+  REQUIRE(next.proposals.size() == 1);  // what a bad run does next time nothing foretells: once more as it is
+  CHECK(next.proposals.front().sentence.find("comes back") != std::string::npos);
+  CHECK(next.proposals.front().bidirectional);
+  CHECK(next.proposals.front().targets_mm.size() == 41);
+}
+
+TEST_CASE("a target list is a plan to check") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  const auto two_feeds = std::find_if(next.proposals.begin(), next.proposals.end(),
+                                      [](const auto& each) { return each.second_feed_mm_min.has_value(); });
+  REQUIRE(two_feeds != next.proposals.end());
+  two_feeds->bidirectional = true;
+  const auto plan = laser::parse_measurement_set(target_list(*two_feeds), "targets.csv");
+  REQUIRE(plan);
+  Model both = model;
+  both.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  both.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
+  const auto alone = check_plan(both, observations_of(*plan, both, mill()), kNoise_um);
+  REQUIRE(alone);
+  CHECK(alone->determines);
+  const auto at_one_feed = check_plan(both, data, kNoise_um);
+  REQUIRE(at_one_feed);
+  CHECK_FALSE(at_one_feed->determines);
+}

@@ -1,0 +1,298 @@
+// The client against a unit on a real pseudo-terminal and on TCP, with the faults of a line.
+#include <filesystem>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+using namespace std::chrono_literals;
+
+namespace {
+
+bool says(const Problem& problem, std::string_view word) { return problem.message.find(word) != std::string::npos; }
+
+void check_everyday_use(Workshop& shop) {
+  auto unit = shop.client();
+  const auto identity = unit.identity();
+  REQUIRE(identity.has_value());
+  CHECK(identity->serial_number == "ECS-0042");
+  CHECK(identity->axis_count() == 2);
+  const auto status = unit.status();
+  REQUIRE(status.has_value());
+  CHECK(status->axes[1].position_mm == -12.5);
+  CHECK(status->pointers[3] == CurvePointer{17, 0x100022});
+  CHECK(status->pointers[4].index == kUnused);
+  const auto first = unit.monitor();
+  const auto second = unit.monitor();
+  REQUIRE(second.has_value());
+  CHECK(second->number == first->number + 1);
+  CHECK(unit.enter_compensation().has_value());
+  CHECK(unit.status()->mode == UnitMode::compensating);
+  const auto refused = unit.set_axis_position(Axis::X, 1.0);
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().kind == ProblemKind::refused);
+  CHECK(says(refused.error(), "integration mode"));
+  const auto protected_memory = unit.write_memory(kBankA.first, noise_image(100));
+  REQUIRE_FALSE(protected_memory.has_value());
+  CHECK(protected_memory.error().kind == ProblemKind::refused);
+  CHECK(unit.enter_integration().has_value());
+  CHECK(unit.set_axis_position(Axis::Y, -1.5).has_value());
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    CHECK(model.last.axis == Axis::Y);
+    CHECK(model.last.position_mm == -1.5);
+  });
+  const auto image = noise_image(5001);
+  CHECK(unit.write_memory(kBankA.first + 7, image).has_value());
+  CHECK(unit.read_memory(kBankA.first + 7, image.size()).value() == image);
+  CHECK(unit.check_memory(kBankA.first + 7, 5001).value() == crc32_of(image));
+  const auto nowhere = unit.read_memory(0x900000, 16);
+  REQUIRE_FALSE(nowhere.has_value());
+  CHECK(says(nowhere.error(), "no such registers or memory"));
+  CHECK(unit.link().statistics().retries == 0);
+}
+
+}  // namespace
+
+TEST_CASE("identity, status, monitor, commands and memory work over a pseudo-terminal") {
+  auto shop = Workshop::on_pty();
+  check_everyday_use(shop);
+}
+
+TEST_CASE("identity, status, monitor, commands and memory work over TCP") {
+  auto shop = Workshop::on_tcp();
+  check_everyday_use(shop);
+}
+
+TEST_CASE("under every fault of the line a reading is right or a clear error, and the line recovers") {
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
+    const auto fault = static_cast<LinkFault>(i);
+    CAPTURE(name_of(fault));
+    auto shop = Workshop::on_pty();
+    auto unit = shop.client();
+    std::uint32_t last = unit.monitor().value().number;
+    shop.fault(fault, 2);
+    for (int n = 0; n < 4; ++n) {
+      const auto sample = unit.monitor();
+      REQUIRE(sample.has_value());
+      CHECK(sample->number > last);
+      CHECK(sample->axes[0].position_mm == sample->number);
+      last = sample->number;
+    }
+    const auto& counts = unit.link().statistics();
+    if (fault != LinkFault::slow_reply) CHECK(counts.retries >= 1);
+  }
+}
+
+TEST_CASE("a late reply is never taken for the reply to a later request") {
+  auto shop = Workshop::on_pty();
+  const auto image = noise_image(2400);
+  shop.in_server([&](ModbusServer& server, UnitModel& model) {
+    std::copy(image.begin(), image.end(), model.bank_a.begin());
+    server.faults().with_probability(LinkFault::stale_reply, 0.4);
+  });
+  auto unit = shop.client();
+  // pieces of one length: only the echo tells their replies apart
+  for (std::uint32_t n = 0; n < 10; ++n) {
+    const auto piece = unit.read_memory(kBankA.first + n * 240, 240);
+    if (!piece) continue;
+    CHECK(std::equal(piece->begin(), piece->end(), image.begin() + n * 240));
+  }
+  CHECK(unit.link().statistics().stale_replies > 0);
+}
+
+TEST_CASE("a reply later than the response time-out is discarded as late") {
+  auto shop = Workshop::on_pty();
+  shop.in_server([](ModbusServer& server, UnitModel&) {
+    server.faults().slow_ms = 230.0;
+    server.faults().next(LinkFault::slow_reply, 1);
+  });
+  auto unit = shop.client();
+  const auto sample = unit.monitor();
+  REQUIRE(sample.has_value());
+  CHECK(sample->number == 2);  // the first sample was the late one
+  CHECK(unit.link().statistics().timeouts == 1);
+}
+
+TEST_CASE("late replies over TCP are told apart too") {
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  shop.fault(LinkFault::stale_reply, 1);
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    const auto sample = unit.monitor();
+    REQUIRE(sample.has_value());
+    CHECK(sample->number == n + 3);  // the first was late, and the second came behind it
+  }
+}
+
+TEST_CASE("a repeated command is carried out once") {
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client();
+  CHECK(unit.output_off().has_value());
+  shop.fault(LinkFault::no_reply, 2);
+  CHECK(unit.clear_fault().has_value());
+  const auto log = shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; });
+  CHECK(log == std::vector{CommandCode::output_off, CommandCode::clear_fault});
+}
+
+TEST_CASE("a long command is followed to its end, and stopped when its time is over or it is cancelled") {
+  std::atomic<bool> cancelled{false};
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client(&cancelled);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 3; });
+  int seen = 0;
+  const auto result = unit.test_datum(Axis::X, 10s, [&](const CommandResult& busy) {
+    ++seen;
+    CHECK(busy.text == "move the axis");
+  });
+  REQUIRE(result.has_value());
+  CHECK(result->value == 99);
+  CHECK(seen >= 3);
+
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  const auto late = unit.test_datum(Axis::X, 100ms);
+  REQUIRE_FALSE(late.has_value());
+  CHECK(says(late.error(), "not done in time"));
+  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.busy; }));
+
+  const auto given_up = unit.test_datum(Axis::X, 10s, [&](const CommandResult&) { cancelled = true; });
+  REQUIRE_FALSE(given_up.has_value());
+  CHECK(says(given_up.error(), "cancelled"));
+  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.busy; }));
+}
+
+TEST_CASE("while a command is busy another one is refused and the first goes on") {
+  auto shop = Workshop::on_tcp();
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.busy_polls_left = 1'000'000; });
+  auto other = shop.client();
+  auto unit = shop.client();
+  std::optional<Problem> refusal;
+  const auto result = unit.test_datum(Axis::X, 10s, [&](const CommandResult&) {
+    if (!refusal) refusal = other.clear_fault().error();
+  });
+  REQUIRE(refusal.has_value());
+  CHECK(says(*refusal, "another command is under way"));
+  CHECK_FALSE(result.has_value());  // its result now belongs to the other host
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.busy; }));
+}
+
+TEST_CASE("an absent unit and a wrong unit number give no answer on a serial line, a clear exception on TCP") {
+  auto shop = Workshop::on_pty();
+  auto address = shop.address();
+  address.unit = 9;
+  auto options = shop.options();
+  options.timing->tries = 2;
+  const auto wrong = UnitClient::connect(address, options);
+  REQUIRE_FALSE(wrong.has_value());
+  CHECK(says(wrong.error(), "no answer"));
+  CHECK(says(wrong.error(), "2 tries"));
+  CHECK(says(wrong.error(), "unit number"));
+  auto tcp_shop = Workshop::on_tcp();
+  address = tcp_shop.address();
+  address.unit = 9;
+  const auto wrong_tcp = UnitClient::connect(address, tcp_shop.options());
+  REQUIRE_FALSE(wrong_tcp.has_value());
+  CHECK(says(wrong_tcp.error(), "no unit of this number"));
+}
+
+TEST_CASE("a line that always garbles says so") {
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client();
+  shop.fault_often(LinkFault::bad_crc, 1.0);
+  const auto sample = unit.monitor();
+  REQUIRE_FALSE(sample.has_value());
+  CHECK(says(sample.error(), "garbled"));
+  CHECK(unit.link().statistics().crc_errors == 4);
+}
+
+TEST_CASE("each way a port cannot be opened has its own message") {
+  const auto problem_of = [](const std::string& text) {
+    const auto link = Link::open(link_address_of(text).value());
+    REQUIRE_FALSE(link.has_value());
+    return link.error();
+  };
+  CHECK(says(problem_of("rtu:/dev/no_such_port:9600"), "no such port"));
+  CHECK(says(problem_of("rtu:/tmp:9600"), "folder"));
+  CHECK(says(problem_of("rtu:/dev/null:9600"), "not a serial port"));
+  CHECK(says(problem_of("tcp:no-such-host.invalid:502"), "no such host"));
+  CHECK(says(problem_of("tcp:127.0.0.1:1"), "cannot connect"));
+}
+
+TEST_CASE("a port without permission says so") {
+  auto server = ModbusServer::on_pty({}).value();
+  const auto device = std::get<SerialPort>(server.address().endpoint).device;
+  REQUIRE(::chmod(device.c_str(), 0) == 0);
+  const bool root = ::geteuid() == 0;
+  constexpr uid_t kNobody = 65'534;
+  if (root) REQUIRE(::seteuid(kNobody) == 0);
+  const auto link = Link::open(server.address());
+  if (root) REQUIRE(::seteuid(0) == 0);
+  REQUIRE_FALSE(link.has_value());
+  CHECK(says(link.error(), "permission"));
+}
+
+TEST_CASE("a port in use is refused and its user named; it is free again after closing") {
+  auto shop = Workshop::on_pty();
+  {
+    auto unit = shop.client();
+    const auto second = Link::open(shop.address());
+    REQUIRE_FALSE(second.has_value());
+    CHECK(says(second.error(), "in use by pid " + std::to_string(::getpid())));
+    CHECK(unit.identity().has_value());
+  }
+  CHECK(Link::open(shop.address()).has_value());
+}
+
+TEST_CASE("a line that disappears is an error at once, and every later call too") {
+  for (const bool tcp : {false, true}) {
+    auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
+    auto unit = shop.client();
+    REQUIRE(unit.identity().has_value());
+    shop.cut_line();
+    std::this_thread::sleep_for(50ms);
+    const auto begun = std::chrono::steady_clock::now();
+    for (int n = 0; n < 3; ++n) {
+      const auto sample = unit.monitor();
+      REQUIRE_FALSE(sample.has_value());
+      CHECK(says(sample.error(), "the connection is lost"));
+      CHECK(unit.link().last_failure() == LinkFailure::disconnected);
+    }
+    CHECK(std::chrono::steady_clock::now() - begun < 5s);
+    CHECK_FALSE(unit.link().reconnect().has_value());
+    CHECK_FALSE(unit.monitor().has_value());
+  }
+}
+
+TEST_CASE("a cancel ends the wait for a reply") {
+  std::atomic<bool> cancelled{false};
+  auto shop = Workshop::on_pty();
+  auto options = shop.options(&cancelled);
+  options.timing->response_timeout = 60s;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  shop.fault(LinkFault::no_reply, 1);
+  std::thread later([&] {
+    std::this_thread::sleep_for(100ms);
+    cancelled = true;
+  });
+  const auto begun = std::chrono::steady_clock::now();
+  const auto sample = unit.monitor();
+  later.join();
+  REQUIRE_FALSE(sample.has_value());
+  CHECK(unit.link().last_failure() == LinkFailure::cancelled);
+  CHECK(std::chrono::steady_clock::now() - begun < 10s);
+}
+
+TEST_CASE("the server makes its symbolic link, replaces a stale one and removes it at the end") {
+  const auto path = std::filesystem::temp_directory_path() / ("ecs-link-" + std::to_string(::getpid()));
+  std::filesystem::create_symlink("/dev/gone", path);
+  {
+    auto server = ModbusServer::on_pty({path, 9600, false, 1}).value();
+    CHECK(to_text(server.address()) == "rtu:" + path.string() + ":9600:8N1:1");
+    CHECK(std::filesystem::is_character_file(path));
+  }
+  CHECK_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
+}

@@ -1,0 +1,338 @@
+// A map sent to a unit: whole or not at all, whatever the line does.
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+using namespace std::chrono_literals;
+
+namespace {
+
+const std::vector<std::uint8_t> kOldImage = noise_image(3000, 1);
+
+void install_old(Workshop& shop) {
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
+}
+std::vector<std::uint8_t> active_image(Workshop& shop) {
+  return shop.in_server([](ModbusServer&, UnitModel& model) { return model.active_image(); });
+}
+
+}  // namespace
+
+TEST_CASE("64 KB arrive whole under every fault of the line") {
+  const auto image = noise_image(65'536);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
+    const auto fault = static_cast<LinkFault>(i);
+    CAPTURE(name_of(fault));
+    auto shop = Workshop::on_pty();
+    install_old(shop);
+    auto unit = shop.client();
+    bool struck = false;
+    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+      if (!struck && progress.bytes_done > 30'000) shop.fault(fault, 3);
+      struck = struck || progress.bytes_done > 30'000;
+    });
+    CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+    CHECK(struck);
+    CHECK(active_image(shop) == image);
+  }
+}
+
+TEST_CASE("a map survives a line that spoils one frame in fifty, in every way") {
+  const auto image = noise_image(20'000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) shop.fault_often(static_cast<LinkFault>(i), 0.0025);
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(image);
+  CHECK(active_image(shop) == (sent ? image : kOldImage));
+}
+
+TEST_CASE("only missing blocks are sent again") {
+  const auto image = noise_image(kWindowBytes);
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  bool struck = false;
+  CHECK(unit.write_memory(kBankA.first, image,
+                          [&](const Progress& progress) {
+                            if (!struck && progress.bytes_done > 2000) shop.fault(LinkFault::lost_request, 1);
+                            struck = struck || progress.bytes_done > 2000;
+                          })
+            .has_value());
+  CHECK(unit.link().statistics().timeouts == 1);
+  // open, 64 blocks, acknowledgement, the one block again, acknowledgement, result block, check command
+  CHECK(unit.link().statistics().requests == 1 + 64 + 1 + 1 + 1 + 2);
+}
+
+TEST_CASE("progress rises to the end and tells the time left") {
+  const auto image = noise_image(20'000);
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client();
+  std::size_t last = 0;
+  const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+    CHECK(progress.bytes_done >= last);
+    CHECK(progress.bytes_total == image.size());
+    CHECK(progress.seconds_left >= 0.0);
+    last = progress.bytes_done;
+  });
+  CHECK(sent.has_value());
+  CHECK(last == image.size());
+}
+
+TEST_CASE("reading back every byte is possible too") {
+  const auto image = noise_image(9'999);
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  CHECK(unit.upload_image(image, {.copy_active = true, .read_back = true}).has_value());
+  CHECK(active_image(shop) == image);
+}
+
+TEST_CASE("a line cut in the middle is an error and leaves the old map active and whole") {
+  const auto image = noise_image(65'536);
+  for (const bool tcp : {false, true}) {
+    auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
+    install_old(shop);
+    auto unit = shop.client();
+    bool cut = false;
+    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+      if (!cut && progress.bytes_done > 20'000) shop.cut_line();
+      cut = cut || progress.bytes_done > 20'000;
+    });
+    REQUIRE_FALSE(sent.has_value());
+    CHECK(sent.error().kind == ProblemKind::link);
+    CHECK(unit.link().last_failure() == LinkFailure::disconnected);
+    CHECK(active_image(shop) == kOldImage);
+    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 0);
+  }
+}
+
+TEST_CASE("a cancelled upload is abandoned and leaves the old map active and whole") {
+  std::atomic<bool> cancelled{false};
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client(&cancelled);
+  const auto sent = unit.upload_image(noise_image(30'000), {},
+                                      [&](const Progress& progress) { cancelled = progress.bytes_done > 10'000; });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("cancelled") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+  CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log; }).back() ==
+        CommandCode::abandon_staged);
+}
+
+TEST_CASE("a unit that falls silent in the middle is reported, and the old map stays") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  const auto sent = unit.upload_image(noise_image(30'000), {}, [&](const Progress& progress) {
+    if (progress.bytes_done > 10'000) shop.fault_often(LinkFault::lost_request, 1.0);
+  });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("no answer") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("memory that does not hold what is written is found before the commit") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  auto unit = shop.client();
+  bool spoilt = false;
+  const auto sent = unit.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+    if (spoilt || progress.bytes_done < 5'000) return;
+    spoilt = true;
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.bank_b[100] ^= 1; });
+  });
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("does not hold what was written") != std::string::npos);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("a unit that compensates refuses a map and keeps its own") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.mode = UnitMode::compensating; });
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(noise_image(1000));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().kind == ProblemKind::refused);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+namespace {
+
+/// From the moment the unit carries out the commit, so many of its replies are lost.
+void lose_replies_at_commit(Workshop& shop, int replies, std::atomic<bool>* then_cancel = nullptr) {
+  shop.in_server([=](ModbusServer&, UnitModel& model) {
+    model.on_commit = [=, &model] {
+      model.replies_to_lose = replies;
+      if (then_cancel != nullptr) *then_cancel = true;
+    };
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a commit whose every reply was lost counts as done once the unit says that it has taken the map") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  lose_replies_at_commit(shop, 2);
+  const auto sent = unit.upload_image(image);
+  CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK(active_image(shop) == image);
+}
+
+TEST_CASE("a commit without a reply on a line that stays silent is reported as in doubt, never as not taken") {
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  lose_replies_at_commit(shop, 1'000);
+  const auto sent = unit.upload_image(image);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(sent.error().message.find("may have taken the new map") != std::string::npos);
+  CHECK(sent.error().message.find("old map is active") == std::string::npos);
+}
+
+TEST_CASE("a commit that the unit does not carry out is reported as not taken, and what was staged is abandoned") {
+  for (const bool had_map : {true, false}) {
+    auto shop = Workshop::on_tcp();
+    if (had_map) install_old(shop);
+    shop.in_server([](ModbusServer&, UnitModel& model) { model.takes_commits = false; });
+    auto unit = shop.client();
+    const auto sent = unit.upload_image(noise_image(4000));
+    REQUIRE_FALSE(sent.has_value());
+    CHECK((sent.error().message.find("the old map is active") != std::string::npos) == had_map);
+    CHECK((sent.error().message.find("holds none, as before") != std::string::npos) != had_map);
+    CHECK_FALSE(shop.in_server([](ModbusServer&, UnitModel& model) { return model.staging; }));
+  }
+}
+
+TEST_CASE("a cancel while the reply to the commit is awaited says that the new map is active") {
+  std::atomic<bool> cancelled{false};
+  const auto image = noise_image(4000);
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client(&cancelled);
+  lose_replies_at_commit(shop, 1, &cancelled);
+  const auto sent = unit.upload_image(image);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(sent.error().message.find("cancelled") != std::string::npos);
+  CHECK(sent.error().message.find("already taken the new map: it is active (commit 1)") != std::string::npos);
+}
+
+TEST_CASE("of an image that differs from the active one at its beginning only the beginning travels") {
+  auto shop = Workshop::on_tcp();
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    model.install(noise_image(30'000));
+    std::copy(model.bank_a.begin(), model.bank_a.end(), model.bank_b.begin());
+  });
+  auto image = noise_image(30'000);
+  image[5] ^= 0xFF;
+  auto unit = shop.client();
+  CHECK(unit.upload_image(image, {.copy_active = true, .changed_bytes = 576}).has_value());
+  CHECK(active_image(shop) == image);
+  CHECK(unit.link().statistics().bytes_sent < 3000);
+}
+
+TEST_CASE("of two hosts on one unit each has its own command done, not the other's taken for it") {
+  auto shop = Workshop::on_tcp();
+  auto one = shop.client();
+  auto other = shop.client();
+  for (int k = 0; k < 20; ++k) {
+    REQUIRE(one.clear_fault());
+    REQUIRE(other.abandon_staged().has_value() == false);  // nothing is staged: refused, but a command
+    REQUIRE(one.output_off());
+    CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.log.back(); }) == CommandCode::output_off);
+  }
+}
+
+TEST_CASE("a commit after which the active map is another one is told as such") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  auto unit = shop.client();
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.spoils_commits = true; });
+  const auto sent = unit.upload_image(noise_image(3000, 2));
+  REQUIRE(!sent);
+  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+}
+
+/// Just before our commit another host makes a map of its own active, from the same staging.
+void another_host_commits_first(Workshop& shop, const std::vector<std::uint8_t>& image) {
+  shop.in_server([image](ModbusServer&, UnitModel& model) {
+    model.on_commit = [image, &model] {
+      auto& spare = model.active == Bank::A ? model.bank_b : model.bank_a;
+      std::copy(image.begin(), image.end(), spare.begin());
+      model.active = model.active == Bank::A ? Bank::B : Bank::A;
+      model.image_length = static_cast<std::uint32_t>(image.size());
+      ++model.commits;
+      model.staging = false;
+    };
+  });
+}
+
+TEST_CASE("a refused commit is never told as done, whatever another host has made active meanwhile") {
+  const auto ours = noise_image(4000, 1);
+  for (const std::size_t length : {std::size_t{5000}, std::size_t{4000}}) {
+    auto shop = Workshop::on_tcp();
+    install_old(shop);
+    another_host_commits_first(shop, noise_image(length, 2));
+    auto unit = shop.client();
+    const auto sent = unit.upload_image(ours);
+    REQUIRE_FALSE(sent.has_value());
+    CHECK(sent.error().kind == ProblemKind::refused);
+    CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+  }
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  another_host_commits_first(shop, ours);
+  auto unit = shop.client();
+  const auto sent = unit.upload_image(ours);
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("another host has sent this very map") != std::string::npos);
+}
+
+TEST_CASE("a commit whose replies were lost while another host committed is not taken for ours") {
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  another_host_commits_first(shop, noise_image(4000, 2));
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    model.on_commit = [before = model.on_commit, &model] {
+      before();
+      model.replies_to_lose = 2;
+    };
+  });
+  const auto sent = unit.upload_image(noise_image(4000, 1));
+  REQUIRE_FALSE(sent.has_value());
+  CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
+}
+
+TEST_CASE("of a command that acts on the machine and is not answered it is said that it may have been carried out") {
+  auto shop = Workshop::on_pty();
+  auto options = shop.options();
+  options.timing->tries = 2;
+  UnitClient unit(Link::open(shop.address(), options).value());
+  REQUIRE(unit.output_compensation(Axis::X, 5.0, true));
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.replies_to_lose = 1'000; });
+  const auto output = unit.output_compensation(Axis::X, 6.0, true);
+  REQUIRE_FALSE(output);
+  CHECK(output.error().message.find("the relay of X may be closed") != std::string::npos);
+  const auto off = unit.output_off();
+  REQUIRE_FALSE(off);
+  CHECK(off.error().message.find("a relay that was closed still is") != std::string::npos);
+  CHECK(off.error().message.find("60 s") != std::string::npos);
+}

@@ -1,0 +1,136 @@
+// Frames byte by byte: the check, the worked example of the documentation, exceptions, nonsense.
+#include <numeric>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <rapidcheck.h>
+
+#include "base/file.hpp"
+#include "protocol/line/frame_codec.hpp"
+#include "protocol/line/frame_cut.hpp"
+#include "protocol/registers/frame_check.hpp"
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+using Bytes = std::vector<std::uint8_t>;
+
+namespace {
+
+std::string hex_of(const Bytes& bytes) {
+  std::string text;
+  for (const auto byte : bytes) text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
+  return text;
+}
+
+// The frames of docs/protocol.md; CRCs from pymodbus.utilities.computeCRC.
+const Bytes kAskIdentity{0x01, 0x17, 0x01, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x01, 0x02, 0x12, 0x34, 0x9D, 0x1A};
+const Bytes kIdentityReply{0x01, 0x17, 0x08, 0x12, 0x34, 0x00, 0x01, 0x00, 0x02, 0x00, 0x07, 0xFD, 0x43};
+
+}  // namespace
+
+TEST_CASE("the CRC-16 of 123456789 is the published 4B37") {
+  const std::string digits = "123456789";
+  const Bytes bytes(digits.begin(), digits.end());
+  CHECK(crc16_of(bytes) == 0x4B37);
+}
+
+TEST_CASE("the worked frame of the documentation is what the unit answers, byte for byte") {
+  UnitModel model;
+  RegisterServer face(model);
+  auto codec = FrameCodec::make(Framing::rtu, 1).value();
+  CHECK(crc_agrees(kAskIdentity));
+  CHECK(codec.answer(kAskIdentity, face) == kIdentityReply);
+}
+
+TEST_CASE("the documentation shows the worked frame and every block at its address") {
+  const auto document = read_file("docs/protocol.md");
+  REQUIRE(document.has_value());
+  CHECK(document->find(hex_of(kAskIdentity)) != std::string::npos);
+  CHECK(document->find(hex_of(kIdentityReply)) != std::string::npos);
+  for (const Block& block : {kEcho, kReadSelect, kWindowOpen, kCommand, kBlockWrite, kIdentity, kStatus, kMonitor,
+                             kPointers, kCommandResult, kWindowAck, kMemory}) {
+    const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
+    CHECK_MESSAGE(document->find(row) != std::string::npos, row);
+  }
+}
+
+TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP") {
+  UnitModel model;
+  RegisterServer face(model);
+  auto rtu = FrameCodec::make(Framing::rtu, 2).value();
+  CHECK(rtu.answer(kAskIdentity, face).empty());
+  auto tcp = FrameCodec::make(Framing::tcp, 2).value();
+  const Bytes request{0xAB, 0xCD, 0, 0, 0, 6, 9, 3, 1, 0, 0, 1};
+  CHECK(tcp.answer(request, face) == Bytes{0xAB, 0xCD, 0, 0, 0, 3, 9, 0x83, 11});
+}
+
+TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exception 1") {
+  UnitModel model;
+  RegisterServer face(model);
+  auto codec = FrameCodec::make(Framing::tcp, 1).value();
+  const auto exception_to = [&](Bytes pdu) {
+    Bytes frame{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
+    frame.insert(frame.end(), pdu.begin(), pdu.end());
+    const auto reply = codec.answer(frame, face);
+    return reply.size() == 9 && reply[7] == (pdu[0] | 0x80) ? reply[8] : 0;
+  };
+  CHECK(exception_to({3, 0x40, 0, 0, 1}) == 2);                           // far outside
+  CHECK(exception_to({3, 0x01, 0x10, 0, 0x20}) == 2);                     // across the end of a block
+  CHECK(exception_to({3, 0x01, 0x00, 0, 126}) == 3);                      // too many
+  CHECK(exception_to({6, 0x01, 0x00, 0, 1}) == 2);                        // an answer block cannot be written
+  CHECK(exception_to({16, 0x00, 0x80, 0, 3, 6, 0, 1, 0, 0, 0, 0}) == 3);  // a block without a window
+  CHECK(exception_to({1, 0, 0, 0, 1}) == 2);                              // coils
+  CHECK(exception_to({0x2B, 0x0E, 1, 0}) == 1);
+  CHECK(exception_to({0x41, 1, 2, 3, 4, 5, 6, 7, 8}) == 1);
+  CHECK(exception_to({3, 0x01, 0x00, 0, 1}) == 0);
+}
+
+TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
+  UnitModel model;
+  RegisterServer face(model);
+  auto codec = FrameCodec::make(Framing::tcp, 1).value();
+  // writes echo 5 at 0x0000 and reads 0x0000..1 in the same request
+  const Bytes request{0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 2, 0, 0, 0, 1, 2, 0, 5};
+  CHECK(codec.answer(request, face) == Bytes{0, 1, 0, 0, 0, 7, 1, 23, 4, 0, 5, 0, 0});
+}
+
+TEST_CASE("no frame, however wrong, disturbs the next good one") {
+  UnitModel model;
+  RegisterServer face(model);
+  auto rtu = FrameCodec::make(Framing::rtu, 1).value();
+  auto tcp = FrameCodec::make(Framing::tcp, 1).value();
+  const Bytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};
+  const Bytes good_tcp_reply{0, 7, 0, 0, 0, 5, 1, 3, 2, 0, 1};
+  CHECK(rc::check([&] {
+    auto pdu = *rc::gen::resize(240, rc::gen::arbitrary<Bytes>());
+    const auto function = *rc::gen::element<std::uint8_t>(1, 3, 4, 6, 8, 15, 16, 17, 22, 23, 43, 65);
+    pdu.insert(pdu.begin(), function);
+    Bytes frame{1};
+    frame.insert(frame.end(), pdu.begin(), pdu.end());
+    const auto crc = crc16_of(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    const auto reply = rtu.answer(frame, face);
+    RC_ASSERT(reply.empty() || crc_agrees(reply));
+    RC_ASSERT(rtu.answer(kAskIdentity, face) == kIdentityReply);
+    Bytes wrapped{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
+    wrapped.insert(wrapped.end(), pdu.begin(), pdu.end());
+    (void)tcp.answer(wrapped, face);
+    RC_ASSERT(tcp.answer(good_tcp, face) == good_tcp_reply);
+  }));
+  CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
+}
+
+TEST_CASE("the length of a request is known as soon as its header is") {
+  CHECK_FALSE(rtu_request_length(Bytes{1}).has_value());
+  CHECK(rtu_request_length(Bytes{1, 3}) == 8);
+  CHECK(rtu_request_length(kAskIdentity) == kAskIdentity.size());
+  CHECK_FALSE(rtu_request_length(Bytes{1, 16, 0, 0, 0, 1}).has_value());
+  CHECK(rtu_request_length(Bytes{1, 16, 0, 0, 0, 1, 2}) == 11);
+  CHECK_FALSE(rtu_request_length(Bytes{1, 0x41, 0, 0, 0, 0, 0, 0}).has_value());
+  CHECK(tcp_request_length(Bytes{0, 1, 0, 0, 0, 6}).length == 12);
+  CHECK(tcp_request_length(Bytes{0, 1, 0, 9, 0, 6}).broken);
+  CHECK(tcp_request_length(Bytes{0, 1, 0, 0, 9, 6}).broken);
+}

@@ -1,0 +1,91 @@
+// Clients that share no code with this project talk to the server.
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+
+namespace {
+
+struct Output {
+  std::string text;
+  int status = -1;
+};
+
+Output output_of(const std::string& command) {
+  Output output;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return output;
+  std::array<char, 512> part{};
+  while (std::fgets(part.data(), part.size(), pipe) != nullptr) output.text += part.data();
+  output.status = ::pclose(pipe);
+  return output;
+}
+
+bool installed(const std::string& probe) { return output_of(probe).status == 0; }
+
+bool has(const Output& output, std::string_view word) { return output.text.find(word) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("mbpoll reads the identity and writes and reads registers over RTU") {
+  if (!installed("command -v mbpoll")) {
+    MESSAGE("skipped: mbpoll is not installed");
+    return;
+  }
+  auto shop = Workshop::on_pty();
+  const auto device = std::get<SerialPort>(shop.address().endpoint).device;
+  const auto mbpoll = [&](std::string_view arguments, std::string_view values = "") {
+    return output_of(
+        fmt::format("mbpoll -m rtu -a 1 -b 115200 -P none -t 4:hex -0 -1 -o 2 {} {} {}", arguments, device, values));
+  };
+  const auto identity = mbpoll("-r 256 -c 32");
+  CAPTURE(identity.text);
+  CHECK(has(identity, "0x4543"));  // "EC" of the serial number
+  CHECK(has(identity, "0x532D"));  // "S-"
+  CHECK(mbpoll("-r 16", "0x1111 0x0010 0x0000 0x0004").status == 0);
+  const auto select = mbpoll("-r 16 -c 4");
+  CAPTURE(select.text);
+  CHECK(has(select, "0x0010"));
+  CHECK(has(mbpoll("-r 1024 -c 7"), "0x1111"));
+  CHECK(has(mbpoll("-r 384 -c 58"), "0x1111"));
+  CHECK(mbpoll("-r 20000 -c 1").text.find("Illegal data address") != std::string::npos);
+}
+
+TEST_CASE("pymodbus reads the identity and writes and reads registers over TCP") {
+  if (!installed("/usr/bin/python3 -c 'import pymodbus.client'")) {
+    MESSAGE("skipped: python3-pymodbus is not installed");
+    return;
+  }
+  auto shop = Workshop::on_tcp();
+  const auto port = std::get<TcpPeer>(shop.address().endpoint).port;
+  const std::string script = fmt::format(R"(
+from pymodbus.client import ModbusTcpClient
+c = ModbusTcpClient("127.0.0.1", port={})
+assert c.connect()
+r = c.read_holding_registers(0x0100, 32, slave=1).registers
+print("serial", b"".join(x.to_bytes(2, "big") for x in r[4:12]).rstrip(b"\0").decode())
+print("write", c.write_registers(0x0010, [7, 0x0010, 0, 240], slave=1).isError())
+print("memory", len(c.read_holding_registers(0x0400, 125, slave=1).registers))
+print("input", c.read_input_registers(0x0400, 1, slave=1).registers)
+print("both", c.readwrite_registers(read_address=0x0100, read_count=2, write_address=0, write_registers=[99], slave=1).registers)
+print("outside", c.read_holding_registers(0x4000, 1, slave=1).exception_code)
+c.close()
+)",
+                                         port);
+  const auto output = output_of("/usr/bin/python3 -c '" + script + "'");
+  CAPTURE(output.text);
+  CHECK(has(output, "serial ECS-0042"));
+  CHECK(has(output, "write False"));
+  CHECK(has(output, "memory 125"));
+  CHECK(has(output, "input [7]"));
+  CHECK(has(output, "both [99, 1]"));
+  CHECK(has(output, "outside 2"));
+}

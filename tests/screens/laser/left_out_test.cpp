@@ -1,0 +1,178 @@
+// What is left out stays visible in the curves; where lines were measured is told wherever the file knows it.
+#include "app/screens/laser/chart.hpp"
+#include "tests/support/laser_screen.hpp"
+
+namespace ecs::app {
+namespace {
+
+const std::string kExx = "EX along X at Y -1400, Z 0";
+const Measured kPositioning{'X', "EX", 0, -400, 50, {0, -1400, 0}};
+const Measured kLower{'X', "EX", 0, -400, 50, {0, -1400, -1000}};
+
+PlotPanel three_points() {
+  return {"t", "X [mm]", "error [um]", {{"runs", Mark::forward_reading, {{0, 0}, {100, 10}, {200, 4}}}}};
+}
+
+Place place_of(const Canvas& canvas, char32_t sign) {
+  for (int r = 1; r < canvas.rows() - 3; ++r)
+    for (int c = 9; c < canvas.columns(); ++c)
+      if (canvas.at(r, c).glyph == sign) return {r, c};
+  return {-1, -1};
+}
+
+std::string file_with(const LaserFolder& folder, const std::string& reading_at_200) {
+  std::string csv = measured_csv(kPositioning, [](double p) { return 0.01 * p; });
+  const std::size_t at = csv.find("X,-200,-1400,0,EX,") + std::string("X,-200,-1400,0,EX,").size();
+  csv.replace(at, csv.find(',', at) - at, reading_at_200);
+  return folder.with("x.csv", csv);
+}
+
+std::size_t count_of(const std::string& text, char sign) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), sign));
+}
+
+TEST_CASE("a reading left out stands as x in the very cell where a chart puts it") {
+  for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode})
+    for (const PlotPoint& p : {PlotPoint{50, 5}, {0, -3}, {200, 14}, {130, 0.5}}) {
+      Canvas left_out(14, 60, glyphs), counted(14, 60, glyphs);
+      draw_laser_chart(left_out, left_out.whole(), three_points(), {p}, {});
+      PlotPanel with = three_points();
+      with.series.push_back({"", Mark::reading, {p}});
+      draw_chart(counted, counted.whole(), with, left_out_seen(three_points(), {p}, {}).view);
+      const Place x = place_of(left_out, U'x');
+      const Place o = place_of(counted, glyphs == Glyphs::ascii ? U'o' : U'○');
+      CAPTURE(p.x);
+      CHECK(x.row == o.row);
+      CHECK(x.column == o.column);
+    }
+}
+
+TEST_CASE("what is left out never squashes the others: far ones stand at the edge with their value") {
+  const std::vector<PlotPoint> out{{50, 5000}, {150, -300}, {120, 14}};
+  const LeftOutSeen seen = left_out_seen(three_points(), out, {});
+  CHECK(seen.inside.size() == 1);
+  CHECK(seen.above.size() == 1);
+  CHECK(seen.below.size() == 1);
+  CHECK(*seen.view.y_to - *seen.view.y_from < 3.5 * 10.0);  // the others spread 10
+  Canvas canvas(14, 60, Glyphs::ascii);
+  draw_laser_chart(canvas, canvas.whole(), three_points(), out, {});
+  const std::string drawn = canvas.plain_text();
+  INFO(drawn);
+  CHECK(drawn.find("x 5000") != std::string::npos);
+  CHECK(drawn.find("x -300") != std::string::npos);
+  CHECK(left_out_legend(three_points(), out, "um") == "x left out: 3; beyond the edge: 5000 um at 50, -300 um at 150");
+  const PlotPanel picture = with_left_out(three_points(), out, "um");
+  CHECK(picture.title == "t (3 left out, beyond the edge: 5000 um at 50, -300 um at 150)");
+  CHECK(picture.series.front().points.size() == 1);
+  const std::vector<PlotPoint> many(6, {50, 5000});
+  CHECK(beyond_text(three_points(), many, "um") == "6 beyond the edge: 5000 to 5000 um");
+}
+
+TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode and in ASCII") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
+  sitting.type("3\n");
+  sitting.press(Key::Name::down, 2);
+  const std::size_t before = count_of(sitting.seen(), 'x');
+  sitting.type(" ");
+  REQUIRE(sitting.settled());
+  for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
+    const std::string seen = sitting.seen(24, 80, glyphs);
+    INFO(seen);
+    CHECK(seen.find("18 of 54 readings left out (x)") != std::string::npos);
+    CHECK(count_of(seen, 'x') > before + 5);
+  }
+  sitting.type(
+      "\x1b"
+      "4");
+  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  INFO(seen);
+  CHECK(seen.find("x left out: 18") != std::string::npos);
+  CHECK(seen.find("beyond") == std::string::npos);
+  CHECK(count_of(seen, 'x') > 5);
+}
+
+TEST_CASE("an outlier left out is told at the edge of the curve with its value, and the axis stays as it was") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({file_with(folder, "947.5")});
+  sitting.type("3o ");
+  REQUIRE(sitting.settled());
+  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  INFO(seen);
+  CHECK(seen.find("1 of 54 readings left out (x); beyond the edge: 947.5") != std::string::npos);
+  CHECK(seen.find("at -200: forward ") != std::string::npos);  // under the cursor
+  CHECK(seen.find(", x 947.50") != std::string::npos);
+  CHECK(seen.find("1000 ") == std::string::npos);
+  sitting.type(
+      "\x1b"
+      "4");
+  const std::string curve = sitting.seen(24, 80, Glyphs::ascii);
+  INFO(curve);
+  CHECK(curve.find("x left out: 1; beyond the edge: 947.5 um at -200") != std::string::npos);
+  CHECK(curve.find("x 947.5") != std::string::npos);
+}
+
+TEST_CASE("a line of which every reading is left out still shows them") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({file_with(folder, "1.0")});
+  sitting.controller().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
+  REQUIRE(sitting.settled());
+  sitting.type("3");
+  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  INFO(seen);
+  CHECK(seen.find("every reading is left out") != std::string::npos);
+  CHECK(count_of(seen, 'x') > 15);
+}
+
+TEST_CASE("before any parameters are chosen the curves are told apart by where they were measured") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; })),
+                      folder.with("x_low.csv", measured_csv(kLower, [](double) { return 2.0; }))});
+  sitting.type("4");
+  const std::string seen = sitting.seen();
+  INFO(seen);
+  CHECK(seen.find("EXX  Y -1400, Z 0 ") != std::string::npos);
+  CHECK(seen.find("EXX  Y -1400, Z -1000") != std::string::npos);
+  CHECK(sitting.seen(12, 40).find("EXX  Y -1400, Z -1000") != std::string::npos);
+}
+
+TEST_CASE("a file that does not say where the other axes stood is asked for it from the list of lines") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("plain.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\nEX,X,2.0,30\n"),
+                      folder.with("half.csv", "sense,axis,reading,x_mm,y_mm\nEY,X,1,10,-70\nEY,X,2,20,-70\n")});
+  sitting.type("2");
+  const std::string seen = sitting.seen();
+  INFO(seen);
+  CHECK(seen.find("Y ?, Z ?: Enter") != std::string::npos);
+  CHECK(seen.find("Y -70, Z ?: Enter 10..20           10    2    1 ?") != std::string::npos);
+  CHECK(seen.find("Y ?, Z ?: Enter   10..30           10    3    1 ?") != std::string::npos);
+  CHECK(seen.find("parked place of Y and Z not in the file: taken as 0 until Enter tells it") != std::string::npos);
+  CHECK(sitting.controller().mark(LaserStep::lines) == LaserMark::doubtful);
+  sitting.type("\n");
+  CHECK(sitting.seen().find("what plain.csv does not say") != std::string::npos);
+  sitting.type("y=-1400,z=0\n");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("Y -1400, Z 0 ") != std::string::npos);
+  CHECK(sitting.seen().find("Y ?") == std::string::npos);
+}
+
+TEST_CASE("a long message is read whole at 80 columns, and the step keeps the rest") {
+  const LaserFolder folder;
+  LaserSitting sitting;
+  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; }))});
+  std::string words;
+  for (int k = 0; k < 60; ++k) words += fmt::format("word{} ", k);
+  sitting.controller().message().say(words, Tone::bad);
+  const std::string seen = sitting.seen();
+  INFO(seen);
+  CHECK(seen.find("word59") != std::string::npos);
+  CHECK(seen.find("x.csv") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecs::app

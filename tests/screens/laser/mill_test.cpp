@@ -1,0 +1,179 @@
+// The mill on the screen: what its map lacks, the very map of the verb, prepared files, work taken up again, every
+// size.
+#include "app/cli/program.hpp"
+#include "tests/support/laser_screen.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::pair<int, std::string> ran(const std::vector<std::string>& words) {
+  std::ostringstream out, messages;
+  const int code = run_program(words, out, messages);
+  return {code, out.str() + messages.str()};
+}
+
+const std::string kExx = "EX along X at Y -1400, Z 0";
+
+TEST_CASE("the map says which components are missing; declaring one zero takes a reason, and undo takes it back") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path / "before"))
+    if (entry.path().filename() != "EZZ.csv") files.push_back(entry.path().string());
+  LaserSitting sitting;
+  sitting.take_files(files, "samples/mill/parameters.toml");
+  sitting.type("6");
+  CHECK(sitting.seen().find("2 still missing") != std::string::npos);
+  CHECK(sitting.seen().find("EBY  MISSING") != std::string::npos);
+  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::doubtful);
+  sitting.type("8\n");
+  CHECK(sitting.seen().find("the map is not complete") != std::string::npos);
+  CHECK(sitting.seen().find("EBY, EZZ (step 6)") != std::string::npos);
+  sitting.controller().change("more files", [&](LaserChoices& c) {
+    c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
+  });
+  REQUIRE(sitting.settled());
+  sitting.type("6");
+  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
+  sitting.type("zground guideways\n");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("declared zero: ground guideways") != std::string::npos);
+  CHECK(sitting.seen().find("nothing is missing") != std::string::npos);
+  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::done);
+  sitting.type("u");
+  REQUIRE(sitting.settled());
+  CHECK(sitting.seen().find("1 still missing") != std::string::npos);
+}
+
+/// What an engineer types for the mill: folder, parameters, smoothing, zero, header.
+void commission_on_keys(LaserSitting& sitting, const LaserFolder& folder) {
+  sitting.type("a" + folder.path.string() + "/before\n");
+  REQUIRE(sitting.shows("[all 16 measurement files here]"));
+  sitting.press(Key::Name::down);
+  sitting.type("\n");
+  sitting.type("psamples/mill/parameters.toml\n");
+  REQUIRE(sitting.settled());
+  const auto smooth = [&](Component component, const std::string& width) {
+    const std::string code(name_of(component));
+    sitting.type("4");
+    sitting.press(Key::Name::home);
+    for (const LaserCurve& curve : sitting.controller().work().curves) {
+      if (curve.component == component) break;
+      sitting.press(Key::Name::down);
+    }
+    sitting.type("\n" + width + "\n");
+    REQUIRE(sitting.settled());
+    REQUIRE(sitting.controller().choices().components.at(code).smoothing_mm > 0.0);
+  };
+  for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
+  smooth(Component::EBX, "300");
+  smooth(Component::ECX, "200");
+  sitting.type("6");
+  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
+  sitting.type(
+      "zroll of the head slide cannot be measured by laser or level; negligible on ground guideways (thesis "
+      "6.3.2.3)\n");
+  sitting.type("7\nHuddersfield Polytechnic\n");
+  sitting.press(Key::Name::down, 2);
+  sitting.type("\nS. R. Postlethwaite\n");
+  REQUIRE(sitting.settled());
+}
+
+TEST_CASE("the mill commissioned on the screen gives the very map that the verb builds by the recipe") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::filesystem::copy_file("samples/mill/recipe.toml", folder.path / "recipe.toml");
+  const std::string by_verb = (folder.path / "verb.csv").string();
+  REQUIRE(ran({"map", "build", (folder.path / "recipe.toml").string(), "--params", "samples/mill/parameters.toml", "-o",
+               by_verb, "--params-out", (folder.path / "verb.toml").string()})
+              .first == 0);
+  LaserSitting sitting;
+  commission_on_keys(sitting, folder);
+  CHECK(sitting.controller().mark(LaserStep::header) == LaserMark::done);
+  sitting.type("8f");
+  for (int k = 0; k < 10; ++k) sitting.press(Key::Name::backspace);
+  sitting.type((folder.path / "out/screen.csv").string() + "\n");
+  REQUIRE(sitting.settled());
+  CHECK_FALSE(sitting.controller().unsaved().empty());
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  CHECK(sitting.controller().unsaved().empty());
+  CHECK(folder.text("out/screen.csv") == folder.text("verb.csv"));
+  CHECK(folder.text("out/screen-parameters.toml") == folder.text("verb.toml"));
+  SUBCASE("and the recipe saved beside it makes it again") {
+    REQUIRE(ran({"map", "build", (folder.path / "out/screen-recipe.toml").string(), "--params",
+                 "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
+                .first == 0);
+    CHECK(folder.text("again.csv") == folder.text("verb.csv"));
+  }
+}
+
+TEST_CASE("a map without a reading or with answers names a prepared file, and its recipe makes it again") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  LaserSitting sitting;
+  commission_on_keys(sitting, folder);
+  sitting.controller().change("left out", [&](LaserChoices& c) {
+    c.lines[kExx].runs[2] = "cold";
+    c.lines[kExx].readings[5] = "beam broken";
+    c.lines["EZ along Z at X 0, Y -1400"].runs[1] = "";
+    c.map_file = (folder.path / "out/map.csv").string();
+  });
+  REQUIRE(sitting.settled());
+  REQUIRE(sitting.controller().work().map.complete());
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  const std::string map = folder.text("out/map.csv");
+  CHECK(map.find("source: EXX EXX_line1.csv") != std::string::npos);
+  CHECK(folder.text("out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
+  CHECK(folder.text("out/map-recipe.toml").find("exclude_runs = [1]") != std::string::npos);
+  REQUIRE(ran({"map", "build", (folder.path / "out/map-recipe.toml").string(), "--params",
+               "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
+              .first == 0);
+  CHECK(folder.text("again.csv") == map);
+}
+
+TEST_CASE("after a crash the work is offered again and taken up whole; d drops it for good") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  std::string choices;
+  {
+    LaserSitting sitting;
+    commission_on_keys(sitting, folder);
+    choices = choices_text(sitting.controller().choices());
+  }
+  {
+    LaserSitting again;
+    CHECK(again.seen().find("Work of 20") != std::string::npos);
+    again.type("\n");
+    REQUIRE(again.settled());
+    CHECK(choices_text(again.controller().choices()) == choices);
+    CHECK(again.controller().work().map.complete());
+  }
+  {
+    LaserSitting again;
+    again.type("d");
+    CHECK(again.controller().work().lines.empty());
+  }
+  CHECK(LaserSitting().seen().find("Work of 20") == std::string::npos);
+}
+
+TEST_CASE("every step is drawn whole at every size, in unicode and in ASCII") {
+  const LaserFolder folder;
+  measure_mill(folder);
+  LaserSitting empty, full;
+  commission_on_keys(full, folder);
+  for (LaserSitting* sitting : {&empty, &full})
+    for (char step = '1'; step <= '9'; ++step)
+      for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 12}, {1, 1}})
+        for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
+          sitting->type(std::string(1, step));
+          const std::string seen = sitting->seen(rows, columns, glyphs);
+          if (glyphs == Glyphs::ascii)
+            for (const char c : seen) REQUIRE(static_cast<unsigned char>(c) < 0x80);
+          if (rows == 24) CHECK(seen.find("[" + std::string(1, step)) != std::string::npos);
+        }
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,178 @@
+// Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
+#include "tests/support/laser_unit.hpp"
+#include "protocol/client/client.hpp"
+
+namespace ecs::app {
+namespace {
+
+const char* const kStale = "the unit has changed since: verify again";
+
+/// As another host would: over the same line, unknown to the screen.
+template <class Work>
+void as_another_host(LaserSitting& sitting, Work work) {
+  JobControl control;
+  const Result<void> done = sitting.unit->on_line(control, [&](UnitLink& line) -> Result<void> { return work(line); });
+  REQUIRE(done);
+}
+
+Result<void> map_sent_over(UnitLink& line, const std::string& map, const std::string& params) {
+  const auto prepared = prepared_map(map, params);
+  if (!prepared) return tl::unexpected(prepared.error());
+  const auto sent = send_map(line.client(), *prepared, map, false);
+  if (!sent) return tl::unexpected(sent.error());
+  return {};
+}
+
+/// A map of the same machine with other values, saved beside the first one.
+void save_another_map(LaserSitting& sitting, const LaserFolder& folder) {
+  const LaserChoices before = sitting.controller().choices();
+  sitting.controller().change("other values", [&](LaserChoices& c) {
+    c.components["EXX"].smoothing_mm = 800.0;
+    c.map_file = (folder.path / "other.csv").string();
+  });
+  REQUIRE(sitting.settled());
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  sitting.controller().change("back", [&](LaserChoices& c) { c = before; });
+  REQUIRE(sitting.settled());
+  sitting.type("8");
+}
+
+void verify_at(LaserSitting& sitting) {
+  sitting.type("9\n");
+  REQUIRE(sitting.until([&] { return !sitting.controller().busy(); }, 60));
+  REQUIRE(sitting.controller().verdict());
+}
+
+TEST_CASE(
+    "a verdict goes stale for another unit, another map, a map made active again, a restart, a line opened again") {
+  const auto line = std::chrono::steady_clock::now();
+  const UnitHolding then{"MCM-0107", 0x12345678, 4, 100, line};
+  UnitHolding now = then;
+  now.uptime_s = 160;
+  CHECK(changed_since(then, now).empty());
+  now.serial_number = "MCM-0999";
+  CHECK(changed_since(then, now).find("unit MCM-0999 answers in place of MCM-0107") != std::string::npos);
+  now = then;
+  now.check = 0xCAFE0001;
+  CHECK(changed_since(then, now).find("block check CAFE0001 in place of block check 12345678") != std::string::npos);
+  now.check.reset();
+  CHECK(changed_since(then, now).find("no map in place of") != std::string::npos);
+  now = then;
+  now.activations = 5;
+  CHECK(changed_since(then, now).find("made active in it by another host") != std::string::npos);
+  now = then;
+  now.uptime_s = 3;
+  CHECK(changed_since(then, now) == "it was restarted");
+  now = then;
+  now.opened_at += std::chrono::seconds(5);
+  CHECK(changed_since(then, now) == "the line to it was opened again");
+}
+
+TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserSitting sitting(unit.link());
+  make_ready(sitting, folder, mill);
+  save_another_map(sitting, folder);
+  send_from(sitting);
+  verify_at(sitting);
+  CHECK(sitting.controller().verified());
+  CHECK(sitting.seen().find("commit") == std::string::npos);
+  CHECK(sitting.seen().find("made active as no. 1") != std::string::npos);
+
+  as_another_host(sitting, [&](UnitLink& line) {
+    return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  });
+  SUBCASE("by itself within seconds while the step is open") {
+    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 10));
+    CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::doubtful);
+    CHECK(sitting.seen().find("another host") != std::string::npos);
+    CHECK(sitting.seen().find("reference every axis") == std::string::npos);
+    verify_at(sitting);
+    CHECK(sitting.controller().stale().empty());
+    CHECK_FALSE(sitting.controller().verdict()->same());
+    sitting.type("cy");
+    CHECK(sitting.shows("the unit does not hold the map of the file"));
+  }
+  SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
+    sitting.controller().change("the other map", [&](LaserChoices& c) {
+      c.components["EXX"].smoothing_mm = 800.0;
+      c.map_file = (folder.path / "other.csv").string();
+    });
+    REQUIRE(sitting.settled());
+    sitting.type("sy");
+    REQUIRE(sitting.shows("saved: "));
+    verify_at(sitting);
+    CHECK(sitting.controller().verified());
+    sitting.type("cy");
+    CHECK(sitting.shows("the unit watches: reference every axis"));
+  }
+  SUBCASE("and compensation, asked for at once, is refused with both block checks") {
+    sitting.type("cy");
+    CHECK(sitting.shows("another host has changed it"));
+    CHECK(sitting.seen().find(fmt::format("{:08X}", sitting.controller().sent()->check)) != std::string::npos);
+    CHECK(sitting.unit->newest()->mode == UnitMode::integration);
+  }
+}
+
+TEST_CASE(
+    "a map that was verified but not sent from here counts: compensation is refused once the unit holds another") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserSitting sitting(unit.link());
+  make_ready(sitting, folder, mill);
+  save_another_map(sitting, folder);
+  sitting.type("s");
+  REQUIRE(sitting.shows("saved: "));
+  sitting.type("9cy");
+  CHECK(sitting.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
+  as_another_host(sitting, [&](UnitLink& line) {
+    return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  });
+  verify_at(sitting);
+  CHECK(sitting.controller().verified());
+  CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::done);
+  as_another_host(sitting, [&](UnitLink& line) {
+    return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  });
+  sitting.type("cy");
+  CHECK(sitting.until([&] {
+    return sitting.controller().message().text().find("what was compared was block check") != std::string::npos;
+  }));
+  as_another_host(sitting, [&](UnitLink& line) {
+    return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  });
+  sitting.type("cy");
+  CHECK(sitting.shows("the unit watches: reference every axis"));
+}
+
+TEST_CASE("a unit that was switched off and on has to be verified again") {
+  if (!built()) return;
+  const LaserFolder folder;
+  PacedUnit unit(folder, "115200");
+  const LinearMill mill(folder);
+  LaserSitting sitting(unit.link());
+  make_ready(sitting, folder, mill);
+  send_from(sitting);
+  verify_at(sitting);
+  SUBCASE("with its line") {
+    unit.kill();
+    unit.start();
+    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 30));
+  }
+  SUBCASE("while the line stayed open") {
+    as_another_host(sitting, [](UnitLink& line) { return line.client().reset_unit(); });
+    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 30));
+    CHECK(sitting.seen().find("it was restarted") != std::string::npos);
+  }
+  verify_at(sitting);
+  CHECK(sitting.controller().verified());
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,258 @@
+// The parameters screen with the real emulator at the far end of the line: receiving, sending, a lost line.
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "app/cli/program.hpp"
+#include "commissioning/link/emulator_process.hpp"
+#include "tests/support/parameters_screen.hpp"
+
+namespace ecs::app::parameters_case {
+namespace {
+
+const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
+
+bool built() {
+  if (std::filesystem::exists(kEmulator)) return true;
+  MESSAGE("skipped: " << kEmulator << " is not built");
+  return false;
+}
+
+class UnitCase : public ParametersCase {
+ public:
+  UnitCase() { ::setenv("ECS_EMULATOR", kEmulator.c_str(), 1); }
+  ~UnitCase() { ::unsetenv("ECS_EMULATOR"); }
+  UnitCase(const UnitCase&) = delete;
+  UnitCase& operator=(const UnitCase&) = delete;
+};
+
+/// The emulator that this process started.
+pid_t emulator_child() {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      std::string name;
+      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm") >> std::ws, name);
+      if (name == "ecs-emulator") return child;
+    }
+  }
+  return -1;
+}
+
+int ran(const std::vector<std::string>& words) {
+  std::ostringstream out, messages;
+  const int code = run_program(words, out, messages);
+  if (code != 0) MESSAGE(messages.str() << out.str());
+  return code;
+}
+
+/// Until the line is open again; half a minute at most.
+bool opens_again(const UnitConnection& line) {
+  for (int k = 0; k < 3000 && !line.newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return line.newest().has_value();
+}
+
+UnitParameters held_by(UnitConnection& line) {
+  JobControl control;
+  const auto held = line.on_line(control, [](UnitLink& unit) { return receive_parameters(unit.client()); });
+  REQUIRE(held);
+  return *held;
+}
+
+TEST_CASE("what is sent is asked first, read back without a difference, and received again the same") {
+  if (!built()) return;
+  const UnitCase one;
+  auto line = std::make_shared<UnitConnection>("emulator");
+  ParametersScreen screen(line);
+  CHECK(shows(screen, "EMULATOR, unit MCM-0107 answers"));
+  type(screen, "r");
+  CHECK(shows(screen, "it holds no parameters yet"));
+  open_file(screen, one);
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  type(screen, "t");
+  REQUIRE(shows(screen, "Send the parameters to EMULATOR, unit MCM-0107?"));
+  CHECK(has(seen(screen), "Nothing is overwritten"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "read back: no difference"));
+  CHECK(screen.controller().differs_from_unit().empty());
+  CHECK(screen.unsaved().empty());
+  CHECK_FALSE(draft_of("parameters"));
+
+  edit(screen, "9");
+  CHECK(has(seen(screen), "unit 7.5"));
+  type(screen, "t");
+  REQUIRE(shows(screen, "Overwritten there: 1 parameter"));
+  CHECK(has(seen(screen), "X deadband: 7.5 > 9 um"));
+  type(screen, "n");
+  CHECK(held_by(*line).axes[0].deadband_um == 7.5);
+
+  ParametersScreen another(line);
+  CHECK(shows(another, "Unsaved work of"));
+  type(another, "dy");
+  type(another, "r");
+  REQUIRE(shows(another, "received from EMULATOR"));
+  CHECK(another.controller().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(another.controller().set().identity.serial_number == "MCM-0107");
+  CHECK(another.unsaved().empty());
+}
+
+TEST_CASE("the unit's value is taken by g, and receiving over edits is asked and can be taken back") {
+  if (!built()) return;
+  const UnitCase one;
+  REQUIRE(ran({"params", "send", one.file()}) == 0);
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
+  open_file(screen, one);
+  REQUIRE(shows(screen, "the unit holds the same"));
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  type(screen, "5");
+  CHECK(has(seen(screen), "X deadband"));
+  type(screen, "g");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
+  CHECK(has(seen(screen), "Screen, file and unit hold the same."));
+  type(screen, "u");
+  type(screen, "r");
+  CHECK(has(seen(screen), "go on, lose them"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "received from EMULATOR"));
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
+  type(screen, "u");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+}
+
+TEST_CASE("a unit that is not in integration mode is switched only after a yes") {
+  if (!built()) return;
+  const UnitCase one;
+  REQUIRE(ran({"params", "send", one.file()}) == 0);
+  REQUIRE(write_file(one.file("map.csv"),
+                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                     "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
+  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
+  auto line = std::make_shared<UnitConnection>("emulator");
+  JobControl control;
+  const auto mode = [&] {
+    return line->on_line(control, [](UnitLink& unit) { return unit.client().status(); }).value().mode;
+  };
+  REQUIRE(line->on_line(control, [](UnitLink& unit) { return unit.client().enter_compensation(); }));
+  REQUIRE(mode() == UnitMode::datuming);
+  ParametersScreen screen(line);
+  open_file(screen, one);
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  type(screen, "t");
+  REQUIRE(shows(screen, "Switch EMULATOR, unit MCM-0107 to integration mode?"));
+  type(screen, "n");
+  CHECK(mode() == UnitMode::datuming);
+  type(screen, "t");
+  REQUIRE(shows(screen, "to integration mode?"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "Send the parameters to EMULATOR"));
+  CHECK(mode() == UnitMode::integration);
+  type(screen, "y");
+  REQUIRE(shows(screen, "its map fits and stays"));
+}
+
+TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
+  if (!built()) return;
+  const UnitCase one;
+  REQUIRE(write_file(one.file("map.csv"),
+                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                     "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
+  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
+  auto line = std::make_shared<UnitConnection>("emulator");
+  ParametersScreen screen(line);
+  open_file(screen, one);
+  find(screen, "compensation.scope");
+  type(screen, "  ");  // volumetric: the map lacks the other components
+  type(screen, "t");
+  REQUIRE(shows(screen, "Send the parameters to EMULATOR"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "Send them without the map?"));
+  type(screen, "n");
+  CHECK_FALSE(screen.unsaved().empty());
+  type(screen, "t");
+  REQUIRE(shows(screen, "Send the parameters to EMULATOR"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "Send them without the map?"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "it has no map now"));
+  CHECK(screen.unsaved().empty());
+}
+
+TEST_CASE("parameters of another unit are said to be so before they are sent") {
+  if (!built()) return;
+  const UnitCase one;
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
+  open_file(screen, one);
+  find(screen, "serial_number");
+  edit(screen, "CH-0005");
+  type(screen, "t");
+  REQUIRE(shows(screen, "ANOTHER UNIT"));
+  CHECK(has(seen(screen), "CH-0005"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "read back: no difference"));
+}
+
+TEST_CASE("a unit that dies keeps every edit here, and takes them when it is back") {
+  if (!built()) return;
+  const UnitCase one;
+  auto line = std::make_shared<UnitConnection>("emulator");
+  ParametersScreen screen(line);
+  open_file(screen, one);
+  REQUIRE(shows(screen, "the unit holds no parameters"));
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  const pid_t child = emulator_child();
+  REQUIRE(child > 0);
+  ::kill(child, SIGKILL);
+  type(screen, "t");
+  REQUIRE(shows(screen, "everything here stays as it is"));
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+  CHECK(draft_of("parameters"));
+  CHECK_FALSE(screen.unsaved().empty());
+  REQUIRE(opens_again(*line));
+  type(screen, "t");
+  REQUIRE(shows(screen, "Send the parameters to EMULATOR"));
+  type(screen, "y");
+  REQUIRE(shows(screen, "read back: no difference"));
+}
+
+TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives the exchange up") {
+  const ParametersCase one;
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(master >= 0);
+  REQUIRE(::grantpt(master) == 0);
+  REQUIRE(::unlockpt(master) == 0);
+  ParametersScreen screen(std::make_shared<UnitConnection>(std::string("rtu:") + ::ptsname(master) + ":115200"));
+  open_file(screen, one);
+  find(screen, "deadband");
+  edit(screen, "7.5");
+  type(screen, "t");
+  CHECK(has(seen(screen), "Esc cancels"));
+  type(screen, "d");
+  CHECK(has(seen(screen), "7.5 um"));  // what is being sent is not edited meanwhile
+  press(screen, Key::Name::up);
+  press(screen, Key::Name::escape);
+  REQUIRE(shows(screen, "everything here stays as it is"));
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
+  ::close(master);
+}
+
+TEST_CASE("warnings stand in the question before they are sent") {
+  if (!built()) return;
+  const UnitCase one;
+  ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
+  open_file(screen, one);
+  find(screen, "X.output_limit");
+  edit(screen, "0");
+  type(screen, "t");
+  REQUIRE(shows(screen, "1 warning:"));
+  CHECK(has(seen(screen), "lets no"));
+}
+
+}  // namespace
+}  // namespace ecs::app::parameters_case

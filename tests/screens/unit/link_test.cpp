@@ -1,0 +1,237 @@
+// The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
+#include "app/screens/unit/link_screen.hpp"
+
+#include <algorithm>
+
+#include "app/screens/unit/link_statistics.hpp"
+#include "tests/support/bad_line.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace unit_case;
+
+std::string form_text(const std::string& link) { return LinkForm(*parsed_link(link, "test")).text(); }
+
+TEST_CASE("every kind of link goes into the form and comes out the same") {
+  for (const char* link : {"rtu:/dev/ttyUSB0:9600:8E1:17", "tcp:mill:502:2", "tcp:[::1]:502:1"}) {
+    CAPTURE(link);
+    CHECK(form_text(link) == link);
+  }
+  const std::string machine = sample_machine()->string();
+  CHECK(form_text("emulator:" + machine) == "emulator:" + machine);
+}
+
+TEST_CASE("choices step round and ports are among them") {
+  LinkForm form(*parsed_link("rtu:/dev/ttyUSB0:115200", "test"));
+  const std::vector<std::string> ports{"/dev/ttyS0", "/dev/ttyUSB7"};
+  form.step(1, 1, ports);
+  CHECK(form.text() == "rtu:/dev/ttyS0:115200:8N1:1");
+  form.step(1, -1, ports);
+  CHECK(form.text() == "rtu:/dev/ttyUSB7:115200:8N1:1");
+  form.step(2, 1, ports);
+  form.step(3, 1, ports);
+  CHECK(form.text() == "rtu:/dev/ttyUSB7:230400:8E1:1");
+  form.step(0, 1, ports);
+  CHECK(form.kind() == LinkKind::network);
+}
+
+/// The setting screen with the form filled in by its keys.
+struct LinkCase : UnitCase {
+  std::shared_ptr<UnitConnection> unit;
+  LinkScreen screen;
+  explicit LinkCase(const std::string& link) : unit(std::make_shared<UnitConnection>(link)), screen(unit) {}
+  /// Tries and waits for the end.
+  void try_it() {
+    REQUIRE(until(screen, [this] { return !contains(picture(screen), "looking for serial ports"); }));
+    type(screen, "t");
+    REQUIRE(
+        until(screen, [this] { return contains(picture(screen), "the link ") && !contains(picture(screen), "gives it up"); }));
+  }
+};
+
+TEST_CASE("a port that is not there is named with what to do, and nothing waits for it") {
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  REQUIRE(shows(one.screen, "NO ANSWER"));
+  one.try_it();
+  CHECK(contains(picture(one.screen), "PROBLEM  port:"));
+  CHECK(contains(picture(one.screen), "-> "));
+  CHECK(contains(picture(one.screen), "the link does not work"));
+}
+
+TEST_CASE("the form is edited, used, and stored only after a question where it has not answered") {
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  REQUIRE(until(one.screen, [&] { return !contains(picture(one.screen), "looking"); }));
+  (void)one.screen.on_key({Key::Name::mouse, 0, 0, 4, 10});  // the row of the port
+  (void)press(one.screen, Key::Name::enter);
+  CHECK(one.screen.typing());
+  enter(one.screen, "/dev/no-other-port");
+  CHECK_FALSE(one.screen.typing());
+  CHECK(contains(picture(one.screen), "makes rtu:/dev/no-other-port:9600:8N1:1"));
+  type(one.screen, "s");
+  CHECK(contains(picture(one.screen), "Store a link that has not answered?"));
+  type(one.screen, "n");
+  CHECK_FALSE(stored_link().value());
+  type(one.screen, "s");
+  type(one.screen, "y");
+  CHECK(stored_link().value() == "rtu:/dev/no-other-port:9600:8N1:1");
+  type(one.screen, "u");
+  REQUIRE(until(one.screen, [&] { return one.unit->link() == "rtu:/dev/no-other-port:9600:8N1:1"; }));
+  REQUIRE(shows(one.screen, "is in use now"));
+  (void)press(one.screen, Key::Name::down);
+  (void)press(one.screen, Key::Name::down);
+  (void)press(one.screen, Key::Name::down);
+  (void)press(one.screen, Key::Name::enter);
+  enter(one.screen, "999");
+  type(one.screen, "t");
+  CHECK(contains(picture(one.screen), "999"));
+  CHECK_FALSE(contains(picture(one.screen), "gives it up"));
+}
+
+TEST_CASE("the bundled emulator answers, the doctor says how well, and the statistics count") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("emulator");
+  REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
+  one.try_it();
+  CHECK(contains(picture(one.screen), "20 of 20 reads answered"));
+  CHECK(contains(picture(one.screen), "the link works"));
+  type(one.screen, "3");
+  REQUIRE(shows(one.screen, "a clean line"));
+  type(one.screen, "s");
+  CHECK(stored_link().value().value().starts_with("emulator"));
+}
+
+TEST_CASE("a unit with another number is found, offered and taken") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  const OwnEmulator emulator(one, {"--unit", "3"});
+  one.unit->choose("rtu:" + emulator.pty + ":115200");
+  LinkScreen screen(one.unit);
+  type(screen, "t");
+  REQUIRE(until(screen, [&] {
+    type(screen, contains(picture(screen), "tried:") ? "" : "t");
+    return contains(picture(screen), "Use the setting that answers?");
+  }));
+  type(screen, "y");
+  REQUIRE(shows(screen, "unit MCM-0107 answers"));
+  CHECK(one.unit->link() == "rtu:" + emulator.pty + ":115200:8N1:3");
+  CHECK(contains(picture(screen), "unit number: unit 3 answers, unit 1 does not"));
+  type(screen, "s");
+  CHECK(stored_link().value() == one.unit->link());
+}
+
+TEST_CASE("a line that gives back what is sent is called an echo") {
+  const BadLine echo("");
+  LinkCase one("rtu:" + echo.device + ":9600");
+  one.try_it();
+  CHECK(contains(picture(one.screen), "PROBLEM  echo: the line gives back what is sent"));
+}
+
+TEST_CASE("the right speed is found and offered where another was set") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  const OwnEmulator emulator(one, {});
+  const BadLine slow(emulator.pty, B9600);
+  one.unit->choose("rtu:" + slow.device + ":115200");
+  LinkScreen screen(one.unit);
+  REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
+  type(screen, "t");
+  REQUIRE(shows(screen, "Use the setting that answers?"));
+  type(screen, "n");
+  CHECK(contains(picture(screen), "9600 baud, parity N, not at 115200"));
+}
+
+TEST_CASE("late and garbled answers are told with their causes, and the statistics judge them") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  const OwnEmulator emulator(one, {});
+  one.unit->choose("rtu:" + emulator.pty + ":115200");
+  LinkScreen screen(one.unit);
+  REQUIRE(shows(screen, "unit MCM-0107 answers"));
+  OwnEmulator::fault(one, "stale_reply --probability 0.15");
+  type(screen, "t");
+  REQUIRE(shows(screen, "late answers"));
+  REQUIRE(shows(screen, "the link works"));
+  OwnEmulator::fault(one, "clear");
+  OwnEmulator::fault(one, "bad_crc --probability 0.3");
+  type(screen, "3");
+  REQUIRE(shows(screen, "many garbled answers"));
+}
+
+TEST_CASE("what the doctor tries can be given up") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  const OwnEmulator emulator(one, {"--unit", "99"});
+  one.unit->choose("rtu:" + emulator.pty + ":115200");
+  LinkScreen screen(one.unit);
+  REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
+  type(screen, "t");
+  REQUIRE(shows(screen, "trying unit numbers"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  REQUIRE(shows(screen, "given up"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("with the emulator killed the link screen says so and shows it back") {
+  if (!UnitCase::has_emulator()) return;
+  LinkCase one("emulator");
+  REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
+  REQUIRE(kill_emulators() == 1);
+  REQUIRE(until(one.screen, [&] { return one.unit->standing().times_lost > 0; }));
+  REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
+  type(one.screen, "3");
+  REQUIRE(shows(one.screen, "was opened again"));
+}
+
+TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
+  if (!UnitCase::has_emulator()) return;
+  const UnitCase one;
+  const auto choice = parsed_link("emulator", "test");
+  REQUIRE(choice);
+  std::shared_ptr<EmulatorProcess> emulator;
+  std::thread([&] { emulator = open_link(*choice)->emulator(); }).join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  CHECK(emulator->running());
+  CHECK(open_link(*choice)->client().identity());
+}
+
+TEST_CASE("the link screen fits any size") {
+  LinkCase one("rtu:/dev/no-such-port:9600");
+  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}})
+    for (const char* page : {"1", "2", "3"}) {
+      type(one.screen, page);
+      const std::string text = picture(one.screen, rows, columns, Glyphs::ascii);
+      CHECK(std::count(text.begin(), text.end(), '\n') == rows);
+    }
+}
+
+TEST_CASE("no word of the statistics is cut at 80 columns") {
+  WatchedUnit unit;
+  protocol::LinkStatistics& s = unit.statistics;
+  s.retries = s.timeouts = s.crc_errors = s.stale_replies = s.exceptions = unit.times_lost = 123'456'789;
+  s.replies = 1;
+  s.worst_round_trip_ms = 1e6;
+  for (const StatisticsRow& row : statistics_rows(unit)) CHECK(31 + width_of(row.meaning) <= 78);
+}
+
+TEST_CASE("the statistics say in plain words what high numbers mean") {
+  WatchedUnit unit;
+  unit.open = true;
+  unit.statistics.requests = 1000;
+  unit.statistics.replies = 1000;
+  CHECK(contains(judgement(unit).meaning, "a clean line"));
+  unit.statistics.retries = 2;
+  CHECK(contains(judgement(unit).meaning, "a good line"));
+  unit.statistics.timeouts = 20;
+  CHECK(contains(judgement(unit).meaning, "plugs and cable"));
+  unit.statistics.stale_replies = 20;
+  CHECK(contains(judgement(unit).meaning, "latency timer"));
+  unit.statistics.crc_errors = 20;
+  CHECK(contains(judgement(unit).meaning, "shield"));
+  unit.open = false;
+  unit.problem = "no such port";
+  CHECK(judgement(unit).meaning == "no such port");
+}
+
+}  // namespace
+}  // namespace ecs::app

@@ -1,0 +1,91 @@
+// The log: what the screens told, whole, found again and copied.
+#include "app/screens/unit/log_screen.hpp"
+
+#include <algorithm>
+
+#include "base/file.hpp"
+#include "tests/support/unit_screen.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace unit_case;
+
+TEST_CASE("the log follows the newest message and shows a long one whole") {
+  const UnitCase one;
+  LogScreen screen;
+  log_event(Tone::good, "parameters sent");
+  std::string error = "the unit does not answer";
+  for (int k = 0; k < 20; ++k) error += " word" + std::to_string(k);
+  log_event(Tone::bad, error);
+  REQUIRE(screen.advance());
+  CHECK_FALSE(screen.advance());
+  const std::string text = picture(screen);
+  CHECK(contains(text, "parameters sent"));
+  CHECK(contains(text, "ERROR"));
+  CHECK(contains(text, "word19"));
+  CHECK(contains(text, "following"));
+  CHECK(contains(text, (one.folder / "state" / "screens.log").string()));
+}
+
+TEST_CASE("errors alone are shown on e, any message is found by a part of it, and a copy is saved") {
+  const UnitCase one;
+  log_event(Tone::bad, "first trouble");
+  log_event(Tone::good, "Quite well");
+  log_event(Tone::bad, "second trouble");
+  LogScreen screen;
+  type(screen, "e");
+  CHECK_FALSE(contains(picture(screen), "Quite well"));
+  CHECK(contains(picture(screen), "errors only"));
+  type(screen, "e/");
+  CHECK(screen.typing());
+  enter(screen, "quite");
+  CHECK(contains(picture(screen), "> "));
+  CHECK_FALSE(contains(picture(screen), "following"));
+  log_event(Tone::good, "a later one");
+  (void)screen.advance();
+  CHECK_FALSE(contains(picture(screen), "following"));
+  type(screen, "/");
+  enter(screen, "no such words at all");
+  CHECK(contains(picture(screen), "is in no message"));
+  (void)press(screen, Key::Name::end);
+  CHECK(contains(picture(screen), "following"));
+  (void)screen.on_key({Key::Name::mouse, 0, 0, 3, 10});  // the first row of the list
+  CHECK_FALSE(contains(picture(screen), "following"));
+  type(screen, "s");
+  const std::string copy = (one.folder / "copy.txt").string();
+  enter(screen, copy);
+  CHECK(contains(picture(screen), "written to"));
+  CHECK(contains(read_file(copy).value(), "second trouble"));
+  type(screen, "s");
+  enter(screen, copy);
+  CHECK(contains(picture(screen), "Replace "));
+  type(screen, "n");
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("with the emulator killed the log goes on, and the unit comes back behind it") {
+  if (!UnitCase::has_emulator()) return;
+  const UnitCase one;
+  const auto unit = std::make_shared<UnitConnection>("emulator");
+  LogScreen screen;
+  REQUIRE(until(screen, [&] { return unit->standing().open; }));
+  REQUIRE(kill_emulators() == 1);
+  REQUIRE(until(screen, [&] { return unit->standing().times_lost > 0; }));
+  log_event(Tone::bad, "told while the unit was away");
+  REQUIRE(shows(screen, "told while the unit was away"));
+  REQUIRE(until(screen, [&] { return unit->standing().open; }));
+}
+
+TEST_CASE("the log fits any size") {
+  const UnitCase one;
+  log_event(Tone::bad, std::string(3000, 'x') + "\nsecond line");
+  LogScreen screen;
+  for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
+    const std::string text = picture(screen, rows, columns, Glyphs::ascii);
+    CHECK(std::count(text.begin(), text.end(), '\n') == rows);
+  }
+}
+
+}  // namespace
+}  // namespace ecs::app

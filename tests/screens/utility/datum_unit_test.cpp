@@ -1,0 +1,142 @@
+// RECORD DATUM SEQUENCE and TEST DATUM ROUTINE on the emulated unit; its machine is referenced as g does it.
+#include "app/screens/utility/datum_record_screen.hpp"
+#include "app/screens/utility/datum_test_screen.hpp"
+#include "app/screens/utility/datum_view_screen.hpp"
+#include "commissioning/unit/transfer.hpp"
+#include "tests/support/utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using namespace ecs::app::utility_bench;
+
+namespace {
+
+/// The parameters of the sample mill in the unit.
+void send_mill(const Bench& bench) {
+  const auto file = params::read_parameters("samples/mill/parameters.toml");
+  REQUIRE(file);
+  REQUIRE(bench.on_line([&](UnitLink& line) { return send_parameters(line.client(), file->parameters, {}); }));
+}
+
+}  // namespace
+
+TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  DatumRecordScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)picture(screen);
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "Record axis X for 10 seconds?"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS X NOW: g lets"));
+  (void)picture(screen);
+  (void)letter(screen, 'g');
+  std::unique_ptr<Screen> graph;
+  for (int k = 0; k < 3000 && !graph; ++k) {
+    (void)screen.advance();
+    graph = screen.opens_by_itself();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  REQUIRE(graph);
+  const std::string seen = picture(*graph);
+  CHECK(contains(seen, "Axis X, just recorded, unit MCM-0107"));
+  (void)press(*graph, Key::Name::tab);
+  const std::string events = picture(*graph);
+  CHECK(contains(events, "switch closes"));
+  CHECK(contains(events, "direction: forward"));
+  CHECK(contains(events, "contact was open at the last marker"));
+  CHECK(contains(events, "Datum type fanuc"));
+}
+
+TEST_CASE("a record is given up by Esc, and the next one works") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  DatumRecordScreen screen(bench.controller);
+  (void)letter(screen, 'z');
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS Z NOW"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  REQUIRE(comes(screen, "Given up."));
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS Z NOW"));
+}
+
+TEST_CASE("kill -9 of the emulator while it records: it is said, and recording works when it is back") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  DatumRecordScreen screen(bench.controller);
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+  Bench::kill_emulator();
+  REQUIRE(comes(screen, "Enter records axis X."));
+  (void)picture(screen);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+}
+
+TEST_CASE("every axis finds its datum with the parameters of the mill, stage by stage") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  send_mill(bench);
+  DatumTestScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)picture(screen);
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "Test the datum routine of X, Y, Z?"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(comes(screen, "waiting ..."));
+  (void)letter(screen, 'g');
+  REQUIRE(comes(screen, "Every axis that was tested found its datum."));
+  CHECK(contains(picture(screen), "[x] Z      DATUM FOUND"));
+}
+
+TEST_CASE("an axis that fails says what to do, the others go on") {
+  if (emulator_built().empty()) return;
+  const Bench bench;  // without parameters Y is looked for in the wrong direction
+  bench.wait_for_unit();
+  DatumTestScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'x');
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "Test the datum routine of Y, Z?"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS Y NOW"));
+  (void)letter(screen, 'g');
+  REQUIRE(comes(screen, "One axis failed"));
+  const std::string seen = picture(screen);
+  CHECK(contains(seen, "[ ] X      not tested"));
+  CHECK(contains(seen, "[x] Y      FAILED"));
+  CHECK(contains(seen, "Y: wrong direction. What to do: change the approach direction"));
+}
+
+TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test works when it is back") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  send_mill(bench);
+  DatumTestScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "waiting ..."));
+  Bench::kill_emulator();
+  REQUIRE(comes(screen, "given up"));
+  (void)picture(screen);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+  (void)letter(screen, 'g');
+  REQUIRE(comes(screen, "Every axis that was tested found its datum."));
+}

@@ -1,0 +1,182 @@
+// DISPLAY DATUM SEQUENCE: the graph, its lanes, cursor, zoom, two records, files and drafts; no unit is needed.
+#include <algorithm>
+#include <cmath>
+
+#include "app/screens/utility/datum_view_screen.hpp"
+#include "base/file.hpp"
+#include "tests/support/utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using namespace ecs::app::utility_bench;
+
+namespace {
+
+/// Ten seconds at 1 kHz: from `start_s` on 1000 mm/min, switch closed for a second from the second after on, 300 mm/min
+/// from there, a marker a second after the switch opened, standing from then on. 1 um a count.
+DatumRecording sequence(double start_s, double sign = 1.0) {
+  DatumRecording r;
+  r.axis = Axis::Y;
+  r.taken = "2026-05-04T14:05:09Z";
+  r.serial_number = "MILL-1";
+  double mm = 0.0;
+  for (int k = 0; k < 10'000; ++k) {
+    const double t = k * 1e-3 - start_s;
+    const double mm_min = t < 0.0 || t >= 3.0 ? 0.0 : (t < 1.0 ? 1000.0 : 300.0);
+    mm += sign * mm_min / 60.0 * 1e-3;
+    DatumSample sample;
+    sample.counts = static_cast<std::int32_t>(std::lround(mm * 1e3));
+    sample.switch_closed = t >= 1.0 && t < 2.0;
+    sample.marker = k == static_cast<int>((start_s + 2.999) * 1e3);
+    r.samples.push_back(sample);
+  }
+  return r;
+}
+
+int count_of(const std::string& text, char c) { return static_cast<int>(std::count(text.begin(), text.end(), c)); }
+
+std::string line_with(const std::string& text, const std::string& part) {
+  const std::size_t at = text.find(part);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = text.rfind('\n', at) + 1;
+  return text.substr(begin, text.find('\n', at) - begin);
+}
+
+void finish(Screen& screen) {
+  for (int k = 0; k < 100; ++k) {
+    (void)screen.advance();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "the switch fills its lane for as long as it is closed, the marker shows even where it is one sample of ten "
+    "thousand") {
+  const BenchFolder folder;
+  DatumViewScreen screen(sequence(2.0));
+  const std::string seen = picture(screen, Canvas(24, 80, Glyphs::ascii));
+  CHECK(contains(seen, "Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED"));
+  CHECK(contains(seen, "mm/min"));
+  const std::string switches = line_with(seen, "switch");
+  CHECK(count_of(switches, '#') >= 6);  // a tenth of 69 columns
+  CHECK(count_of(switches, '#') <= 8);
+  const std::string markers = line_with(seen, "marker");
+  CHECK(count_of(markers, '|') == 1);
+  // lanes stand below the time at which they belong: the switch closes at 3 s of 10 s
+  CHECK(switches.find('#') == doctest::Approx(1 + 9 + 0.3 * 69).epsilon(0.05));
+}
+
+TEST_CASE("the cursor reads time, speed, position, switch and marker") {
+  const BenchFolder folder;
+  DatumViewController controller;
+  controller.take(sequence(2.0));
+  controller.go_to(3.5);
+  CHECK(read_out_at(*controller.first(), *controller.cursor_s()) ==
+        "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
+  CHECK(contains(read_out_at(*controller.first(), 4.999), "switch open  MARKER"));
+  CHECK(contains(read_out_at(*controller.first(), 11.0), "nothing recorded"));
+  DatumViewScreen screen(sequence(2.0));
+  (void)press(screen, Key::Name::right);
+  CHECK(contains(picture(screen), " s  Y "));
+  (void)press(screen, Key::Name::left);
+  CHECK(contains(picture(screen), "4.856 s  Y 300.0 mm/min"));
+}
+
+TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
+  const BenchFolder folder;
+  DatumViewController controller;
+  controller.take(sequence(2.0));
+  controller.go_to(3.0);
+  controller.zoom(0.5);
+  CHECK(controller.from_s() == doctest::Approx(0.5).epsilon(0.01));
+  CHECK(controller.to_s() == doctest::Approx(5.5).epsilon(0.01));
+  controller.zoom(0.5);
+  CHECK(controller.to_s() - controller.from_s() == doctest::Approx(2.5).epsilon(0.01));
+  controller.whole();
+  CHECK(controller.to_s() == doctest::Approx(9.999));
+  CHECK_FALSE(controller.cursor_s());
+}
+
+TEST_CASE("the record says what it means for the datuming parameters") {
+  const BenchFolder folder;
+  const auto hints = datuming_hints(shown(sequence(2.0, -1.0), ""));
+  REQUIRE(hints.size() == 4);
+  CHECK(contains(hints[0], "direction: reverse"));
+  CHECK(contains(hints[1], "contact was open before"));
+  CHECK(contains(hints[2], "contact was open at the last marker, 4.999 s"));
+  CHECK(contains(hints[3], "Datum type fanuc"));
+  DatumRecording standing = sequence(2.0);
+  for (DatumSample& sample : standing.samples) sample.counts = 0;
+  CHECK(contains(datuming_hints(shown(standing, "")).front(), "did not move"));
+}
+
+TEST_CASE("a record is saved, opened again, and a second is laid over it; the two differ without colour") {
+  const BenchFolder folder;
+  const std::string file = folder / "first.csv", other = folder / "other.csv";
+  REQUIRE(write_file(other, to_csv(sequence(4.0))));
+  DatumViewScreen screen(sequence(2.0));
+  CHECK_FALSE(screen.unsaved().empty());
+  (void)letter(screen, 's');
+  for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
+  type(screen, file);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "written: "));
+  CHECK(screen.unsaved().empty());
+  CHECK(read_recording_file(file)->samples == sequence(2.0).samples);
+  (void)letter(screen, 'v');
+  type(screen, other);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "other.csv is the second"));
+  const std::string seen = picture(screen, Canvas(24, 80, Glyphs::ascii));
+  CHECK(contains(seen, "switch 2"));
+  CHECK(contains(seen, "marker 2"));
+  CHECK(contains(seen, "^"));
+  CHECK(contains(seen, "v"));
+  (void)letter(screen, 'a');
+  CHECK(contains(picture(screen), "shifted by -2.000 s"));
+  (void)press(screen, Key::Name::right);
+  CHECK(contains(picture(screen), "2: "));
+  (void)letter(screen, 'x');
+  CHECK_FALSE(contains(picture(screen), "switch 2"));
+}
+
+TEST_CASE("a record that nobody saved is offered again") {
+  const BenchFolder folder;
+  {
+    DatumViewScreen screen(sequence(2.0));
+    finish(screen);
+    CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+    CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+  }
+  DatumViewScreen again;
+  CHECK(contains(picture(again), "Unsaved record of"));
+  (void)press(again, Key::Name::enter);
+  CHECK(contains(picture(again), "NOT SAVED"));
+  DatumViewScreen once_more;
+  (void)letter(once_more, 'd');
+  CHECK_FALSE(contains(picture(once_more), "Unsaved record of"));
+  CHECK_FALSE(DatumViewController().draft());
+}
+
+TEST_CASE("a file that is no record says so and nothing is lost") {
+  const BenchFolder folder;
+  REQUIRE(write_file(folder / "bad.csv", "hello\n"));
+  DatumViewScreen screen(sequence(2.0));
+  (void)letter(screen, 'v');
+  type(screen, folder / "bad.csv");
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "expected the columns"));
+  CHECK(contains(picture(screen), "Axis Y, just recorded"));
+}
+
+TEST_CASE("no size of the terminal breaks the picture") {
+  const BenchFolder folder;
+  DatumViewScreen screen(sequence(2.0));
+  for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}}) {
+    (void)picture_of(screen, "", {}, Canvas(rows, columns), false);
+    (void)press(screen, Key::Name::tab);
+    (void)picture_of(screen, "", {}, Canvas(rows, columns), true);
+  }
+}

@@ -1,0 +1,160 @@
+// OUTPUT COMPENSATION VALUE on the emulated unit.
+#include "app/screens/utility/output_screen.hpp"
+#include "tests/support/utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using namespace ecs::app::utility_bench;
+
+TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
+  AxisParameters axis;
+  axis.output_scale_counts_per_um = 10.0;
+  // 20 um put out are 200 counts; they moved 16 um: 12.5 counts a um
+  const auto short_of = scale_from(axis, Axis::X, 20.0, 16.0);
+  REQUIRE(short_of);
+  CHECK(short_of->counts_per_um == doctest::Approx(12.5));
+  CHECK(short_of->polarity == 1);
+  CHECK(contains(short_of->sentence, "12.5 counts/um"));
+  const auto turned = scale_from(axis, Axis::X, 20.0, -40.0);
+  REQUIRE(turned);
+  CHECK(turned->counts_per_um == doctest::Approx(5.0));
+  CHECK(turned->polarity == -1);
+  CHECK_FALSE(scale_from(axis, Axis::X, 0.0, 3.0));
+  const auto stuck = scale_from(axis, Axis::X, 20.0, 0.1);
+  REQUIRE_FALSE(stuck);
+  CHECK(contains(stuck.error().message, "does not follow"));
+}
+
+TEST_CASE("with the relay open a value is put out at once; beyond the limit it is refused with the reason") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)press(screen, Key::Name::enter);
+  type(screen, "600");
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "beyond the output limit of axis X, 500 um"));
+  (void)press(screen, Key::Name::enter);
+  type(screen, "12.5");
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "+12.5 um at the converter of X, nothing moves"));
+  REQUIRE(comes(screen, "125 counts"));
+  (void)letter(screen, 'y');
+  CHECK(contains(picture(screen), "press o first"));
+  (void)letter(screen, 'o');
+  REQUIRE(comes(screen, "Every output is 0, every relay is open."));
+}
+
+TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends everything") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, '>');
+  (void)letter(screen, '>');
+  CHECK(contains(picture(screen), "step 5 um"));
+  (void)letter(screen, '+');
+  REQUIRE(comes(screen, "+5 um at the converter of X"));
+  (void)letter(screen, 'r');
+  const std::string asked = picture(screen);
+  CHECK(contains(asked, "Move axis X by +5 um?"));
+  CHECK(contains(asked, "larger coordinates)"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED     axis X is moved by +5 um"));
+  REQUIRE(comes(screen, "moved          +5"));
+  (void)letter(screen, '+');
+  REQUIRE(comes(screen, "axis X is moved by +10 um"));
+  REQUIRE(comes(screen, "moved         +10"));
+  (void)letter(screen, 'm');
+  CHECK(contains(picture(screen), "Measured movement of X, um: 10.00"));
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "scale and polarity are right"));
+  CHECK(bench.controller->newest()->axes[0].relay_closed);
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  REQUIRE(comes(screen, "nothing is put out, nothing moves"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
+}
+
+TEST_CASE("a relay that the unit opens for another reason is seen") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
+  REQUIRE(comes(screen, "The unit has opened the relay by itself"));
+  CHECK(contains(picture(screen), "RELAY OPEN       nothing is put out"));
+}
+
+TEST_CASE("what another host puts out is shown, and steps go on from there") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
+  REQUIRE(comes(screen, "Another host has changed the output of axis X: +30 um now"));
+  CHECK(contains(picture(screen), "axis X is moved by +30 um"));
+  (void)letter(screen, '+');
+  REQUIRE(comes(screen, "axis X is moved by +31 um"));
+  const auto seen = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
+  REQUIRE(seen);
+  CHECK(seen->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
+}
+
+TEST_CASE("a unit that lacks what it had run was started again; one that is as much later as time passed was not") {
+  using std::chrono::milliseconds;
+  const auto at = [](double s) {
+    protocol::MonitorSample sample;
+    sample.unit_time_us = static_cast<std::uint64_t>(1e6 * s);
+    return sample;
+  };
+  CHECK_FALSE(began_anew(at(5.0), at(5.1), milliseconds(100)));
+  CHECK_FALSE(began_anew(at(5.0), at(65.0), milliseconds(60'000)));
+  CHECK_FALSE(began_anew(at(5.0), at(5.1), milliseconds(900)));  // the answer waited in a buffer
+  CHECK(began_anew(at(5.0), at(0.4), milliseconds(2'000)));      // its clock stands lower
+  CHECK(began_anew(at(0.5), at(7.0), milliseconds(8'000)));      // or higher: it was away for longer than it had run
+  CHECK_FALSE(began_anew(at(0.5), at(8.5), milliseconds(8'000)));
+}
+
+TEST_CASE("leaving by any way opens the relay") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  {
+    OutputScreen screen(bench.controller);
+    REQUIRE(comes(screen, "MCM-0107, integration"));
+    (void)letter(screen, 'r');
+    (void)letter(screen, 'y');
+    REQUIRE(comes(screen, "RELAY CLOSED"));
+  }
+  const auto after = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
+  REQUIRE(after);
+  CHECK_FALSE(after->axes[0].relay_closed);
+}
+
+TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everything is off when it is back") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  OutputScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "RELAY CLOSED"));
+  bench.wait_until_it_ran(std::chrono::seconds(1));
+  Bench::kill_emulator();
+  REQUIRE(comes(screen, "The line is lost"));
+  REQUIRE(comes(screen, "The unit was restarted: every output is 0"));
+  REQUIRE(comes(screen, "RELAY OPEN"));
+  (void)letter(screen, '+');
+  REQUIRE(comes(screen, "um at the converter of X"));
+}

@@ -1,0 +1,105 @@
+// RUN USER SOFTWARE on the emulated unit.
+#include "app/screens/utility/run_screen.hpp"
+#include "tests/support/utility_bench.hpp"
+
+using namespace ecs;
+using namespace ecs::app;
+using namespace ecs::app::utility_bench;
+
+namespace {
+
+// addq.l #5,d0; rts
+const std::vector<std::uint8_t> kAddFive{0x5A, 0x80, 0x4E, 0x75};
+// bra to itself
+const std::vector<std::uint8_t> kForever{0x60, 0xFE};
+
+void write(const Bench& bench, Address address, const std::vector<std::uint8_t>& code) {
+  REQUIRE(bench.on_line([&](UnitLink& line) { return line.client().write_memory(address, code); }));
+}
+
+}  // namespace
+
+TEST_CASE("every field that is wrong is named at once") {
+  CHECK(program_in("0x041000", "7", "60")->argument == 7);
+  const auto wrong = program_in("0x040FFE", "seven", "-1");
+  REQUIRE_FALSE(wrong);
+  const std::string text = to_text(wrong.error());
+  CHECK(contains(text, "start address"));
+  CHECK(contains(text, "argument"));
+  CHECK(contains(text, "time limit"));
+  CHECK_FALSE(program_in("0x041001", "0", "60"));
+}
+
+TEST_CASE("a program is run with its argument, and says what it returned") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  write(bench, 0x041000, kAddFive);
+  RunScreen screen(bench.controller);
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  (void)press(screen, Key::Name::down);
+  (void)press(screen, Key::Name::backspace);
+  type(screen, "37");
+  CHECK(contains(picture(screen), "argument      37"));
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "Run the program at 0x041000?"));
+  const std::string asked = picture(screen);
+  CHECK(contains(asked, "It begins with 5A80 4E75"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "0x041000 returned 42 (0x0000002A, signed 42)"));
+  CHECK(contains(picture(screen), "D0 0000002A"));
+}
+
+TEST_CASE("empty memory is called empty before it is run; its end is told in words") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  RunScreen screen(bench.controller);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "NO PROGRAM lies there"));
+  (void)letter(screen, 'n');
+  CHECK_FALSE(contains(picture(screen), "NO PROGRAM"));
+}
+
+TEST_CASE("a program that never ends is stopped by Esc") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  write(bench, 0x041000, kForever);
+  RunScreen screen(bench.controller);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "It begins with 60FE"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "running 0x041000"));
+  CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
+  REQUIRE(comes(screen, "Given up."));
+  CHECK_FALSE(contains(picture(screen), "running 0x"));
+}
+
+TEST_CASE("a region gives its address, to the program or to the argument") {
+  const BenchFolder folder;
+  RunScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
+  for (int k = 0; k < 6; ++k) (void)press(screen, Key::Name::down);
+  (void)press(screen, Key::Name::enter);
+  CHECK(contains(picture(screen), "argument      0x0E0000"));
+}
+
+TEST_CASE("kill -9 of the emulator under a running program: it is said, and the screen goes on when it is back") {
+  if (emulator_built().empty()) return;
+  const Bench bench;
+  bench.wait_for_unit();
+  write(bench, 0x041000, kForever);
+  RunScreen screen(bench.controller);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "It begins with 60FE"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "running 0x041000"));
+  Bench::kill_emulator();
+  REQUIRE(comes(screen, "A program ends with RTS"));
+  REQUIRE(comes(screen, "MCM-0107, integration"));
+  write(bench, 0x041000, kAddFive);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(comes(screen, "It begins with 5A80"));
+  (void)letter(screen, 'y');
+  REQUIRE(comes(screen, "returned 5 ("));
+}

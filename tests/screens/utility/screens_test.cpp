@@ -1,0 +1,64 @@
+// What holds for every screen of ECS UTILITY.
+#include <algorithm>
+
+#include "app/screens/utility/choices.hpp"
+#include "tests/support/utility_bench.hpp"
+
+using namespace ecs::app;
+using namespace ecs::app::utility_bench;
+
+namespace {
+
+void draw_in_all_sizes(const Screen& screen) {
+  for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode})
+    for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}, {60, 200}}) {
+      const Canvas canvas = picture_of(screen, screen.title(), {}, Canvas(rows, columns, glyphs), false);
+      const std::string text = canvas.plain_text();
+      const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };
+      if (glyphs == Glyphs::ascii) CHECK_MESSAGE(std::all_of(text.begin(), text.end(), is_ascii), screen.title());
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the menu has the entries of figure 5.4 in their order") {
+  const BenchFolder folder;
+  std::vector<std::string> names;
+  for (const MenuChoice& choice : utility_choices(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600")))
+    names.push_back(choice.name);
+  CHECK(names == std::vector<std::string>{"SET AXIS POSITION", "OUTPUT COMPENSATION VALUE", "RECORD DATUM SEQUENCE",
+                                          "DISPLAY DATUM SEQUENCE", "TEST DATUM ROUTINE", "DISPLAY ECS STATUS",
+                                          "RUN USER SOFTWARE"});
+}
+
+TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, says what is missing and lets go") {
+  const BenchFolder folder;
+  const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(controller)) {
+    const auto screen = choice.opens();
+    if (choice.name != "DISPLAY DATUM SEQUENCE") REQUIRE_MESSAGE(comes(*screen, "NO ANSWER"), choice.name);
+    (void)picture(*screen, Canvas(24, 80, Glyphs::ascii));
+    draw_in_all_sizes(*screen);
+    CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
+  }
+}
+
+TEST_CASE("a click chooses the axis on that row") {
+  const BenchFolder folder;
+  const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
+  for (const MenuChoice& choice : utility_choices(controller)) {
+    if (choice.name.find("AXIS") != 4 && choice.name != "OUTPUT COMPENSATION VALUE" &&
+        choice.name != "RECORD DATUM SEQUENCE")
+      continue;
+    const auto screen = choice.opens();
+    const std::string before = picture(*screen);
+    std::vector<std::string> rows;
+    std::istringstream text(before);
+    for (std::string row; std::getline(text, row);) rows.push_back(row);
+    const auto z =
+        std::find_if(rows.begin(), rows.end(), [](const std::string& row) { return row.starts_with("   Z"); });
+    REQUIRE_MESSAGE(z != rows.end(), choice.name);
+    (void)screen->on_key({Key::Name::mouse, 0, 0, static_cast<int>(z - rows.begin()), 3});
+    CHECK_MESSAGE(contains(picture(*screen), "\n > Z "), choice.name);
+  }
+}

@@ -1,0 +1,78 @@
+// A unit at its machine, as the tests of the unit set it up.
+#pragma once
+
+#include <cmath>
+#include <memory>
+
+#include "base/file.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "ecs_emulator/workshop/referencing.hpp"
+#include "tests/support/maps.hpp"
+#include "tests/support/workshop_machines.hpp"
+
+namespace ecs::emulator::test {
+
+/// Machine, unit and what a host would tell it.
+struct Bench {
+  explicit Bench(const std::string& errors = "", const std::string& machine = small_machine(),
+                 LinkSense link = LinkSense::integrate)
+      : simulation(simulation_of(errors, machine)),
+        unit({"TEST-1", 1, modules_of(simulation.machine()), link}),
+        parameters(params::default_parameters_for(simulation.description().machine)) {
+    simulation.attach(&unit);
+    unit.power(true);
+    simulation.tick();
+  }
+
+  static AxisModules modules_of(const MachineTool& machine) {
+    AxisModules modules{};
+    for (const Axis a : kAllAxes)
+      if (machine.has(a)) modules[index_of(a)] = machine.axis(a).facts().transducer;
+    return modules;
+  }
+
+  protocol::CommandResult tell(protocol::Command command) {
+    protocol::CommandResult result = unit.begin(command);
+    for (int i = 0; i < 100 && result.state == protocol::CommandState::busy; ++i) {
+      simulation.tick();
+      result = unit.progress();
+    }
+    return result;
+  }
+  protocol::CommandResult tell(protocol::CommandCode code) { return tell(protocol::Command{.code = code}); }
+
+  protocol::CommandResult stage_and_commit(const std::vector<std::uint8_t>& image) {
+    const auto staged = tell(protocol::CommandCode::begin_staging);
+    if (staged.state != protocol::CommandState::done) return staged;
+    CHECK(unit.write_memory(staged.value, image) == protocol::UnitError::none);
+    return tell(protocol::Command{.code = protocol::CommandCode::commit_staged,
+                                  .length = static_cast<std::uint32_t>(image.size()),
+                                  .crc = crc32_of(image)});
+  }
+
+  std::vector<std::uint8_t> image(const CurveFunction& compensation) {
+    return image_of(parameters, simulation.description().machine, compensation);
+  }
+
+  /// Map in, compensation mode, machine referenced.
+  void compensate(const CurveFunction& compensation = [](Component, double, Approach) { return 0.0; }) {
+    const auto committed = stage_and_commit(image(compensation));
+    REQUIRE_MESSAGE(committed.state == protocol::CommandState::done, committed.text);
+    REQUIRE(tell(protocol::CommandCode::enter_compensation).state == protocol::CommandState::done);
+    reference_all();
+    REQUIRE(unit.mode() == UnitMode::compensating);
+  }
+
+  void reference_all() {
+    std::vector<Axis> axes;
+    for (const Axis a : kAllAxes)
+      if (simulation.machine().has(a)) axes.push_back(a);
+    REQUIRE(reference(simulation, axes).has_value());
+  }
+
+  Simulation simulation;
+  Unit unit;
+  UnitParameters parameters;
+};
+
+}  // namespace ecs::emulator::test

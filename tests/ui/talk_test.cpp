@@ -1,0 +1,160 @@
+// Messages, questions and help: nobody meets half a sentence without a way to the rest of it.
+#include "app/ui/talk.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <doctest/doctest.h>
+
+#include "app/ui/key_line.hpp"
+#include "app/ui/overlay.hpp"
+#include "app/ui/screen_program.hpp"
+#include "commissioning/session/event_log.hpp"
+
+using namespace ecs::app;
+
+namespace {
+
+const std::string kLong =
+    "rtu unit 3, registers 0x0100-0x0107: expected an answer within 500 ms, got none in three tries; look at the plug, "
+    "then at the number of the unit, then at the speed";
+
+std::string drawn(const MessageLine& message, int rows, int columns, Glyphs glyphs = Glyphs::unicode) {
+  Canvas canvas(rows, columns, glyphs);
+  message.draw(canvas, canvas.whole());
+  return canvas.plain_text();
+}
+
+/// Says one thing on one row.
+class Teller final : public Screen {
+ public:
+  explicit Teller(const std::string& text) { message_.say(text, Tone::bad); }
+  [[nodiscard]] std::string title() const override { return "teller"; }
+  void draw(Canvas& canvas, const Area& area) const override { message_.draw(canvas, area.top(1)); }
+  [[nodiscard]] Step on_key(const Key& /*key*/) override { return stay(); }
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    return {{"Enter", "open"}, {"up/down", "choose"}, {"+ - 0", "zoom"}, {"Tab 1-5", "page"}};
+  }
+  [[nodiscard]] std::string help() const override { return "It tells one thing."; }
+
+ private:
+  MessageLine message_;
+};
+
+Canvas picture(const Screen& screen, int rows = 24, int columns = 80) {
+  return picture_of(screen, screen.title(), {}, Canvas(rows, columns), false);
+}
+
+}  // namespace
+
+TEST_CASE("a message asks for the rows it needs, and no more than it may have") {
+  MessageLine message;
+  CHECK(message.rows(78, 4) == 1);
+  message.say(kLong);
+  CHECK(message.rows(78, 4) == 3);
+  CHECK(message.rows(78, 2) == 2);
+  CHECK(contains(drawn(message, 3, 78), "speed\n"));
+}
+
+TEST_CASE("a message without enough rows ends at a whole word with a mark and the key that shows all of it") {
+  MessageLine message;
+  message.say(kLong);
+  CHECK(drawn(message, 1, 60) == "rtu unit 3, registers 0x0100-0x0107: expected an answer … F2\n");
+  CHECK(drawn(message, 1, 60, Glyphs::ascii) == "rtu unit 3, registers 0x0100-0x0107: expected an      ... F2\n");
+}
+
+TEST_CASE("F2 shows the whole text in a box that scrolls, and any other key takes it away") {
+  const Teller teller(kLong);
+  const Canvas cut = picture(teller, 24, 40);
+  REQUIRE(cut.whole_texts() == std::vector<std::string>{kLong});
+  CHECK(contains(cut.plain_text(), "F2 more"));
+  Overlay over;
+  over.show_whole(cut.whole_texts());
+  Canvas small(8, 40);
+  over.draw(small);
+  CHECK(contains(small.plain_text(), "rtu unit 3"));
+  CHECK_FALSE(contains(small.plain_text(), "speed"));
+  over.on_key({Key::Name::end});
+  over.draw(small);
+  CHECK(contains(small.plain_text(), "speed"));
+  CHECK(over.shown());
+  over.on_key({Key::Name::escape});
+  CHECK_FALSE(over.shown());
+}
+
+TEST_CASE("what F2 showed is in the log, once") {
+  const std::string finding = kLong + " (a finding that no message line told)";
+  Overlay over;
+  over.show_whole({finding});
+  over.show_whole({finding});
+  const auto entries = logged();
+  CHECK(std::count_if(entries.begin(), entries.end(), [&](const LogEntry& e) { return e.text == finding; }) == 1);
+}
+
+TEST_CASE("F2 is named only where something is cut") {
+  const Teller teller("done");
+  CHECK(picture(teller).whole_texts().empty());
+  CHECK_FALSE(contains(picture(teller).plain_text(), "F2"));
+}
+
+TEST_CASE("a paragraph that finds no row at all is still shown by F2") {
+  Canvas canvas(2, 40);
+  canvas.paragraph(canvas.whole(), 2, "nowhere to stand");
+  CHECK(canvas.whole_texts() == std::vector<std::string>{"nowhere to stand"});
+}
+
+TEST_CASE("the answers of a question are never cut, and a question too long for its box goes to F2") {
+  Canvas canvas(8, 36);
+  draw_question(canvas, canvas.whole(),
+                {"Take up the work?", kLong, "take up what was found", "leave it for the next time"});
+  CHECK(contains(canvas.plain_text(), "y take up what was found"));
+  CHECK(contains(canvas.plain_text(), "n leave it for the next time"));
+  CHECK(canvas.whole_texts() == std::vector<std::string>{kLong});
+}
+
+TEST_CASE("help that is longer than the screen is scrolled, its keys are never cut") {
+  const Teller teller("done");
+  Overlay help;
+  help.show_help(teller);
+  Canvas canvas(24, 80);
+  help.draw(canvas);
+  CHECK(contains(canvas.plain_text(), "any key goes on"));
+  CHECK(contains(canvas.plain_text(), "up/down        choose"));
+  Canvas small(8, 30);
+  help.draw(small);
+  CHECK(contains(small.plain_text(), "It tells one thing."));
+  for (int k = 0; k < 20; ++k) help.on_key({Key::Name::down});
+  help.draw(small);
+  CHECK(contains(small.plain_text(), "leave"));
+  CHECK(help.shown());
+}
+
+TEST_CASE("a fault stands in the header whole, however long the name of the line") {
+  const Teller teller("done");
+  const Standing standing{"rtu:/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0:115200",
+                          "compensation, FAULT position jump", true};
+  const std::string text = picture_of(teller, "MENU > teller", standing, Canvas(24, 80), false).plain_text();
+  CHECK(contains(text, "compensation, FAULT position jump\n"));
+  CHECK(contains(text, "teller"));
+}
+
+TEST_CASE("a click on the key line is the key that stands there, of several the one that was hit") {
+  const Area line{23, 0, 1, 80};
+  const KeyLine keys{Teller("done").keys(), {{"?", "help"}}};
+  // Enter open  up/down choose  + - 0 zoom  Tab 1-5 page
+  CHECK(clicked_key(line, keys, 0) == Key{Key::Name::enter});
+  CHECK(clicked_key(line, keys, 7) == Key{Key::Name::enter});
+  CHECK(clicked_key(line, keys, 12) == Key{Key::Name::up});
+  CHECK(clicked_key(line, keys, 15) == Key{Key::Name::down});
+  CHECK(clicked_key(line, keys, 30) == Key{Key::Name::letter, U'-'});
+  CHECK(clicked_key(line, keys, 34) == Key{Key::Name::letter, U'+'});
+  CHECK(clicked_key(line, keys, 45) == std::nullopt);  // 1-5 is no key
+  CHECK(clicked_key(line, keys, 60) == std::nullopt);
+  CHECK(clicked_key(line, keys, 73) == Key{Key::Name::letter, U'?'});
+}
+
+TEST_CASE("a key that finds by / can be clicked as well") {
+  const KeyLine keys{{{"/ m", "find, next"}}, {}};
+  CHECK(clicked_key({0, 0, 1, 40}, keys, 0) == Key{Key::Name::letter, U'/'});
+  CHECK(clicked_key({0, 0, 1, 40}, keys, 2) == Key{Key::Name::letter, U'm'});
+}

@@ -1,0 +1,126 @@
+// The map of a model: what it carries, what it cannot, and that it cancels what the model predicts.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "core/terms.hpp"
+#include "laser/map/csv.hpp"
+#include "model/fit/compare.hpp"
+#include "tests/support/model_workspace.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+using nlohmann::json;
+
+TEST_CASE("a fitted model becomes a map whose header says where each table comes from") {
+  const ModelWorkspace workspace;
+  const std::string full = workspace.folder / "full.toml", map = workspace.folder / "map.csv";
+  REQUIRE(ran({"model", "fit", workspace.model, workspace.data, "--machine", workspace.machine, "-o", workspace.model})
+              .code == 0);
+  REQUIRE(ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "-o", full}).code == 0);
+  const Ran r = ran(
+      {"map", "build", "--from-model", full, "--machine", workspace.machine, "--increment", "1", "-o", map, "--json"});
+  REQUIRE(r.code == 0);
+  const json j = r.json();
+  CHECK(j["components"][0]["component"] == "EXX");
+  CHECK(j["components"][0]["points"] == 1021);
+  CHECK(j["not_carried"].empty());
+  CHECK(j["complete"] == false);  // a volumetric machine needs more than EXX
+  const std::string text = content_of(map);
+  CHECK(text.find("# source: EXX data.csv sha256=") != std::string::npos);
+  CHECK(text.find("# source: EXX full.toml sha256=") != std::string::npos);
+  CHECK(text.find("cyclic:X:EX fitted to") != std::string::npos);
+  const auto row = text.find("X,EX,0,100,");
+  REQUIRE(row != std::string::npos);
+  CHECK(std::stod(text.substr(row + 11)) == Approx(-cyclic_x(100.0, 1, 1)).epsilon(0.1));
+}
+
+TEST_CASE("what no map can carry is said with its reason, and a model of nothing else is refused") {
+  const ModelWorkspace workspace;
+  const std::string warm = workspace.folder.with(
+      "warm.toml", "[[effect]]\nid = \"time_drift\"\nsense = \"EX\"\nparameters = { um_per_h = 3.0 }\n");
+  const Ran r =
+      ran({"map", "build", "--from-model", warm, "--machine", workspace.machine, "-o", workspace.folder / "m.csv"});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("time_drift") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(workspace.folder / "m.csv"));
+  CHECK(ran({"map", "build", "--from-model", workspace.model}).code == 2);
+  CHECK(ran({"map", "build", "--from-model", workspace.model, "--machine", workspace.machine}).code == 3);
+  CHECK(ran({"map", "build"}).code == 2);
+}
+
+/// Error at a place when the unit adds what the map says, its curves read as measured tool against workpiece.
+Vector3 compensation_of(const laser::ErrorMap& map, const params::Machine& machine, const Vector3& position_mm) {
+  ComponentValues values{};
+  for (const laser::MapTable& table : map.tables)
+    values[index_of(table.component)] =
+        laser::compensation_at(table, position_mm[index_of(moving_axis(table.component))]);
+  const auto terms = terms_of(*params::chain_of(machine), Convention::iso, CurveKind::measured);
+  return tool_error_um(*terms, values, position_mm, params::measurement_lines_of(machine), {});
+}
+
+TEST_CASE("the map of a model cancels what the model predicts everywhere, on every chain") {
+  const Folder folder;
+  std::string model_text;
+  for (const char* code : {"EAX", "EBX", "ECX", "EAY", "EBY", "ECY", "EAZ", "EBZ", "ECZ"})
+    model_text += fmt::format(
+        "[[effect]]\nid = \"angular\"\ncode = \"{}\"\ncurve = {{ p_mm = [0.0, 500.0], value = "
+        "[{}.0, 20.0] }}\n",
+        code, code[1] - 'A' + code[2] - 'X' + 3);
+  const std::string model_file = folder.with("model.toml", model_text), map_file = folder / "map.csv";
+  for (const char* chain : {"TXYZ", "XTYZ", "XYTZ", "XYZT"}) {
+    CAPTURE(chain);
+    std::string text = fmt::format("configuration = \"{}\"\n", chain);
+    for (const char axis : {'X', 'Y', 'Z'}) text += fmt::format("[axis.{}]\ntravel_mm = [0.0, 500.0]\n", axis);
+    const std::string machine_file = folder.with("machine.toml", text);
+    REQUIRE(ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--increment", "50", "-o",
+                 map_file})
+                .code == 0);
+    const auto map = laser::read_map_csv(map_file);
+    const auto machine = params::read_machine(machine_file);
+    const auto model = model::read_model(model_file);
+    REQUIRE(map);
+    const auto volume = model::predicted_volume(*model, machine->machine, 3);
+    REQUIRE(volume);
+    double largest = 0.0, left = 0.0;
+    for (const model::VolumePoint& point : *volume) {
+      const Vector3 added = compensation_of(*map, machine->machine, point.position_mm);
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        largest = std::max(largest, std::abs(point.error_um[i]));
+        left = std::max(left, std::abs(point.error_um[i] + added[i]));
+      }
+    }
+    CHECK(largest > 5.0);
+    CHECK(left < 0.2);
+  }
+}
+
+TEST_CASE("a period too short for the tables is said") {
+  const ModelWorkspace workspace;
+  const std::string grating = workspace.folder.with(
+      "grating.toml",
+      "[[effect]]\nid = \"cyclic\"\naxis = \"X\"\nsense = \"EX\"\nparameters = { period_mm = 0.02, "
+      "amplitude_um = 1.0, phase_rad = 0.0 }\n");
+  const Ran r = ran({"map", "build", "--from-model", grating, "--machine", workspace.machine, "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["components"][0]["points"].get<int>() < 10'000);
+  CHECK(r.json()["notes"].dump().find("cannot follow its period") != std::string::npos);
+}
+
+TEST_CASE("squareness of a model goes into the parameters") {
+  const ModelWorkspace workspace;
+  const std::string square = workspace.folder.with(
+      "square.toml", "[[effect]]\nid = \"squareness\"\ncode = \"C0Y\"\nparameters = { um_per_m = 16.0 }\n");
+  const std::string params = workspace.folder / "params.toml";
+  const Ran r =
+      ran({"map", "build", "--from-model", square, "--machine", workspace.machine, "--params-out", params, "--json"});
+  CHECK(r.code == 0);
+  CHECK(r.json()["squareness"]["C0Y_um_per_m"] == 16.0);
+  CHECK(content_of(params).find("C0Y_um_per_m = 16") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecs::app

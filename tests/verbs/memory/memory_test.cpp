@@ -1,0 +1,237 @@
+// Dumps of a unit's memory: kept, decoded, compared, whatever happened to their bytes.
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "base/json.hpp"
+#include "commissioning/memory/compare.hpp"
+#include "commissioning/memory/decode.hpp"
+#include "commissioning/memory/view.hpp"
+#include "laser/map/image.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+UnitParameters linear_parameters() {
+  UnitParameters p;
+  p.scope = Scope::linear;
+  p.axes[0].deadband_um = 2.0;
+  return p;
+}
+
+/// EXX and EZZ for both approaches, EYY for each; three points each.
+laser::ErrorMap small_map() {
+  laser::ErrorMap map;
+  map.header.machine = "mill";
+  map.header.engineer = "A. Fitter";
+  map.tables = {{Component::EXX, Approach::unknown, {-100.0, -50.0, 0.0}, {1.0, 2.0, 3.0}},
+                {Component::EYY, Approach::forward, {0.0, 10.0, 20.0}, {0.0, -1.5, 4.0}},
+                {Component::EYY, Approach::reverse, {0.0, 10.0, 20.0}, {0.5, -1.0, 4.5}},
+                {Component::EZZ, Approach::unknown, {0.0, 10.0, 20.0}, {0.0, 0.0, 7.25}}};
+  return map;
+}
+
+MemoryDump dump_with(const laser::ErrorMap& map, const UnitParameters& parameters) {
+  const auto image = laser::image_of(map, parameters);
+  REQUIRE(image);
+  MemoryDump dump{"2026-05-04T09:30:00Z", "rtu:/dev/ttyUSB0:115200:8N1:1", "MCM-0107", std::nullopt, {}, {}};
+  std::vector<std::uint8_t> records(2 * kCommitSlotBytes, 0);
+  const Commit commit{1, 0, static_cast<std::uint32_t>(image->bytes.size()), ImageView(image->bytes).check()};
+  encode_commit(commit, Bytes(records).first(kCommitSlotBytes));
+  std::vector<std::uint8_t> bank = image->bytes;
+  bank.resize(bank.size() + 500, 0xEE);
+  dump.regions.push_back({"commit records", kCommitRecords.first, records, static_cast<std::uint32_t>(records.size())});
+  dump.regions.push_back({"axis memory bank A", kBankA.first, bank, static_cast<std::uint32_t>(bank.size())});
+  return dump;
+}
+MemoryDump good_dump() { return dump_with(small_map(), linear_parameters()); }
+
+TEST_CASE("a dump read back decodes to the parameters and tables that were put in") {
+  const auto dump = dump_in(to_bytes(good_dump()), "d");
+  REQUIRE(dump);
+  CHECK(dump->damage.empty());
+  CHECK(dump->serial_number == "MCM-0107");
+  const DecodedMemory memory = decoded(*dump);
+  CHECK(memory.sound());
+  const DecodedImage* image = memory.main_image();
+  REQUIRE(image != nullptr);
+  CHECK(image->parameters == linear_parameters());
+  REQUIRE(image->tables.size() == 4);
+  CHECK(name_of(image->tables[1]) == "EYY forward");
+  CHECK(image->tables[3].most == doctest::Approx(7.25));
+  CHECK(image->tables[0].end_mm() == 0.0);
+  CHECK(image->header.find("A. Fitter") != std::string::npos);
+}
+
+TEST_CASE("the values of a table lie at the address that the directory view names") {
+  const MemoryDump dump = good_dump();
+  const DecodedMemory memory = decoded(dump);
+  const DecodedTable& table = memory.main_image()->tables[3];
+  const DumpRegion& bank = *region_at(dump, kBankA.first);
+  const auto counts = load_big<std::uint16_t>(bank.bytes, table.values_address - kBankA.first + 4);
+  CHECK(counts * table.entry.resolution == doctest::Approx(7.25));
+}
+
+TEST_CASE("a flipped bit of the image is told, and everything else still decodes") {
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[kPrefixBytes + kParameterBytes + 4 * kEntryBytes + 3] ^= 0x10;  // in a value
+  const DecodedMemory memory = decoded(dump);
+  CHECK_FALSE(memory.sound());
+  const DecodedImage* image = memory.main_image();
+  REQUIRE(image != nullptr);
+  CHECK(image->verdict.fault == ImageFault::block_check);
+  CHECK(image->verdict.check_expected != image->verdict.check_found);
+  CHECK(image->parameters == linear_parameters());
+  CHECK(image->tables.size() == 4);
+}
+
+TEST_CASE("a dump cut short, with a spoilt header or without one still gives its image") {
+  const std::string whole = to_bytes(good_dump());
+  const auto cut = dump_in(whole.substr(0, whole.size() - 300), "d");
+  REQUIRE(cut);
+  CHECK_FALSE(cut->damage.empty());
+  CHECK(decoded(*cut).main_image()->verdict.fault == ImageFault::none);
+  std::string spoilt = whole;
+  spoilt[whole.find("MCM-0107")] = 'X';
+  const auto changed = dump_in(spoilt, "d");
+  REQUIRE(changed);
+  CHECK_FALSE(changed->damage.empty());
+  const auto headless = dump_in(whole.substr(whole.find("ECSI") - 7), "d");
+  REQUIRE(headless);
+  CHECK(decoded(*headless).main_image()->tables.size() == 4);
+}
+
+TEST_CASE("bytes that are neither dump nor image are refused") {
+  CHECK_FALSE(dump_in("", "d"));
+  CHECK_FALSE(dump_in("hello world\n{}\n", "d"));
+  const Folder folder;
+  CHECK(ran({"memory", "show", folder.with("x", "no dump")}).code == 3);
+}
+
+TEST_CASE("equal dumps do not differ, a changed parameter and value differ by name and place") {
+  CHECK(differences(good_dump(), good_dump()).empty());
+  UnitParameters parameters = linear_parameters();
+  parameters.axes[0].deadband_um = 9.0;
+  laser::ErrorMap map = small_map();
+  map.tables[1].compensation[1] = -2.5;
+  map.header.engineer = "B. Fitter";
+  std::string all;
+  for (const MemoryDifference& d : differences(good_dump(), dump_with(map, parameters)))
+    all += d.what + " | " + d.a + " | " + d.b + "\n";
+  CHECK(all.find("parameter axis.X.deadband_um | 2 um | 9 um") != std::string::npos);
+  CHECK(all.find("table EYY forward: 1 value differs, the first at 10 mm") != std::string::npos);
+  CHECK(all.find("header engineer | A. Fitter | B. Fitter") != std::string::npos);
+  CHECK(all.find("EXX") == std::string::npos);
+}
+
+TEST_CASE("a difference beyond the image is told by its bytes") {
+  MemoryDump other = good_dump();
+  other.regions[1].bytes.back() = 0x11;
+  const auto found = differences(good_dump(), other);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].what.find("bytes of axis memory bank A: 1 differ") != std::string::npos);
+}
+
+TEST_CASE("compare is 1 for dumps that differ") {
+  const Folder folder;
+  const std::string a = folder.with("a", to_bytes(good_dump()));
+  MemoryDump other = good_dump();
+  other.regions[1].bytes.back() = 0x11;
+  const std::string b = folder.with("b", to_bytes(other));
+  CHECK(ran({"memory", "compare", a, a}).code == 0);
+  const Ran r = ran({"memory", "compare", a, b, "--json"});
+  CHECK(r.code == 1);
+  CHECK(r.json()["same"] == false);
+}
+
+TEST_CASE("comparing says first which of the two is damaged, even where they do not differ") {
+  const Folder folder;
+  const std::string good = folder.with("good", to_bytes(good_dump()));
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[100] ^= 1;
+  const std::string corrupt = folder.with("corrupt", to_bytes(dump));
+  const std::string cut = folder.with("cut", to_bytes(good_dump()).substr(0, to_bytes(good_dump()).size() - 100));
+  const Ran r = ran({"memory", "compare", good, corrupt});
+  CHECK(r.code == 1);
+  CHECK(r.out.starts_with("DAMAGED B (" + corrupt + "): axis memory bank A: the image"));
+  const auto json = ran({"memory", "compare", cut, good, "--json"}).json();
+  CHECK(json["damaged"]["a"].size() == 1);
+  CHECK(json["damaged"]["b"].empty());
+  CHECK(ran({"memory", "compare", corrupt, corrupt}).code == 1);
+  CHECK(ran({"memory", "compare", good, good}).code == 0);
+}
+
+TEST_CASE("show tells each fault once, and an image whose block check agrees is not called damaged for a lost header") {
+  const Folder folder;
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[100] ^= 1;
+  const Ran r = ran({"memory", "show", folder.with("corrupt", to_bytes(dump))});
+  const std::string all = r.out + r.messages;
+  const std::size_t first = all.find("block check does not agree");
+  REQUIRE(first != std::string::npos);
+  CHECK(all.find("block check does not agree", first + 1) == std::string::npos);
+  std::string bytes = to_bytes(good_dump());
+  bytes.erase(0, 20);
+  const Ran lost = ran({"memory", "show", folder.with("lost", bytes), "--json"});
+  CHECK(lost.json()["sound"] == false);
+  CHECK(lost.json()["regions"][0]["intact"] == true);
+}
+
+TEST_CASE("a corrupt image is not loaded into a unit") {
+  const Folder folder;
+  MemoryDump dump = good_dump();
+  dump.regions[1].bytes[100] ^= 1;
+  const Ran r =
+      ran({"memory", "load", folder.with("a", to_bytes(dump)), "--yes", "--link", "rtu:/dev/no-such-port:9600"});
+  CHECK(r.code == 3);
+  CHECK(r.messages.find("nothing was sent") != std::string::npos);
+}
+
+TEST_CASE("show --bytes names the bytes") {
+  const Folder folder;
+  const Ran r = ran({"memory", "show", folder.with("a", to_bytes(good_dump())), "--bytes"});
+  CHECK(r.code == 0);
+  CHECK(r.out.find("45 43 53 49              prefix.magic") != std::string::npos);
+  CHECK(r.out.find("axis.Z.datum.null_offset_mm") != std::string::npos);
+  CHECK(r.out.find("table 3 increment_mm") != std::string::npos);
+}
+
+TEST_CASE("any spoilt dump decodes to words and valid JSON without a crash") {
+  const std::string whole = to_bytes(good_dump());
+  CHECK(rc::check([&] {
+    std::string bytes = whole;
+    const auto changes = *rc::gen::inRange(1, 12);
+    for (int i = 0; i < changes; ++i) {
+      const auto at = *rc::gen::inRange<std::size_t>(0, bytes.size());
+      bytes[at] = static_cast<char>(*rc::gen::inRange(0, 256));
+    }
+    bytes.resize(*rc::gen::inRange<std::size_t>(0, bytes.size() + 1));
+    const auto dump = dump_in(bytes, "spoilt");
+    if (!dump) return;
+    const DecodedMemory memory = decoded(*dump);
+    RC_ASSERT(!text_of(*dump, memory, true).empty());
+    RC_ASSERT(Json::parse(one_line(json_of(*dump, memory)), nullptr, false).is_object());
+    static_cast<void>(differences(*dump, good_dump()));
+  }));
+}
+
+TEST_CASE("an image with any prefix and directory decodes without a crash") {
+  const MemoryDump sound = good_dump();
+  CHECK(rc::check([&] {
+    MemoryDump dump = sound;
+    std::vector<std::uint8_t>& bank = dump.regions[1].bytes;
+    const auto changes = *rc::gen::inRange(1, 40);
+    for (int i = 0; i < changes; ++i) {
+      const bool in_prefix = *rc::gen::arbitrary<bool>();
+      const auto at = in_prefix ? *rc::gen::inRange<std::size_t>(4, kPrefixBytes)
+                                : *rc::gen::inRange<std::size_t>(kPrefixBytes, directory_offset() + 4 * kEntryBytes);
+      bank[at] = *rc::gen::arbitrary<std::uint8_t>();
+    }
+    const DecodedMemory memory = decoded(dump);
+    RC_ASSERT(Json::parse(one_line(json_of(dump, memory)), nullptr, false).is_object());
+    RC_ASSERT(!text_of(dump, memory, true).empty());
+  }));
+}
+
+}  // namespace
+}  // namespace ecs::app
