@@ -11,7 +11,7 @@ std::string utf16le(const std::string& text, bool mark) {
   return out;
 }
 
-TEST_CASE("UTF-16 is told by its mark or by its zeros, and the reader is told what to do") {
+TEST_CASE("UTF-16 is recognised by its mark or by its zeros, and the message says what to do") {
   for (const bool mark : {true, false}) {
     const auto why = why_no_text(utf16le("name = \"mill\"\n", mark), "m.toml");
     REQUIRE(why);

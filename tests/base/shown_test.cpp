@@ -17,7 +17,7 @@ TEST_CASE("letters of every language, tabs and line ends stay") {
     CHECK(shown(text) == text);
 }
 
-TEST_CASE("what a terminal would obey becomes a question mark") {
+TEST_CASE("control characters of a terminal become question marks") {
   CHECK(shown("a\x1B[2Jb") == "a?[2Jb");
   CHECK(shown("\x07\x08\r\x7F") == "????");
   CHECK(shown("\xC2\x9B"
@@ -49,7 +49,7 @@ TEST_CASE("whatever the bytes, what is shown holds no control character and stay
   }));
 }
 
-TEST_CASE("results, notes, warnings and problems reach the streams harmless") {
+TEST_CASE("results, notes, warnings and problems are printed without control characters") {
   std::ostringstream out, messages;
   Console console(out, messages);
   console.answer("name \x1B]0;owned\x07", "");

@@ -76,7 +76,7 @@ TEST_CASE("the shortest decimal is short and reads back as the same number") {
   }));
 }
 
-TEST_CASE("the nearest word is a likely slip of the key, or none") {
+TEST_CASE("the nearest word is a likely typing error, or there is none") {
   const std::vector<std::string> words{"deadband_um", "loop_period_us", "scope"};
   CHECK(nearest_word("deadban_um", words) == "deadband_um");
   CHECK(nearest_word("Scope", words) == "scope");

@@ -1,10 +1,10 @@
+#include "controllers/curve.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
-
-#include "controllers/curve.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -71,7 +71,7 @@ TEST_CASE("no choice of as many points misses less than the one that is made") {
   });
 }
 
-TEST_CASE("a map of 160,000 points is thinned in a moment") {
+TEST_CASE("a map of 160,000 points is thinned within the time limit") {
   ControlCurve whole;
   for (int i = 0; i < 160'000; ++i) {
     whole.position_mm.push_back(0.01 * i);

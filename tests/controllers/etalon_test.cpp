@@ -1,3 +1,5 @@
+#include "controllers/etalon.hpp"
+
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -5,9 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/small_machine_map.hpp"
-#include "controllers/etalon.hpp"
 #include "controllers/residual.hpp"
+#include "tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -97,8 +98,7 @@ double at(const Plain& file, const std::string& name, double p, double unit) {
   return std::lerp(below->second, above->second, (p - below->first) / (above->first - below->first)) / unit;
 }
 
-TEST_CASE(
-    "the errors of a TXYZ machine, worked out from the file by the formulas of the rigid body, are those of the map") {
+TEST_CASE("the errors of a TXYZ machine, computed from the file by the rigid-body formulas, are those of the map") {
   ExportSource source = whole_machine();
   source.parameters.configuration = {'T', 'X', 'Y', 'Z', 0};
   const auto made = etalon_export(source, {});
@@ -173,7 +173,7 @@ TEST_CASE("a file that says both of its lever arms is refused, and so are two fi
   CHECK_FALSE(append(*all, *more, true));
 }
 
-TEST_CASE("points closer than a nanometre fall together, and what is lost by that is told") {
+TEST_CASE("points closer than a nanometre are merged, and the deviation is reported") {
   ExportSource source = small_machine();
   source.parameters.measurement_lines_mm = {};
   add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});

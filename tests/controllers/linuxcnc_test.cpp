@@ -1,9 +1,10 @@
+#include "controllers/linuxcnc.hpp"
+
 #include <sstream>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/small_machine_map.hpp"
-#include "controllers/linuxcnc.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -70,7 +71,7 @@ TEST_CASE("what was written comes back, whatever the type") {
   }
 }
 
-TEST_CASE("points closer than a nanometre fall together, and what is lost by that is told") {
+TEST_CASE("points closer than a nanometre are merged, and the deviation is reported") {
   ExportSource source = small_machine();
   add_table(source, Component::EXX, {0, 1e-9, 100}, {0, 50, 2}, {0, 50, 2});
   const auto made = linuxcnc_export(source, {});
@@ -79,7 +80,7 @@ TEST_CASE("points closer than a nanometre fall together, and what is lost by tha
   CHECK(made->tables[0].deviation == Approx(50.0));
 }
 
-TEST_CASE("lines that end in CR alone are read, with a word on what LinuxCNC would do") {
+TEST_CASE("lines that end in CR alone are read, with a note on what LinuxCNC would do") {
   LinuxCncReadOptions options;
   options.type = 1;
   const auto read = parse_linuxcnc("0 0.001 0.001\r100 0.002 0.002\r", "x.comp", options);
@@ -90,7 +91,7 @@ TEST_CASE("lines that end in CR alone are read, with a word on what LinuxCNC wou
   CHECK(parse_linuxcnc("0 0.001 0.001\r\n100 0.002 0.002\r\n", "x.comp", options)->warnings.empty());
 }
 
-TEST_CASE("more points than LinuxCNC takes are thinned to 256, and the deviation is told") {
+TEST_CASE("more points than LinuxCNC takes are thinned to 256, and the deviation is reported") {
   ExportSource source = small_machine();
   std::vector<double> p, forward, reverse;
   for (int i = 0; i < 400; ++i) {
@@ -107,7 +108,7 @@ TEST_CASE("more points than LinuxCNC takes are thinned to 256, and the deviation
   CHECK(made->tables[0].deviation <= 1.0);
 }
 
-TEST_CASE("points closer than the last digit do not make a nominal that stands still") {
+TEST_CASE("points closer than the last digit do not repeat a nominal position") {
   ExportSource source = small_machine();
   add_table(source, Component::EXX, {0, 1e-8, 10}, {1, 2, 3}, {1, 2, 3});
   const auto made = linuxcnc_export(source, {});
@@ -142,7 +143,7 @@ TEST_CASE("maps that cannot be a table are refused with every reason") {
   CHECK(made.error().message.find("no positioning table") != std::string::npos);
 }
 
-TEST_CASE("where LinuxCNC stops without a word, the reader says so") {
+TEST_CASE("the reader reports where LinuxCNC stops without a message") {
   const std::string text = "# X\n0 0 0\n50 0.004 0.007\n\n100 0.009 0.013\n";
   const auto whole = parse_linuxcnc(text, "x.comp", as(1));
   REQUIRE(whole);
@@ -162,14 +163,14 @@ TEST_CASE("where LinuxCNC stops without a word, the reader says so") {
   CHECK(part->warnings[0].message.find("an empty line") != std::string::npos);
 }
 
-TEST_CASE("an empty line at the very end costs nothing and is not mentioned") {
+TEST_CASE("an empty last line has no effect and is not mentioned") {
   const auto read = parse_linuxcnc("0 0 0\r\n50 0.004 0.007\r\n\r\n", "x.comp", as(1));
   REQUIRE(read);
   CHECK(read->warnings.empty());
   CHECK(read->tables[0].position_mm == std::vector<double>{0, 50});
 }
 
-TEST_CASE("rows that do not rise, what stands behind three numbers, and points after 256 are warned of") {
+TEST_CASE("rows that do not rise, text after three numbers, and points after 256 give warnings") {
   const auto read = parse_linuxcnc("0 0 0\n50 0.1 0.1 ; half way\n50 0.2 0.2\n100 0 0\n", "x.comp", as(1));
   REQUIRE(read);
   CHECK(read->tables[0].position_mm == std::vector<double>{0, 50, 100});
@@ -216,9 +217,7 @@ TEST_CASE("the type shows in the numbers, unless they leave it open") {
 }
 
 TEST_CASE("the table that LinuxCNC ships for its simulated machine is read, its bad point and all") {
-  const auto folder = laser::shared_data("linuxcnc-comp");
-  if (folder.empty()) return;
-  const auto text = read_file(folder / "screwcompX.dat");
+  const auto text = read_file("samples/real/linuxcnc-comp/screwcompX.dat");
   REQUIRE(text);
   const auto read = parse_linuxcnc(*text, "screwcompX.dat", {Axis::X, std::nullopt, MachineUnits::mm, false});
   REQUIRE(read);

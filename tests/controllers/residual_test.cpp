@@ -1,9 +1,10 @@
+#include "controllers/residual.hpp"
+
 #include <doctest/doctest.h>
 
-#include "tests/support/small_machine_map.hpp"
 #include "controllers/linuxcnc.hpp"
-#include "controllers/residual.hpp"
 #include "controllers/siemens.hpp"
+#include "tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -70,7 +71,7 @@ TEST_CASE("a constant shift is no residual: it is counted from the reference poi
   CHECK((*rows)[0].control.largest_um[0] < 0.001);
 }
 
-TEST_CASE("errors known from elsewhere take the place of the map, and their problem is handed on") {
+TEST_CASE("errors given from elsewhere replace the map, and their problem is returned") {
   const ExportSource source = one_axis();
   const auto made = linuxcnc_export(source, {});
   const auto rows = residuals(source, made->applied, {}, [](const std::vector<MachinePlace>& places) {

@@ -1,3 +1,5 @@
+#include "controllers/siemens.hpp"
+
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -5,7 +7,6 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/small_machine_map.hpp"
-#include "controllers/siemens.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -169,7 +170,7 @@ TEST_CASE("what was written comes back as the same compensation and the same squ
   }
 }
 
-TEST_CASE("too few tables: what stays behind is told") {
+TEST_CASE("too few tables: what is left out is reported") {
   SiemensOptions options;
   options.most_tables = 8;
   const auto made = siemens_export(whole_machine(), options);
@@ -218,7 +219,7 @@ TEST_CASE("few tables still carry every straightness and squareness by their mea
   CHECK(leaves(*made, "half the reversal of EZX"));
 }
 
-TEST_CASE("a limit of points is met, and what it costs is told") {
+TEST_CASE("a limit of points is met, and the deviation is reported") {
   SiemensOptions options;
   options.most_points = 3;  // the map needs 5 even ones
   const auto made = siemens_export(whole_machine(), options);
@@ -254,7 +255,7 @@ m0
 m30
 )";
 
-TEST_CASE("files as they come from the field are read: blanks for =, points for commas, EX, numbers, m0, m30") {
+TEST_CASE("files from the field are read: blanks for =, points for commas, EX, numbers, m0, m30") {
   const auto read = parse_siemens(kFromABackup, "NC_CEC.INI", {});
   REQUIRE(read);
   REQUIRE(read->tables.size() == 1);
@@ -309,7 +310,7 @@ TEST_CASE("half tables, products of tables and unknown axes are refused") {
   CHECK(refused("").find("no compensation table") != std::string::npos);
 }
 
-TEST_CASE("axes of other names, and the second measuring system, are told by options") {
+TEST_CASE("options give other axis names and the second measuring system") {
   SiemensOptions options;
   options.axis_name = {"MX", "MY", "MZ"};
   options.encoder = 1;
@@ -325,7 +326,7 @@ TEST_CASE("axes of other names, and the second measuring system, are told by opt
 
 }  // namespace
 
-TEST_CASE("what stands behind the end of a program, and a point that is given twice, are refused with their lines") {
+TEST_CASE("text after the end of a program, and a point given twice, are refused with their lines") {
   const std::string begin =
       "CHANDATA(1)\n$AA_ENC_COMP_STEP[0,AX1]=100.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=100.0\n"
       "$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0014\n";

@@ -1,10 +1,11 @@
+#include "controllers/twincat.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 
 #include "tests/support/small_machine_map.hpp"
-#include "controllers/twincat.hpp"
 
 namespace ecs::controllers {
 namespace {
@@ -195,8 +196,7 @@ TEST_CASE("a list whose name and number say different axes is not guessed at") {
   CHECK(unknown.error().message.find("which axis is it?") != std::string::npos);
 }
 
-TEST_CASE(
-    "a list of an axis that is none of X, Y, Z by its name is refused, whatever its number, unless one is given") {
+TEST_CASE("a list of an axis not named X, Y or Z is refused, whatever its number, unless an axis is given") {
   const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name B-ACHSE\n");
   const auto rotary = parse_twincat(text, "a.lis", {});
   REQUIRE_FALSE(rotary);

@@ -39,7 +39,7 @@ TEST_CASE("blank memory commits to nothing, whatever it is blank with") {
   CHECK(next_commit_slot(blank(0xFF)) == 0);
 }
 
-TEST_CASE("power lost at any byte of the first commit leaves none or the whole of it") {
+TEST_CASE("power lost at any byte of the first commit leaves no map or the complete one") {
   for (const std::uint8_t filling : {std::uint8_t{0x00}, std::uint8_t{0xFF}, std::uint8_t{0x55}})
     for (std::size_t bytes = 0; bytes <= kCommitSlotBytes; ++bytes) {
       const auto active = active_commit(written(blank(filling), kFirst, bytes));
@@ -102,6 +102,6 @@ TEST_CASE("random records are not believed") {
   }));
 }
 
-TEST_CASE("a commit to a bank that does not exist is none") {
+TEST_CASE("a commit to a bank that does not exist is invalid") {
   CHECK(!active_commit(written(blank(0), {1, 2, 4000, 1})));
 }

@@ -132,7 +132,7 @@ TEST_CASE("jogging about before the reference motion does no harm, nor does a fa
   check_done(run, 63.0, Approach::forward);
 }
 
-TEST_CASE("an axis that stands is waited for") {
+TEST_CASE("the datum routine waits for an axis at rest") {
   ReferenceRun run = fanuc();
   run.stand(100'000);
   CHECK(run.state.stage == DatumStage::waiting);

@@ -168,7 +168,7 @@ TEST_CASE("an image gives back its parameters, tables, values and header") {
   }));
 }
 
-TEST_CASE("the bytes of an image stand where the layout says, big-endian") {
+TEST_CASE("the bytes of an image are where the layout says, big-endian") {
   const Image image = small_image();
   CHECK(std::memcmp(image.data(), "ECSI\0\1", 6) == 0);
   CHECK(load_big<std::uint32_t>(image, 8) == image.size());
@@ -190,7 +190,7 @@ TEST_CASE("the block check is the CRC-32 of the whole image with its own four by
   CHECK(::crc32_z(0, image.data(), image.size()) == stored);
 }
 
-TEST_CASE("the parameters stand where docs/core.md says") {
+TEST_CASE("the parameters are where docs/core.md says") {
   UnitParameters p;
   p.memory_modules = 3;
   p.loop_period_us = 1250.0;

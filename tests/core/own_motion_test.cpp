@@ -54,7 +54,7 @@ struct TwoAxes {
 
 }  // namespace
 
-TEST_CASE("an axis that stands does not turn because another one moves it, though the drive's gain be a quarter off") {
+TEST_CASE("an axis at rest does not change approach when another axis moves it, with a drive gain a quarter off") {
   for (const double kv_per_s : {22.5, 30.0, 37.5}) {
     CAPTURE(kv_per_s);
     TwoAxes machine(kv_per_s);

@@ -54,7 +54,7 @@ TEST_CASE("a line into the negative begins with reverse approaches and ends at i
   CHECK(target_mm(stops[3]) == -110.0);
 }
 
-TEST_CASE("a reading has its time, its surroundings, and stands where it was due") {
+TEST_CASE("a reading has its time, its surroundings and the target that was due") {
   CaptureRecord r = record();
   const Verdict verdict = r.offer(1.5, 3.0, {{Quantity::air_degC, 20.5}, {Quantity::pressure_hPa, 1010.0}});
   CHECK(verdict.taken);
@@ -79,7 +79,7 @@ TEST_CASE("a trigger too soon after the last one is a doubled one") {
   CHECK(r.offer(1.0, 10.6, {}).taken);
 }
 
-TEST_CASE("a reading that took much longer than usual is asked about, and kept until it is taken back") {
+TEST_CASE("a reading that took much longer than usual is questioned, and kept until it is undone") {
   CaptureLine longer = line();
   longer.to_mm = 500.0;
   CaptureRecord r({{}, *stops_of(longer)}, {});
@@ -142,7 +142,7 @@ TEST_CASE("where the display shows the position, a missed trigger leaves its tar
   CHECK(r.skipped() == 0);
 }
 
-TEST_CASE("a position that is no target of the pass is not taken") {
+TEST_CASE("a position that is not a target of the pass is not taken") {
   CaptureRecord r = record(by_position());
   const Verdict lost = r.offer(-300.0, 1.0, {});
   CHECK(!lost.taken);

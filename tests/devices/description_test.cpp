@@ -1,3 +1,5 @@
+#include "devices/description.hpp"
+
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -6,7 +8,6 @@
 #include <rapidcheck.h>
 
 #include "devices/builtin.hpp"
-#include "devices/description.hpp"
 #include "devices/hid_descriptor.hpp"
 #include "devices/port.hpp"
 #include "devices/udev.hpp"
@@ -31,7 +32,7 @@ TEST_CASE("the sample descriptions read, and what is written of them reads back 
   }
 }
 
-TEST_CASE("every wrong key of a description is told at once, with its line") {
+TEST_CASE("every wrong key of a description is reported at once, with its line") {
   const auto device = parse_device(
       "name = \"x\"\nkind = \"trigger\"\n[match]\nvendor_id = 70000\nproduct_id = 1\n[trigger]\nbyte = 0\nbit = 9\n"
       "actve = \"high\"\n",
@@ -102,7 +103,7 @@ TEST_CASE("TEMPer sticks of both protocols read as their users published") {
   CHECK(builtin_named("temper").size() == 2);
 }
 
-TEST_CASE("a report descriptor tells the lengths of the reports") {
+TEST_CASE("a report descriptor gives the lengths of the reports") {
   const Bytes plain{0x06, 0x00, 0xFF, 0x09, 0x01, 0xA1, 0x01, 0x19, 0x01, 0x29, 0x08, 0x15, 0x00, 0x26, 0xFF,
                     0x00, 0x75, 0x08, 0x95, 0x08, 0x81, 0x02, 0x19, 0x01, 0x29, 0x08, 0x91, 0x02, 0xC0};
   const HidReports reports = reports_in(plain);
@@ -132,7 +133,7 @@ TEST_CASE("no report descriptor and no report, however garbled, does harm") {
   });
 }
 
-TEST_CASE("a device that is not there, and two that are alike, are told with what to do") {
+TEST_CASE("a missing device, and two identical ones, are reported with what to do") {
   DeviceDescription pedal = read("foot_switch.toml");
   HidIdentity one{"/dev/hidraw0", 0x16C0, 0x27DB, "A1", "Maker", "Pedal", 0, 0, 0, {}};
   HidIdentity two = one;

@@ -20,7 +20,7 @@ bool says(const EnvironmentWatch& watch, const std::string& text) {
   return false;
 }
 
-TEST_CASE("a thermometer is read beside the monitor, told when it is pulled out, and read again when it is back") {
+TEST_CASE("a thermometer is read beside the monitor, reported when unplugged, and read again when it is back") {
   fake::Bus bus;
   EnvironmentWatch watch("temper", 0.1);
   CHECK(says(watch, "temper"));  // none is plugged in, and that is said
@@ -34,7 +34,7 @@ TEST_CASE("a thermometer is read beside the monitor, told when it is pulled out,
   CHECK(says(watch, "air 21.00 degC"));
 }
 
-TEST_CASE("a device that is no sensor of the surroundings is refused with its kind") {
+TEST_CASE("a device that is not an environment sensor is refused with its kind") {
   EnvironmentWatch watch("samples/devices/foot_switch.toml", 0.1);
   CHECK(says(watch, "trigger"));
 }

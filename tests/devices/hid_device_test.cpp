@@ -61,7 +61,7 @@ TEST_CASE("devices are listed with ids, names, serial number, interface, usage p
   CHECK(one.reports.input.at(0) == 8);
 }
 
-TEST_CASE("reports are read whole, within the time, and what is written arrives") {
+TEST_CASE("reports are read completely, within the time, and what is written arrives") {
   fake::Bus bus;
   const auto device = bus.plug(fake::pedal_spec());
   fake::Bytes arrived;
@@ -125,7 +125,7 @@ TEST_CASE("a press is a press once, however much the contact bounces") {
   foot.join();
 }
 
-TEST_CASE("a trigger that is unplugged is told once, waited for, and works again under another path") {
+TEST_CASE("an unplugged trigger is reported once, waited for, and works again under another path") {
   fake::Bus bus;
   auto device = bus.plug(fake::pedal_spec());
   auto port = DevicePort::open(pedal());

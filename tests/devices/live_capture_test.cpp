@@ -6,30 +6,17 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "tests/support/verb_run.hpp"
 #include "app/screens/verbs/live_screen.hpp"
 #include "app/ui/screen_program.hpp"
-#include "tests/support/fake_hid.hpp"
 #include "laser/measurement_set.hpp"
+#include "tests/support/fake_hid.hpp"
+#include "tests/support/screen_driver.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
 
-void rest(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
-
-std::string seen(const Screen& screen) {
-  return picture_of(screen, screen.title(), {}, Canvas(30, 120, Glyphs::unicode), false).plain_text();
-}
-
-bool shows(LiveScreen& screen, const std::string& text) {
-  for (int k = 0; k < 1000; ++k) {
-    (void)screen.advance();
-    if (seen(screen).find(text) != std::string::npos) return true;
-    rest(10);
-  }
-  MESSAGE(seen(screen));
-  return false;
-}
+using namespace screen_test;
 
 /// Three runs of three targets, forward and back.
 std::vector<std::string> words(const std::string& output) {
@@ -72,27 +59,27 @@ TEST_CASE(
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
   LiveScreen screen("laser capture", words(out));
   for (int k = 0; k < 18; ++k) {
-    REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1)));
+    REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1), 30, 120));
     if (k == 7) {
       pedal->unplug();
-      REQUIRE(shows(screen, "Nothing is lost: 7"));
+      REQUIRE(shows(screen, "Nothing is lost: 7", 30, 120));
       pedal = bus.plug(fake::pedal_spec());
-      REQUIRE(shows(screen, "is back"));
+      REQUIRE(shows(screen, "is back", 30, 120));
     }
     if (k == 11) {
       gauge->unplug();
-      REQUIRE(shows(screen, "Nothing is lost: 11"));
+      REQUIRE(shows(screen, "Nothing is lost: 11", 30, 120));
       fake::press(*pedal);
-      REQUIRE(shows(screen, "not taken: the gauge is unplugged"));
+      REQUIRE(shows(screen, "not taken: the gauge is unplugged", 30, 120));
       gauge = bus.plug(fake::gauge_spec());
-      REQUIRE(shows(screen, "Indicator (/dev/hidraw4"));
-      rest(100);
+      REQUIRE(shows(screen, "Indicator (/dev/hidraw4", 30, 120));
+      fake::rest(100);
     }
     fake::show(*gauge, 0.5 * k);
-    rest(60);
+    fake::rest(60);
     fake::press(*pedal, 35);
   }
-  REQUIRE(shows(screen, "18 readings of 18 targets written"));
+  REQUIRE(shows(screen, "18 readings of 18 targets written", 30, 120));
   const auto set = laser::read_measurement_set(out);
   REQUIRE(set);
   REQUIRE(set->readings.size() == 18);

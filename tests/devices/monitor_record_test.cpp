@@ -6,12 +6,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/verb_run.hpp"
-#include "tests/support/unit_model.hpp"
 #include "app/screens/unit/monitor_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/text.hpp"
 #include "tests/support/fake_hid.hpp"
+#include "tests/support/unit_model.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {

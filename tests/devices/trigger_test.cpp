@@ -1,9 +1,10 @@
+#include "devices/trigger.hpp"
+
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
 #include "devices/learn.hpp"
-#include "devices/trigger.hpp"
 
 namespace ecs::devices {
 namespace {
@@ -68,7 +69,7 @@ TEST_CASE("learning takes a key code of several bits as one mask") {
   CHECK(key->trigger.mask == 0x05);
 }
 
-TEST_CASE("learning tells the number of the report, and passes over other reports") {
+TEST_CASE("learning gives the number of the report and ignores other reports") {
   auto reports = pressed(3, [](bool held, int) { return Bytes{2, held ? std::uint8_t{1} : std::uint8_t{0}}; });
   for (int k = 0; k < 5; ++k) reports.push_back({0.01 * k, Bytes{1, 0x55}});
   std::sort(reports.begin(), reports.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });

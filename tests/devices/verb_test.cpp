@@ -4,13 +4,11 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/verb_run.hpp"
 #include "tests/support/fake_hid.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
-
-void rest(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
 TEST_CASE("devices lists what is plugged in, and which description fits") {
   fake::Bus bus;
@@ -36,7 +34,7 @@ TEST_CASE("learn writes a description that takes the presses of that device") {
   const Folder folder;
   const std::string file = folder / "pedal.toml";
   std::thread foot([&] {
-    rest(400);
+    fake::rest(400);
     for (int k = 0; k < 3; ++k) fake::press_bouncing(*pedal, 2);
   });
   const Ran run = ran({"laser", "devices", "--learn", "-o", file, "--name", "pedal", "--timeout", "10", "--json"});
@@ -48,9 +46,9 @@ TEST_CASE("learn writes a description that takes the presses of that device") {
   CHECK(run.json()["debounce_ms"] >= 20);
   CHECK(run.messages.find("3 of 3") != std::string::npos);
   std::thread again([&] {
-    rest(400);
+    fake::rest(400);
     fake::press(*pedal);
-    rest(200);
+    fake::rest(200);
     fake::press(*pedal);
   });
   const Ran tried = ran({"laser", "devices", "--try", file, "--count", "2", "--timeout", "5"});
@@ -63,10 +61,10 @@ TEST_CASE("learn refuses a device whose counter moves with the button") {
   const auto pedal = bus.plug(fake::pedal_spec());
   const Folder folder;
   std::thread foot([&] {
-    rest(400);
+    fake::rest(400);
     for (std::uint8_t k = 0; k < 6; ++k) {
       pedal->send({static_cast<std::uint8_t>(k % 2 == 0 ? 1 : 0), 0, 0, static_cast<std::uint8_t>(k + 1), 0, 0, 0, 0});
-      rest(120);
+      fake::rest(120);
     }
   });
   const Ran run = ran({"laser", "devices", "--learn", "-o", folder / "p.toml", "--timeout", "10"});

@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "laser/writers/measurement_writer.hpp"
 #include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -63,7 +64,7 @@ TEST_CASE("a moved axis without its position column is read with 0 and a note") 
   CHECK(says(set->notes, "no column x_mm"));
 }
 
-TEST_CASE("CRLF, byte order mark, blanks and quotes are taken as they come") {
+TEST_CASE("CRLF, byte order mark, blanks and quotes are accepted") {
   const auto set = read_measurement_set(sample("windows.csv"));
   REQUIRE_MESSAGE(set.has_value(), to_text(set.error()));
   CHECK(metadata_value(*set, "machine") == "Fr\xC3\xA4se 7");

@@ -7,6 +7,7 @@
 
 #include "base/file.hpp"
 #include "tests/support/random_parameters.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::params;
@@ -24,7 +25,7 @@ std::string refusal(std::string_view key, std::string_view text) {
 
 }  // namespace
 
-TEST_CASE("every parameter that thesis 5.3 lists stands in the table under its thesis name") {
+TEST_CASE("every parameter that thesis 5.3 lists is in the table under its thesis name") {
   std::string names;
   for (const Field& field : fields()) names += field.thesis_name + "\n";
   for (const char* name : {"number of machine axes",
@@ -114,7 +115,8 @@ TEST_CASE("a misspelt word is answered with the nearest choice, a misspelt key w
 }
 
 TEST_CASE("a key without its table is answered with every full key that ends so") {
-  CHECK(contains(refusal("deadband_um", "2"), "\"axis.X.deadband_um\" or \"axis.Y.deadband_um\" or \"axis.Z.deadband_um\""));
+  CHECK(contains(refusal("deadband_um", "2"),
+                 "\"axis.X.deadband_um\" or \"axis.Y.deadband_um\" or \"axis.Z.deadband_um\""));
 }
 
 TEST_CASE("a chain must have one T and different letters of XYZ") {

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "params/check.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::params;
@@ -25,7 +26,7 @@ std::string failure(std::string_view text) {
 
 }  // namespace
 
-TEST_CASE("the mill's file is read whole, and its [emulator] table is not its reader's business") {
+TEST_CASE("the mill's file is read completely, and its [emulator] table is ignored") {
   const auto file = read_machine("samples/params/mill_machine.toml");
   REQUIRE(file.has_value());
   CHECK(file->warnings.empty());
@@ -133,7 +134,7 @@ TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
     CHECK(contains(failure(std::string("configuration = \"TX\"\n[axis.X]\ntravel_mm = ") + travel), "the lower first"));
 }
 
-TEST_CASE("axis keys may be dotted and stand before their table's other parts") {
+TEST_CASE("axis keys may be dotted and come before their table's other parts") {
   const auto file = parse_machine("configuration = \"TX\"\naxis.X.travel_mm = [0, 1]\n", "m.toml");
   REQUIRE(file.has_value());
   const auto other = parse_machine(

@@ -108,7 +108,7 @@ TEST_CASE("the written file explains each field with unit, range and default, an
   CHECK(text.find("\n[axis.Z.datum]\n") != std::string::npos);
 }
 
-TEST_CASE("tables may stand in any order and keys may be dotted") {
+TEST_CASE("tables may come in any order and keys may be dotted") {
   const auto file = parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n[axis.X]\ndeadband_um = 3\n");
   REQUIRE(file.has_value());
   CHECK(file->parameters.axes[2].deadband_um == 7.0);
@@ -147,7 +147,7 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
     for (const auto& line : found) MESSAGE(line);
 }
 
-TEST_CASE("a file that is no TOML is refused at the place where it stops being TOML") {
+TEST_CASE("a file that is not TOML is refused at the place of the error") {
   const auto file = read_parameters("samples/params/broken_syntax.toml");
   REQUIRE_FALSE(file.has_value());
   CHECK(file.error().line == 3);
@@ -164,7 +164,7 @@ TEST_CASE("tables where values belong, and values where tables belong, are refus
     CHECK_MESSAGE(!parsed(text).has_value(), text);
 }
 
-TEST_CASE("no text, however spoilt, makes the reader throw") {
+TEST_CASE("no text, however corrupted, makes the reader throw") {
   const std::string sound = parameters_toml(UnitParameters{});
   CHECK(rc::check([&] {
     std::string spoilt = sound;

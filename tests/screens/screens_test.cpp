@@ -13,24 +13,17 @@
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/file.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/screen_driver.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
+using namespace ecs::app::screen_test;
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-
-std::string seen(const Screen& screen, Glyphs glyphs = Glyphs::unicode) {
-  return picture_of(screen, screen.title(), {}, Canvas(24, 80, glyphs), false).plain_text();
-}
-/// A controller whose line cannot be opened.
-std::shared_ptr<UnitConnection> nowhere() { return std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"); }
-
-void type(Screen& screen, const std::string& text) {
-  for (const char c : text) (void)screen.on_key({Key::Name::letter, static_cast<char32_t>(c)});
-}
-Step press(Screen& screen, Key::Name name) { return screen.on_key({name}); }
 
 /// Until its work is done; a minute at most.
 void finish(Screen& screen) {
@@ -46,12 +39,9 @@ const VerbEntry& entry(const std::vector<MenuEntry>& menus, const std::string& n
 }
 
 /// A line of X measured three times both ways: a screw error of 8 mm period that the model lacks, and noise.
-struct Case {
-  fs::path folder = fs::temp_directory_path() / "ecs-screens-test";
+struct ModelCase : ecs::StateFolder {
   ModelArguments files;
-  Case() {
-    fs::create_directories(folder);
-    ::setenv("ECS_STATE_DIR", (folder / "state").c_str(), 1);
+  ModelCase() {
     std::string csv = "axis,x_mm,sense,reading,approach,run\n";
     unsigned seed = 7;
     const auto noise = [&seed] {  // uniform, standard deviation about 0.2
@@ -66,12 +56,11 @@ struct Case {
           csv += "X," + std::to_string(x) + ",EX," + std::to_string(um) + "," + std::to_string(approach) + "," +
                  std::to_string(run) + "\n";
         }
-    REQUIRE(ecs::write_file(folder / "data.csv", csv));
-    REQUIRE(ecs::write_file(folder / "model.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n"));
-    files.model = (folder / "model.toml").string();
-    files.data = {(folder / "data.csv").string()};
+    (void)with("data.csv", csv);
+    (void)with("model.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n");
+    files.model = *this / "model.toml";
+    files.data = {*this / "data.csv"};
   }
-  ~Case() { fs::remove_all(folder); }
   [[nodiscard]] ModelScreen screen() const {
     auto controller = ModelController::open(files);
     REQUIRE(controller);
@@ -82,12 +71,12 @@ struct Case {
 }  // namespace
 
 TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an action by its name") {
-  const auto menu = main_menu(nowhere());
-  const std::string text = seen(*menu);
+  const auto menu = main_menu(no_link());
+  const std::string text = picture(*menu);
   for (const char* title : {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"})
     CHECK(contains(text, title));
   type(*menu, "/datum rec");
-  CHECK(contains(seen(*menu), "> utility datum record"));
+  CHECK(contains(picture(*menu), "> utility datum record"));
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(press(*menu, Key::Name::escape).kind == Step::Kind::back);
 }
@@ -104,37 +93,37 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 }
 
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), nowhere());
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), no_link());
   (void)press(form, Key::Name::enter);
-  CHECK(contains(seen(form), "is needed"));
+  CHECK(contains(picture(form), "is needed"));
   type(form, "samples/laser/x_axis.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
-  const std::string text = seen(form);
+  const std::string text = picture(form);
   CHECK(contains(text, "done"));
   CHECK(contains(text, "samples/laser/x_axis.csv: EXX"));
 }
 
 TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), nowhere());
+  VerbScreen form(entry(verb_catalogue(), "laser stats"), no_link());
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
-  CHECK(contains(seen(form), "ended with code 3"));
-  CHECK(contains(seen(form), "no_such_file.csv"));
+  CHECK(contains(picture(form), "ended with code 3"));
+  CHECK(contains(picture(form), "no_such_file.csv"));
 }
 
 TEST_CASE("the model screen finds the missing effect, adds it on one key, and the error visibly falls") {
-  const Case one;
+  const ModelCase one;
   ModelScreen screen = one.screen();
-  CHECK(contains(seen(screen), "what the model leaves"));
+  CHECK(contains(picture(screen), "what the model leaves"));
   (void)screen.on_key({Key::Name::letter, U'd'});
-  CHECK(contains(seen(screen), "looking for what is missing"));
+  CHECK(contains(picture(screen), "looking for what is missing"));
   finish(screen);
-  CHECK(contains(seen(screen), "> cyclic:X:EX"));
+  CHECK(contains(picture(screen), "> cyclic:X:EX"));
   (void)screen.on_key({Key::Name::letter, U'a'});
   finish(screen);
-  const std::string ladder = seen(screen);
+  const std::string ladder = picture(screen);
   CHECK(contains(ladder, "+ cyclic:X:EX"));
   CHECK(contains(ladder, "noise of one reading"));
   CHECK_FALSE(screen.unsaved().empty());
@@ -143,24 +132,24 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
   (void)screen.on_key({Key::Name::letter, U'u'});
   finish(screen);
-  CHECK(contains(seen(screen), "taken back: cyclic:X:EX"));
+  CHECK(contains(picture(screen), "taken back: cyclic:X:EX"));
 }
 
 TEST_CASE("leaving with unsaved work asks once") {
-  const Case one;
+  const ModelCase one;
   ModelScreen screen = one.screen();
   (void)screen.on_key({Key::Name::letter, U'd'});
   finish(screen);
   (void)screen.on_key({Key::Name::letter, U'a'});
   finish(screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  CHECK(contains(seen(screen), "Leave without saving the model?"));
+  CHECK(contains(picture(screen), "Leave without saving the model?"));
   CHECK(press(screen, Key::Name::enter).kind == Step::Kind::stay);
   CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
 }
 
 TEST_CASE("a model that was not saved when the program ended is offered again") {
-  const Case one;
+  const ModelCase one;
   {
     ModelScreen screen = one.screen();
     (void)screen.on_key({Key::Name::letter, U'd'});
@@ -173,37 +162,37 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
     CHECK(later.on_key({Key::Name::letter, U'n'}).kind == Step::Kind::back);  // not now: it stays
   }
   ModelScreen again = one.screen();
-  CHECK(contains(seen(again), "Unsaved work on this model was found"));
+  CHECK(contains(picture(again), "Unsaved work on this model was found"));
   (void)again.on_key({Key::Name::letter, U'y'});
   finish(again);
   CHECK_FALSE(again.unsaved().empty());
   (void)again.on_key({Key::Name::letter, U's'});
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
-  CHECK_FALSE(contains(seen(one.screen()), "Unsaved work"));
+  CHECK_FALSE(contains(picture(one.screen()), "Unsaved work"));
 }
 
-TEST_CASE("a diagnosis that is given up ends soon and leaves nothing behind") {
-  const Case one;
+TEST_CASE("a cancelled diagnosis ends soon and leaves nothing behind") {
+  const ModelCase one;
   ModelScreen screen = one.screen();
   (void)screen.on_key({Key::Name::letter, U'd'});
   (void)press(screen, Key::Name::escape);
   finish(screen);
-  CHECK(contains(seen(screen), "given up"));
-  CHECK(contains(seen(screen), "Press d"));
+  CHECK(contains(picture(screen), "given up"));
+  CHECK(contains(picture(screen), "Press d"));
 }
 
-TEST_CASE("what compensation would leave is told, and one run is shown alone") {
-  const Case one;
+TEST_CASE("the error left after compensation is given, and one run is shown alone") {
+  const ModelCase one;
   ModelScreen screen = one.screen();
   (void)screen.on_key({Key::Name::letter, U'r'});
-  CHECK(contains(seen(screen), "run 1"));
+  CHECK(contains(picture(screen), "run 1"));
   (void)screen.on_key({Key::Name::letter, U'w'});
   finish(screen);
-  CHECK(contains(seen(screen), "would bring the rms from"));
+  CHECK(contains(picture(screen), "would bring the rms from"));
 }
 
 TEST_CASE("the model screen fits any size and any terminal") {
-  const Case one;
+  const ModelCase one;
   ModelScreen screen = one.screen();
   for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}})
     for (int page = 0; page < 6; ++page) {
@@ -214,7 +203,7 @@ TEST_CASE("the model screen fits any size and any terminal") {
 }
 
 TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {
-  const Case one;
+  const ModelCase one;
   ModelForm form;
   type(form, one.files.model);
   (void)press(form, Key::Name::enter);
@@ -222,55 +211,55 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
   finish(form);
-  CHECK(contains(seen(form), "no_data.csv"));
-  CHECK(contains(seen(form), "no such file"));
+  CHECK(contains(picture(form), "no_data.csv"));
+  CHECK(contains(picture(form), "no such file"));
   CHECK(form.opens_by_itself() == nullptr);
 }
 
 TEST_CASE("a model file that does not exist yet is begun after a question, and the error falls without any verb") {
-  const Case one;
-  const std::string fresh = (one.folder / "fresh.toml").string();
+  const ModelCase one;
+  const std::string fresh = (one.path / "fresh.toml").string();
   ModelForm form;
   type(form, fresh);
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
-  CHECK(contains(seen(form), "Begin a new model?"));
+  CHECK(contains(picture(form), "Begin a new model?"));
   CHECK_FALSE(fs::exists(fresh));
   (void)form.on_key({Key::Name::letter, U'y'});
   finish(form);
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
   CHECK(fs::exists(fresh));
-  CHECK(contains(seen(*screen), "with offset, slope and backlash"));
+  CHECK(contains(picture(*screen), "with offset, slope and backlash"));
   (void)screen->on_key({Key::Name::letter, U'd'});
   finish(*screen);
-  CHECK(contains(seen(*screen), "cyclic:X:EX"));
+  CHECK(contains(picture(*screen), "cyclic:X:EX"));
   (void)screen->on_key({Key::Name::letter, U'a'});
   finish(*screen);
-  CHECK(contains(seen(*screen), "added cyclic:X:EX"));
+  CHECK(contains(picture(*screen), "added cyclic:X:EX"));
   (void)screen->on_key({Key::Name::letter, U's'});
   CHECK(contains(ecs::read_file(fresh).value(), "cyclic"));
 }
 
 TEST_CASE("without any model file one is proposed beside the measurements, and no asks for another name") {
-  const Case one;
+  const ModelCase one;
   ModelForm form;
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
-  CHECK(contains(seen(form), "data.model.toml"));
+  CHECK(contains(picture(form), "data.model.toml"));
   (void)form.on_key({Key::Name::letter, U'n'});
-  CHECK_FALSE(contains(seen(form), "Begin a new model?"));
-  CHECK_FALSE(fs::exists(one.folder / "data.model.toml"));
+  CHECK_FALSE(contains(picture(form), "Begin a new model?"));
+  CHECK_FALSE(fs::exists(one.path / "data.model.toml"));
   CHECK(form.typing());
 }
 
 TEST_CASE("measurements that cannot be read leave no new model file behind") {
-  const Case one;
-  const std::string fresh = (one.folder / "fresh.toml").string();
+  const ModelCase one;
+  const std::string fresh = (one.path / "fresh.toml").string();
   ModelForm form;
   type(form, fresh);
   (void)press(form, Key::Name::enter);
@@ -279,12 +268,12 @@ TEST_CASE("measurements that cannot be read leave no new model file behind") {
   (void)press(form, Key::Name::enter);
   (void)form.on_key({Key::Name::letter, U'y'});
   finish(form);
-  CHECK(contains(seen(form), "no_data.csv"));
+  CHECK(contains(picture(form), "no_data.csv"));
   CHECK_FALSE(fs::exists(fresh));
 }
 
 TEST_CASE("the answer of a verb moves sideways with its headings, and marks where it goes on") {
-  VerbScreen form(entry(verb_catalogue(), "model effects"), nowhere());
+  VerbScreen form(entry(verb_catalogue(), "model effects"), no_link());
   (void)press(form, Key::Name::enter);
   finish(form);
   const auto at = [&form](int columns) {
@@ -318,7 +307,7 @@ TEST_CASE("the answer of a verb moves sideways with its headings, and marks wher
 }
 
 TEST_CASE("saving a model for the first time keeps the file as it was beside it") {
-  const Case one;
+  const ModelCase one;
   const std::string by_hand = "# my own note\n" + ecs::read_file(one.files.model).value();
   REQUIRE(ecs::write_file(one.files.model, by_hand));
   ModelScreen screen = one.screen();
@@ -340,21 +329,21 @@ TEST_CASE("paths with blanks are completed in quotes, among several too") {
 }
 
 TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wheel moves") {
-  const auto menu = main_menu(nowhere());
-  const std::string text = seen(*menu);
+  const auto menu = main_menu(no_link());
+  const std::string text = picture(*menu);
   const auto row_of = [&text](const std::string& name) {
     return static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(text.find(name)), '\n'));
   };
   const Key click{Key::Name::mouse, 0, 0, row_of("ECS UTILITY"), 10};
   CHECK(menu->on_key(click).kind == Step::Kind::stay);
-  CHECK(contains(seen(*menu), "> ECS UTILITY"));
+  CHECK(contains(picture(*menu), "> ECS UTILITY"));
   CHECK(menu->on_key(click).kind == Step::Kind::open);
   (void)menu->on_key({Key::Name::wheel_up, 0, 0, 10, 10});
-  CHECK(contains(seen(*menu), "> E.C.S. PARAMETERS"));
+  CHECK(contains(picture(*menu), "> E.C.S. PARAMETERS"));
 }
 
 TEST_CASE("a file can be typed on the model screen where the terminal is narrow") {
-  const Case one;
+  const ModelCase one;
   ModelScreen screen = one.screen();
   (void)screen.on_key({Key::Name::letter, U'o'});
   type(screen, "again.csv");

@@ -8,51 +8,31 @@
 #include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <termios.h>
 
 #include "tests/support/unit_screen.hpp"
 
-namespace ecs::app::unit_case {
+namespace ecs::app::screen_test {
 
 /// `ecs-emulator serve` with these options besides machine and line.
 class OwnEmulator {
  public:
-  OwnEmulator(const UnitCase& one, std::vector<std::string> options) : pty((one.folder / "line").string()) {
-    std::vector<std::string> words{emulator_program()->string(),
-                                   "serve",
-                                   "--machine",
-                                   sample_machine()->string(),
-                                   "--pty",
-                                   pty,
-                                   "--workshop",
-                                   workshop(one)};
+  OwnEmulator(const StateFolder& one, std::vector<std::string> options) : pty((one.path / "line").string()) {
+    std::vector<std::string> words{kEmulator, "serve", "--machine",  "samples/mill/machine.toml",
+                                   "--pty",   pty,     "--workshop", workshop(one)};
     words.insert(words.end(), options.begin(), options.end());
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    ::posix_spawn_file_actions_init(&files);
-    ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0600);
-    ::posix_spawn(&child_, pointers.front(), &files, nullptr, pointers.data(), environ);
-    ::posix_spawn_file_actions_destroy(&files);
+    child_ = started(words);
     for (int k = 0; k < 3000 && !std::filesystem::exists(workshop(one)); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   OwnEmulator(const OwnEmulator&) = delete;
   OwnEmulator& operator=(const OwnEmulator&) = delete;
-  ~OwnEmulator() {
-    if (child_ <= 0) return;
-    ::kill(child_, SIGTERM);
-    ::waitpid(child_, nullptr, 0);
-  }
-  [[nodiscard]] static std::string workshop(const UnitCase& one) { return (one.folder / "shop").string(); }
+  ~OwnEmulator() { end_process(child_, SIGTERM); }
+  [[nodiscard]] static std::string workshop(const StateFolder& one) { return (one.path / "shop").string(); }
   /// A line fault, as `ecs-emulator workshop … fault` takes it.
-  static void fault(const UnitCase& one, const std::string& words) {
-    const std::string command = emulator_program()->string() + " workshop " + workshop(one) + " fault " + words;
+  static void fault(const StateFolder& one, const std::string& words) {
+    const std::string command = kEmulator + " workshop " + workshop(one) + " fault " + words;
     REQUIRE(std::system((command + " > /dev/null").c_str()) == 0);
   }
   std::string pty;
@@ -130,4 +110,4 @@ class BadLine {
   std::jthread thread_;
 };
 
-}  // namespace ecs::app::unit_case
+}  // namespace ecs::app::screen_test

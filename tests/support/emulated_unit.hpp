@@ -75,4 +75,10 @@ struct Bench {
   UnitParameters parameters;
 };
 
+inline bool all_relays(const Bench& bench, bool closed) {
+  for (const auto& drive : bench.simulation.drives())
+    if (drive.relay_closed != closed) return false;
+  return true;
+}
+
 }  // namespace ecs::emulator::test

@@ -26,7 +26,6 @@ std::string hex_of(const Bytes& bytes) {
   return text;
 }
 
-void rest(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
 /// The one ioctl that hidapi needs to open a device, and what a feature report answers.
 void answer_ioctls(UMockdevTestbed* testbed, const DeviceSpec& spec, int number) {

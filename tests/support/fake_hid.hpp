@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -15,6 +16,8 @@
 struct _UMockdevTestbed;
 
 namespace ecs::fake {
+
+inline void rest(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
 using Bytes = std::vector<std::uint8_t>;
 

@@ -17,40 +17,11 @@
 
 #include "app/screens/laser/screen.hpp"
 #include "app/ui/screen_program.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 
 inline const std::string kNoUnit = "rtu:/nowhere/at/all:115200";
-
-class LaserFolder {
- public:
-  LaserFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "ecs-laser-XXXXXX").string();
-    path = ::mkdtemp(name.data());
-    ::setenv("ECS_STATE_DIR", (path / "state").c_str(), 1);
-    ::setenv("XDG_CONFIG_HOME", (path / "config").c_str(), 1);
-  }
-  LaserFolder(const LaserFolder&) = delete;
-  LaserFolder& operator=(const LaserFolder&) = delete;
-  ~LaserFolder() {
-    ::unsetenv("ECS_STATE_DIR");
-    ::unsetenv("XDG_CONFIG_HOME");
-    std::error_code error;
-    std::filesystem::remove_all(path, error);
-  }
-  std::string with(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories((path / name).parent_path());
-    std::ofstream(path / name) << text;
-    return (path / name).string();
-  }
-  [[nodiscard]] std::string text(const std::string& name) const {
-    std::ifstream file(path / name, std::ios::binary);
-    std::ostringstream out;
-    out << file.rdbuf();
-    return out.str();
-  }
-  std::filesystem::path path;
-};
 
 /// One measured line: three runs there and back, the error a function of the position, 1 um apart from run to run,
 /// reverse 2 um above forward.
@@ -62,6 +33,8 @@ struct Measured {
   std::string instrument = "linear";
   bool compensated = false;
 };
+inline const std::string kExx = "EX along X at Y -1400, Z 0";
+inline const Measured kPositioning{'X', "EX", 0, -400, 50, {0, -1400, 0}};
 using ErrorAt = std::function<double(double)>;
 
 inline std::string measured_csv(const Measured& m, const ErrorAt& error) {
@@ -88,7 +61,7 @@ inline std::string measured_csv(const Measured& m, const ErrorAt& error) {
 }
 
 /// The files that samples/mill/recipe.toml names, measured by formulas.
-inline void measure_mill(const LaserFolder& folder) {
+inline void measure_mill(const StateFolder& folder) {
   struct Line {
     const char* name;
     Measured m;

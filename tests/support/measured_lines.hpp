@@ -22,6 +22,9 @@ struct Plan {
 
 using Truth = std::function<double(const laser::Reading&)>;
 
+inline constexpr double kNoise_um = 0.3;
+inline double nothing(const laser::Reading&) { return 0.0; }
+
 /// Readings every 10 s, runs 200 s apart; normal noise.
 inline void measure(laser::MeasurementSet& set, const Plan& plan, double noise_um, const Truth& truth,
                     unsigned seed = 1) {

@@ -8,8 +8,6 @@
 
 namespace ecs::model::test {
 
-inline constexpr double kNoise_um = 0.3;
-
 /// One session; `conditions` changes every reading before the truth is asked.
 inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
                                      const std::function<void(laser::Reading&)>& conditions) {

@@ -1,7 +1,6 @@
 // Readings and curves made up by hand for the tests of laser/. Does not live here: tests.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "core/parameters.hpp"
 #include "laser/analysis/curve.hpp"
 #include "laser/measurement_set.hpp"
 
@@ -53,21 +53,21 @@ inline Curve curve_of(const std::vector<Stop>& stops) {
   return *curve;
 }
 
+/// Parameters of a machine with the axis X alone.
+inline UnitParameters one_axis() {
+  UnitParameters p;
+  p.configuration = {'T', 'X', 0, 0, 0};
+  p.axis_present = {true, false, false};
+  p.scope = Scope::linear;
+  return p;
+}
+
 inline std::filesystem::path sample(const std::string& name) { return "samples/laser/" + name; }
 
 inline std::string sample_text(const std::string& name) {
   const auto text = read_file(sample(name));
   REQUIRE_MESSAGE(text.has_value(), name);
   return *text;
-}
-
-/// Folder of the real data; empty with a message where it is absent.
-inline std::filesystem::path shared_data(const std::string& folder) {
-  const char* const root = std::getenv("ECS_SHARED_DATA");
-  const std::filesystem::path path = std::filesystem::path(root == nullptr ? "../shared/data" : root) / folder;
-  if (std::filesystem::exists(path)) return path;
-  MESSAGE("skipped: no " << path.string());
-  return {};
 }
 
 /// True if some entry contains the words.

@@ -5,7 +5,9 @@
 
 #include <doctest/doctest.h>
 
+#include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::emulator::test {
 
@@ -57,9 +59,29 @@ inline TrueErrors errors_of(const std::string& text) {
   return std::move(*errors);
 }
 
+/// Why the errors are refused.
+inline std::string refused_errors(const std::string& text) {
+  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
+  REQUIRE(!errors.has_value());
+  return to_text(errors.error());
+}
+
 inline Simulation simulation_of(const std::string& errors, const std::string& machine = small_machine(),
                                 std::uint64_t seed = 1) {
   return Simulation(machine_of(machine + kPerfectInstruments), errors_of(errors), seed);
+}
+
+inline laser::MeasurementSet measured(Simulation& simulation, const MeasurementPlan& plan) {
+  auto set = measure(simulation, plan);
+  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
+  return std::move(*set);
+}
+
+inline double reading_at(const laser::MeasurementSet& set, double target_mm, Approach approach) {
+  for (const auto& reading : set.readings)
+    if (laser::target_mm(reading) == target_mm && reading.approach == approach) return reading.error;
+  FAIL("no reading at " << target_mm);
+  return 0.0;
 }
 
 }  // namespace ecs::emulator::test

@@ -6,6 +6,7 @@
 
 #include "app/ui/widgets.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
 
 TEST_CASE("text is cut at the right edge and says so") {

@@ -5,6 +5,9 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/test.hpp"
+
+using namespace ecs;
 using namespace ecs::app;
 
 namespace {
@@ -66,7 +69,7 @@ TEST_CASE("zoom keeps inside the data and comes back to all of it") {
   CHECK_FALSE(view.x_from.has_value());
 }
 
-TEST_CASE("no room, no points, one point: a chart says so and never breaks") {
+TEST_CASE("no space, no points, one point: a chart says so") {
   CHECK(contains(drawn({}, Glyphs::unicode, 3, 10), "no room"));
   Canvas canvas(12, 60);
   draw_chart(canvas, canvas.whole(), {"t", "x", "y", {}}, {});

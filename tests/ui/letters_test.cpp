@@ -6,6 +6,7 @@
 
 #include "app/ui/widgets.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
 
 TEST_CASE("a Chinese letter takes two columns, an accent over a letter none") {
@@ -88,7 +89,7 @@ TEST_CASE("text filled up takes exactly its columns, whatever the letters") {
   }));
 }
 
-TEST_CASE("the cursor stands behind the wide letters that were typed, also in a narrow field") {
+TEST_CASE("the cursor is after the wide letters that were typed, also in a narrow field") {
   TextLine line("测量");
   CHECK(line.cursor_column(20) == 4);
   CHECK(line.on_key({Key::Name::left}));

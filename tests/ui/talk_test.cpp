@@ -10,7 +10,9 @@
 #include "app/ui/overlay.hpp"
 #include "app/ui/screen_program.hpp"
 #include "commissioning/session/event_log.hpp"
+#include "tests/support/test.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
 
 namespace {
@@ -19,7 +21,7 @@ const std::string kLong =
     "rtu unit 3, registers 0x0100-0x0107: expected an answer within 500 ms, got none in three tries; look at the plug, "
     "then at the number of the unit, then at the speed";
 
-std::string drawn(const MessageLine& message, int rows, int columns, Glyphs glyphs = Glyphs::unicode) {
+std::string drawn_message(const MessageLine& message, int rows, int columns, Glyphs glyphs = Glyphs::unicode) {
   Canvas canvas(rows, columns, glyphs);
   message.draw(canvas, canvas.whole());
   return canvas.plain_text();
@@ -53,17 +55,18 @@ TEST_CASE("a message asks for the rows it needs, and no more than it may have") 
   message.say(kLong);
   CHECK(message.rows(78, 4) == 3);
   CHECK(message.rows(78, 2) == 2);
-  CHECK(contains(drawn(message, 3, 78), "speed\n"));
+  CHECK(contains(drawn_message(message, 3, 78), "speed\n"));
 }
 
-TEST_CASE("a message without enough rows ends at a whole word with a mark and the key that shows all of it") {
+TEST_CASE("a message without enough rows ends at a complete word with a mark and the key that shows all of it") {
   MessageLine message;
   message.say(kLong);
-  CHECK(drawn(message, 1, 60) == "rtu unit 3, registers 0x0100-0x0107: expected an answer … F2\n");
-  CHECK(drawn(message, 1, 60, Glyphs::ascii) == "rtu unit 3, registers 0x0100-0x0107: expected an      ... F2\n");
+  CHECK(drawn_message(message, 1, 60) == "rtu unit 3, registers 0x0100-0x0107: expected an answer … F2\n");
+  CHECK(drawn_message(message, 1, 60, Glyphs::ascii) ==
+        "rtu unit 3, registers 0x0100-0x0107: expected an      ... F2\n");
 }
 
-TEST_CASE("F2 shows the whole text in a box that scrolls, and any other key takes it away") {
+TEST_CASE("F2 shows the whole text in a box that scrolls, and any other key closes it") {
   const Teller teller(kLong);
   const Canvas cut = picture(teller, 24, 40);
   REQUIRE(cut.whole_texts() == std::vector<std::string>{kLong});
@@ -97,7 +100,7 @@ TEST_CASE("F2 is named only where something is cut") {
   CHECK_FALSE(contains(picture(teller).plain_text(), "F2"));
 }
 
-TEST_CASE("a paragraph that finds no row at all is still shown by F2") {
+TEST_CASE("a paragraph without a row is still shown by F2") {
   Canvas canvas(2, 40);
   canvas.paragraph(canvas.whole(), 2, "nowhere to stand");
   CHECK(canvas.whole_texts() == std::vector<std::string>{"nowhere to stand"});
@@ -129,7 +132,7 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
   CHECK(help.shown());
 }
 
-TEST_CASE("a fault stands in the header whole, however long the name of the line") {
+TEST_CASE("a fault is shown completely in the header, however long the name of the link") {
   const Teller teller("done");
   const Standing standing{"rtu:/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0:115200",
                           "compensation, FAULT position jump", true};
@@ -138,7 +141,7 @@ TEST_CASE("a fault stands in the header whole, however long the name of the line
   CHECK(contains(text, "teller"));
 }
 
-TEST_CASE("a click on the key line is the key that stands there, of several the one that was hit") {
+TEST_CASE("a click on the key line is the key shown there, of several the one that was hit") {
   const Area line{23, 0, 1, 80};
   const KeyLine keys{Teller("done").keys(), {{"?", "help"}}};
   // Enter open  up/down choose  + - 0 zoom  Tab 1-5 page

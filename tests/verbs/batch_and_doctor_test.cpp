@@ -9,7 +9,7 @@
 namespace ecs::app {
 namespace {
 
-TEST_CASE("a plan without a link has none by default, and every fault of it is told") {
+TEST_CASE("a plan without a link has none by default, and every fault of it is reported") {
   const auto plan = parse_batch_plan(
       "[[unit]]\nname = \"a\"\nparams = \"p.toml\"\n\n[[unit]]\nlink = \"rtu:nonsense\"\n"
       "parms = \"p.toml\"\n",
@@ -33,7 +33,7 @@ TEST_CASE("files of a plan count from its folder") {
   CHECK(plan->front().name == "unit 1");
 }
 
-TEST_CASE("what is wrong with a plan is told in the order of its lines") {
+TEST_CASE("faults of a plan are reported in the order of its lines") {
   const auto plan =
       parse_batch_plan("[[unit]]\nlink = \"tcp:h\"\nnonsense = 1\n[[unit]]\nparams = 3\nodd = 1\n", "p", "/");
   REQUIRE_FALSE(plan);
@@ -75,7 +75,7 @@ TEST_CASE("one unit that fails does not stop the others, and a lost link makes e
   CHECK(units[1]["error"]["message"].get<std::string>().find("no such port") != std::string::npos);
 }
 
-TEST_CASE("the doctor says that a port does not exist, or is none") {
+TEST_CASE("the doctor says that a port does not exist, or is not a port") {
   const Ran missing = ran({"doctor", "--link", "rtu:/dev/no-such-port:9600", "--json"});
   CHECK(missing.code == 4);
   CHECK(missing.json()["works"] == false);

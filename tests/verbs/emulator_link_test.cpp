@@ -3,44 +3,22 @@
 #include <thread>
 
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "commissioning/memory/dump.hpp"
+#include "tests/support/emulator.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
 
 const std::string kEcs = std::string(ECS_BUILD_FOLDER) + "/app/ecs";
-const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
 
-bool built(const std::string& program) {
-  if (std::filesystem::exists(program)) return true;
-  MESSAGE("skipped: " << program << " is not built");
-  return false;
-}
-
-/// A workspace with an empty battery, no stored link, and parameters with a map for the sample mill.
-class Workspace {
- public:
-  Workspace() {
-    ::setenv("ECS_EMULATOR", kEmulator.c_str(), 1);
-    ::setenv("ECS_STATE_DIR", (folder / "state").c_str(), 1);
-    ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
-  }
-  Workspace(const Workspace&) = delete;
-  Workspace& operator=(const Workspace&) = delete;
-  ~Workspace() {
-    for (const char* name : {"ECS_EMULATOR", "ECS_STATE_DIR", "XDG_CONFIG_HOME"}) ::unsetenv(name);
-  }
-
-  Folder folder;
+/// An empty battery, no stored link, and parameters with a map for the sample mill.
+struct EmulatorWorkspace {
+  StateFolder folder;
   std::string params =
       folder.with("p.toml", "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
   std::string map = folder.with("map.csv",
@@ -49,20 +27,9 @@ class Workspace {
 };
 
 /// The real program with its own process, so that signals can be sent to it.
-pid_t started(const std::vector<std::string>& words, const std::string& output) {
-  std::vector<std::string> all = words;
-  all.insert(all.begin(), kEcs);
-  std::vector<char*> pointers;
-  for (std::string& word : all) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0600);
-  pid_t child = -1;
-  ::posix_spawn(&child, kEcs.c_str(), &files, nullptr, pointers.data(), environ);
-  ::posix_spawn_file_actions_destroy(&files);
-  return child;
+pid_t ecs_started(std::vector<std::string> words, const std::string& output) {
+  words.insert(words.begin(), kEcs);
+  return started(words, output);
 }
 
 int exit_code_of_child(pid_t child) {
@@ -76,8 +43,7 @@ void wait_for_bytes(const std::string& file) {
 }
 
 TEST_CASE("parameters sent to the default link come back the same in a later run, and every message says EMULATOR") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const Ran sent = ran({"params", "send", workspace.params});
   CHECK(sent.code == 0);
   CHECK(sent.out.starts_with("EMULATOR: "));
@@ -93,8 +59,7 @@ TEST_CASE("parameters sent to the default link come back the same in a later run
 }
 
 TEST_CASE("a unit without parameters says so") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const Ran r = ran({"params", "receive", "--json"});
   CHECK(r.code == 1);
   CHECK(r.json()["error"]["message"].get<std::string>().find("holds no parameters") != std::string::npos);
@@ -103,9 +68,8 @@ TEST_CASE("a unit without parameters says so") {
 /// Another sample machine has another serial number: the lathe's unit is CH-0005.
 constexpr const char* kOtherUnit = "[identity]\nserial_number = \"CH-0005\"\n";
 
-TEST_CASE("parameters of another unit are refused and leave the unit as it was, unless that is meant") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+TEST_CASE("parameters of another unit are refused and leave the unit unchanged, unless --other-machine is given") {
+  const EmulatorWorkspace workspace;
   REQUIRE(ran({"params", "send", workspace.params}).code == 0);
   const std::string other = workspace.folder.with("other.toml", kOtherUnit + content_of(workspace.params));
   REQUIRE(ran({"params", "set", other, "axis.X.deadband_um=9"}).code == 0);
@@ -119,8 +83,7 @@ TEST_CASE("parameters of another unit are refused and leave the unit as it was, 
 }
 
 TEST_CASE("a batch leaves a unit alone whose parameters name another serial number, with a map and without") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   static_cast<void>(workspace.folder.with("other.toml", kOtherUnit + content_of(workspace.params)));
   const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"other.toml\"\n";
   const std::string plan = workspace.folder.with("plan.toml", unit + unit + "map = \"map.csv\"\n");
@@ -135,9 +98,8 @@ TEST_CASE("a batch leaves a unit alone whose parameters name another serial numb
   CHECK(ran({"params", "receive"}).code == 1);  // still nothing in the unit
 }
 
-TEST_CASE("a dump of another unit, or with the map of another machine, is loaded only when that is meant") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+TEST_CASE("a dump of another unit, or with the map of another machine, is loaded only with --other-machine") {
+  const EmulatorWorkspace workspace;
   REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
   const std::string file = workspace.folder / "unit.ecsdump";
   REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
@@ -158,8 +120,7 @@ TEST_CASE("a dump of another unit, or with the map of another machine, is loaded
 }
 
 TEST_CASE("parameters without the squareness that the unit's map was measured with are refused") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const std::string map = workspace.folder.with(
       "square.csv", "# source: C0Y square.csv sha256=" + std::string(64, 'a') + "\n" + content_of(workspace.map));
   REQUIRE(ran({"params", "set", workspace.params, "compensation.squareness.C0Y_um_per_m=12"}).code == 0);
@@ -171,8 +132,7 @@ TEST_CASE("parameters without the squareness that the unit's map was measured wi
 }
 
 TEST_CASE("asking again for compensation follows the datuming that is under way") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const auto unit = EmulatorProcess::start({kEmulator, "samples/mill/machine.toml", workspace.folder / "memory"});
   REQUIRE(unit);
   const std::string link = "rtu:" + (*unit)->pty() + ":115200";
@@ -185,8 +145,7 @@ TEST_CASE("asking again for compensation follows the datuming that is under way"
 }
 
 TEST_CASE("a map that is new to the unit brings the reminder to check polarity, the same map again does not") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const auto reminded = [&] {
     const Ran r = ran({"map", "send", workspace.map, "--params", workspace.params});
     CHECK(r.code == 0);
@@ -197,8 +156,7 @@ TEST_CASE("a map that is new to the unit brings the reminder to check polarity, 
 }
 
 TEST_CASE("bytes written into the active map are written, with a warning of what that does") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   REQUIRE(ran({"params", "send", workspace.params}).code == 0);
   const auto images = ran({"memory", "show", "--unit", "--json"}).json()["images"];
   const std::string active = images[0]["address"];
@@ -209,7 +167,6 @@ TEST_CASE("bytes written into the active map are written, with a warning of what
 }
 
 TEST_CASE("a file that may not grow is a write error, and nothing is left beside it") {
-  if (!built(kEcs)) return;
   const Folder folder;
   const std::string script =
       fmt::format("cd '{}' && ulimit -f 0 && '{}' params new --machine '{}' -o new.toml 2>/dev/null", folder / ".",
@@ -221,8 +178,7 @@ TEST_CASE("a file that may not grow is a write error, and nothing is left beside
 }
 
 TEST_CASE("a map stays when parameters that it fits are sent, and is dropped only by --force when they do not") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
   REQUIRE(ran({"params", "set", workspace.params, "axis.X.deadband_um=7"}).code == 0);
   CHECK(ran({"params", "send", workspace.params, "--json"}).json()["map_kept"] == true);
@@ -247,8 +203,7 @@ TEST_CASE("parameters that must not meet a machine are refused before any link i
 }
 
 TEST_CASE("a dump of the unit loads back into it, and compares equal in its image") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
   const std::string before = workspace.folder / "before.ecsdump";
   const std::string after = workspace.folder / "after.ecsdump";
@@ -270,8 +225,7 @@ TEST_CASE("a dump of the unit loads back into it, and compares equal in its imag
 }
 
 TEST_CASE("memory is written and read, and where it is protected it is refused") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   CHECK(ran({"memory", "write", "0x048000", "4E75", "0x1234", "--yes", "--json"}).json()["length"] == 4);
   CHECK(ran({"memory", "write", "0x10", "00", "--yes"}).code == 1);
   const auto read = ran({"memory", "read", "0x0F0000", "0x80", "--json"}).json();
@@ -280,8 +234,7 @@ TEST_CASE("memory is written and read, and where it is protected it is refused")
 }
 
 TEST_CASE("monitor answers one JSON object a line and records the samples") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const std::string record = workspace.folder / "m.csv";
   const Ran r = ran({"monitor", "--count", "3", "--interval", "5", "--json", "--record", record});
   CHECK(r.code == 0);
@@ -299,8 +252,7 @@ TEST_CASE("monitor answers one JSON object a line and records the samples") {
 }
 
 TEST_CASE("position, output and its end are carried out") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   CHECK(ran({"utility", "position", "X", "-38.8", "--json"}).json()["position_mm"] == -38.8);
   CHECK(ran({"utility", "output", "X", "5", "--relay", "--yes", "--json"}).json()["relay_closed"] == true);
   CHECK(ran({"utility", "output", "--off"}).code == 0);
@@ -309,8 +261,7 @@ TEST_CASE("position, output and its end are carried out") {
 }
 
 TEST_CASE("a unit that cannot compensate says why, and one that waits for its referencing says how far it is") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const Ran empty = ran({"utility", "mode", "compensate", "--wait", "1", "--json"});
   CHECK(empty.code != 0);
   CHECK(empty.json()["error"]["message"].get<std::string>().find("no_map") != std::string::npos);
@@ -322,8 +273,7 @@ TEST_CASE("a unit that cannot compensate says why, and one that waits for its re
 }
 
 TEST_CASE("a batch of one emulator and one wrong serial number sends to the first and skips the second") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const std::string unit = "[[unit]]\nlink = \"emulator\"\nparams = \"p.toml\"\nmap = \"map.csv\"\nserial_number = ";
   const std::string plan = workspace.folder.with("plan.toml", unit + "\"MCM-0107\"\n" + unit + "\"other\"\n");
   const Ran dry = ran({"batch", plan, "--dry-run", "--json"});
@@ -337,8 +287,7 @@ TEST_CASE("a batch of one emulator and one wrong serial number sends to the firs
 }
 
 TEST_CASE("the doctor finds nothing wrong with the bundled emulator, and stores a link that works") {
-  if (!built(kEmulator)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const Ran r = ran({"doctor", "--link", "emulator", "--save", "--json"});
   CHECK(r.code == 0);
   CHECK(r.json()["works"] == true);
@@ -347,12 +296,11 @@ TEST_CASE("the doctor finds nothing wrong with the bundled emulator, and stores 
 }
 
 TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what it recorded") {
-  if (!built(kEmulator) || !built(kEcs)) return;
-  const Workspace workspace;
+  const EmulatorWorkspace workspace;
   const std::string output = workspace.folder / "out";
   const std::string record = workspace.folder / "m.csv";
   for (const int signal : {SIGINT, SIGTERM}) {
-    const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
+    const pid_t child = ecs_started({"monitor", "--json", "--interval", "20", "--record", record}, output);
     wait_for_bytes(output);
     ::kill(child, signal);
     CHECK(exit_code_of_child(child) == 128 + signal);
@@ -362,12 +310,11 @@ TEST_CASE("an interrupted program ends with 128 plus the signal and keeps what i
   }
 }
 
-TEST_CASE("what a killed monitor had recorded stands in FILE.part, and the former file is still there") {
-  if (!built(kEmulator) || !built(kEcs)) return;
-  const Workspace workspace;
+TEST_CASE("a killed monitor leaves its record in FILE.part, and the former file is still there") {
+  const EmulatorWorkspace workspace;
   const std::string output = workspace.folder / "out";
   const std::string record = workspace.folder.with("m.csv", "former\n");
-  const pid_t child = started({"monitor", "--json", "--interval", "20", "--record", record}, output);
+  const pid_t child = ecs_started({"monitor", "--json", "--interval", "20", "--record", record}, output);
   wait_for_bytes(record + ".part");
   for (int i = 0; i < 200 && std::filesystem::file_size(record + ".part") < 1000; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -1,10 +1,11 @@
+#include "app/report/markup.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/report/markup.hpp"
 #include "app/report/svg.hpp"
 
 namespace ecs::app {

@@ -5,8 +5,8 @@
 
 #include "base/json.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
-#include "tests/support/model_workspace.hpp"
 #include "protocol/registers/unit_registers.hpp"
+#include "tests/support/model_workspace.hpp"
 #include "tests/support/report_folder.hpp"
 
 namespace ecs::app {
@@ -37,7 +37,7 @@ TEST_CASE("a report of measurements alone says what it was not given, and holds 
   CHECK(contains(html, "<td class=\"n\">9.7</td>"));
 }
 
-TEST_CASE("the page is whole, stands alone and runs nothing") {
+TEST_CASE("the page is complete, needs no other file and runs no script") {
   const Commissioning c;
   c.add_machine();
   c.add_map();
@@ -60,7 +60,7 @@ TEST_CASE("the checker of pages finds what it is for") {
   CHECK(fault_of("<p id=\"a\">x</p><path d=\"M0 0\"/>") == "");
 }
 
-TEST_CASE("what a file says is shown, never obeyed") {
+TEST_CASE("text from a file is shown, never interpreted") {
   const std::string evil = "</style><script>alert(1)</script>\"'><img src=x onerror=alert(1)>";
   const Commissioning c("# machine: " + evil + "\n# instrument: " + evil + "\n");
   REQUIRE(c.report({"--header", "customer=" + evil, "--date", evil}).code == 0);
@@ -109,7 +109,7 @@ TEST_CASE("a pipe among the measurements is not waited for") {
   CHECK(r.json()["rows"].size() == 2);
 }
 
-TEST_CASE("a folder is no page") {
+TEST_CASE("a folder is not a page") {
   const Commissioning c;
   const Ran r = ran({"report", c.folder / ".", "-o", c.folder / "."});
   CHECK(r.code == 2);
@@ -238,7 +238,7 @@ struct ModelCommissioning {
   }
 };
 
-TEST_CASE("a model is diagnosed, and stands in the report with evidence, prediction and what to measure") {
+TEST_CASE("a model is diagnosed; the report gives evidence, prediction and the next measurement") {
   const ModelCommissioning c;
   const Ran r = c.report({"--json"});
   REQUIRE(r.code == 0);
@@ -252,7 +252,7 @@ TEST_CASE("a model is diagnosed, and stands in the report with evidence, predict
   CHECK(fault_of(html) == "");
 }
 
-TEST_CASE("a saved diagnosis tells the same as one made for the report") {
+TEST_CASE("a saved diagnosis gives the same section as one made for the report") {
   const ModelCommissioning c;
   REQUIRE(c.report().code == 0);
   const std::string made = content_of(c.page);
@@ -272,7 +272,7 @@ TEST_CASE("a saved diagnosis tells the same as one made for the report") {
   CHECK(c.report().code == 3);
 }
 
-TEST_CASE("the ladder of a model stands as bars and as numbers") {
+TEST_CASE("the ladder of a model is shown as bars and as numbers") {
   const ModelCommissioning c;
   const std::string data = c.folder / "before/EXX.csv", machine = c.folder / "machine.toml",
                     model = c.folder / "model.toml";
@@ -305,7 +305,7 @@ StatusSnapshot unit_with(std::uint32_t check) {
   return s;
 }
 
-TEST_CASE("the fault of the unit is told, and whether its map is this one") {
+TEST_CASE("the report gives the fault of the unit and whether its map is this one") {
   const Commissioning c;
   c.add_machine();
   c.add_map();

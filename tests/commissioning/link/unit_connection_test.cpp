@@ -18,7 +18,7 @@ Result<int> work_on(UnitConnection& connection, int& done) {
 
 }  // namespace
 
-TEST_CASE("another unit on the same line is told before anything is done, and works once it is shown") {
+TEST_CASE("another unit on the same link is reported before anything is done, and works once it is shown") {
   auto shop = protocol::Workshop::on_tcp();
   UnitConnection connection(protocol::to_text(shop.address()));
   int done = 0;

@@ -1,7 +1,8 @@
 // The sample samples/laser/x_axis.csv holds 200 mm of an axis of 4100 mm: what the verbs say of a map made from it.
+#include "commissioning/maps/findings.hpp"
+
 #include <doctest/doctest.h>
 
-#include "commissioning/maps/findings.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -61,7 +62,7 @@ TEST_CASE("a map of a piece of the axis is complete with remarks, wherever the t
   }
 }
 
-TEST_CASE("what stands on the command line as a date is one") {
+TEST_CASE("the date on the command line must be a date") {
   const Workspace workspace;
   CHECK(workspace.build({"--date", "2024-05-06"}).code == 0);
   const Ran r = workspace.build({"--date", "not a date"});

@@ -27,7 +27,7 @@ TEST_CASE("the speed is the slope of the position") {
   CHECK(speeds[1999] == Approx(60.0));
 }
 
-TEST_CASE("events stand in their order with time and position") {
+TEST_CASE("events are listed in order with time and position") {
   const auto events = events_of(approach());
   REQUIRE(events.size() == 4);
   CHECK(events[0].what == "motion begins");
@@ -51,7 +51,7 @@ TEST_CASE("a record written and read back is the same") {
   CHECK(after->serial_number == before.serial_number);
 }
 
-TEST_CASE("every bad row is told with its line") {
+TEST_CASE("every bad row is reported with its line") {
   const std::string text =
       "# axis: W\n# sample_period_us: 1000\ntime_s,counts,position_mm,speed_mm_min,switch_closed,marker\n"
       "0,1,0,0,0,0\n0,one,0,0,0,0\n0,3,0,0,2,0\n0,4\n";

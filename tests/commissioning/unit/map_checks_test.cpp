@@ -3,10 +3,10 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/unit_model.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
+#include "tests/support/unit_model.hpp"
 
 namespace ecs::app {
 namespace {

@@ -223,7 +223,7 @@ TEST_CASE("a rotation acts through the levers that the exact matrices give its c
   CHECK(seen.size() >= 2);
 }
 
-TEST_CASE("squareness tilts one axis against another with the signs of the house") {
+TEST_CASE("squareness tilts one axis against another with the signs of docs/physics.md") {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const HiddenCase c = case_of(request_for(seed, CaseKind::single, "squareness"));
     const PlacedEffect& effect = c.hidden[0].effect;
@@ -374,7 +374,7 @@ TEST_CASE("structure that is in no library says on which columns it depends") {
   CHECK(kinds.size() >= 6);
 }
 
-TEST_CASE("the XYTZ machine hides the yaw of Y from equation (27)") {
+TEST_CASE("on an XYTZ machine the yaw of Y does not enter equation (27)") {
   HiddenCaseRequest request;
   request.xytz = true;
   const HiddenCase c = case_of(request);

@@ -6,23 +6,14 @@
 
 #include "base/file.hpp"
 #include "base/sealed.hpp"
-#include "tests/support/hidden_cases.hpp"
 #include "laser/measurement_set.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/hidden_cases.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
 namespace fs = std::filesystem;
-
-namespace {
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / "ecs_hide_test";
-  Folder() { fs::remove_all(path), fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
-
-}  // namespace
 
 TEST_CASE("a case is a folder of files that others can read, and the truth is not read by accident") {
   const Folder folder;
@@ -49,7 +40,7 @@ TEST_CASE("a case is a folder of files that others can read, and the truth is no
   CHECK(truth["true_model_rms_um"] > 0.0);
 }
 
-TEST_CASE("many cases stand in numbered folders, with seeds that count up") {
+TEST_CASE("many cases are written to numbered folders, with seeds that count up") {
   const Folder folder;
   HiddenCaseRequest request = request_for(20, CaseKind::blank);
   REQUIRE(write_hidden_cases(request, 3, folder.path / "many").has_value());

@@ -35,8 +35,8 @@ Sight at(double target_mm, Air air = {}) {
 }
 
 /// An instrument set up by somebody, zeroed at the first sight.
-struct Bench {
-  Bench(InstrumentKind kind, Sense sense, const LaserSettings& settings, const Sight& first = {})
+struct Setup {
+  Setup(InstrumentKind kind, Sense sense, const LaserSettings& settings, const Sight& first = {})
       : random(1), instrument(set_up(kind, sense, Axis::X, settings, random)) {
     instrument->zero(first);
   }
@@ -46,7 +46,7 @@ struct Bench {
 };
 
 double linear(const LaserSettings& settings, const Sight& then, const Sight& first = {}) {
-  return Bench(InstrumentKind::linear, Sense::EX, settings, first).reads(then);
+  return Setup(InstrumentKind::linear, Sense::EX, settings, first).reads(then);
 }
 
 struct Statistics {
@@ -167,7 +167,7 @@ TEST_CASE("turbulence grows with the root of the path and remembers itself for i
   s.turbulence_um_per_sqrt_m = 0.3;
   s.turbulence_time_s = 2.0;
   const auto over = [&](double path_mm) {
-    Bench bench(InstrumentKind::linear, Sense::EX, s);
+    Setup bench(InstrumentKind::linear, Sense::EX, s);
     std::vector<double> values;
     for (int i = 1; i <= 20'000; ++i) {  // 2500 independent ones: 1.4 % of the deviation, 0.02 of the correlation
       Sight sight = at(path_mm);
@@ -185,11 +185,11 @@ TEST_CASE("turbulence grows with the root of the path and remembers itself for i
 TEST_CASE("air that is warmer on one side bends a straightness by the square of the range") {
   LaserSettings s = perfect();
   s.air_gradient_degC_per_m = 1.0;
-  Bench bench(InstrumentKind::straightness, Sense::EY, s);
+  Setup bench(InstrumentKind::straightness, Sense::EY, s);
   CHECK(bench.reads(at(-4000.0)) == doctest::Approx(-0.5 * 16.0 * 0.953).epsilon(0.01));
   CHECK(bench.reads(at(-2000.0)) == doctest::Approx(-0.5 * 4.0 * 0.953).epsilon(0.01));
   s.dead_path_m = 1.0;
-  CHECK(Bench(InstrumentKind::straightness, Sense::EY, s).reads(at(1000.0)) ==
+  CHECK(Setup(InstrumentKind::straightness, Sense::EY, s).reads(at(1000.0)) ==
         doctest::Approx(-0.5 * 4.0 * 0.953).epsilon(0.01));
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("straightness optics get noisier with the range, white and correlated"
   s.straightness_noise_um = 0.5;
   s.straightness_noise_um_per_m = 0.4;
   const auto at_3_m = [&] {
-    Bench bench(InstrumentKind::straightness, Sense::EZ, s);
+    Setup bench(InstrumentKind::straightness, Sense::EZ, s);
     std::vector<double> values;
     for (int i = 0; i < 10'000; ++i) {
       Sight sight = at(3000.0);
@@ -219,13 +219,13 @@ TEST_CASE("angular optics show the sine, in the measure of their own spacing, an
   LaserSettings s = perfect();
   Sight turned = at(100.0);
   turned.pose.rotation_um_per_m[1] = 20'000.0;
-  CHECK(Bench(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(20'000.0 - 1.3333).epsilon(1e-8));
+  CHECK(Setup(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(20'000.0 - 1.3333).epsilon(1e-8));
   s.angular_scale_error_pct = 0.2;
   turned.pose.rotation_um_per_m[1] = 100.0;
-  CHECK(Bench(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(100.2));
+  CHECK(Setup(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(100.2));
   s.angular_drift_um_per_m_h = 1.8;
   turned.time_s = 1800.0;
-  CHECK(Bench(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(101.1));
+  CHECK(Setup(InstrumentKind::angular, Sense::EB, s).reads(turned) == doctest::Approx(101.1));
 }
 
 TEST_CASE("a level that is read too early still shows what was before") {
@@ -236,12 +236,12 @@ TEST_CASE("a level that is read too early still shows what was before") {
     tilted.pose.rotation_um_per_m[0] = 100.0;
     tilted.stood_s = stood_s;
     tilted.time_s = 100.0;
-    return Bench(InstrumentKind::level, Sense::EA, s).reads(tilted);
+    return Setup(InstrumentKind::level, Sense::EA, s).reads(tilted);
   };
   CHECK(after(3.0) == doctest::Approx(63.212).epsilon(1e-4));
   CHECK(after(0.0) == doctest::Approx(0.0));
   CHECK(after(60.0) == doctest::Approx(100.0).epsilon(1e-6));
-  Bench watched(InstrumentKind::level, Sense::EA, s);  // looked at every tenth of a second it settles no faster
+  Setup watched(InstrumentKind::level, Sense::EA, s);  // looked at every tenth of a second it settles no faster
   double shown = 0.0;
   for (int i = 1; i <= 30; ++i) {
     Sight tilted = at(100.0);
@@ -256,7 +256,7 @@ TEST_CASE("a level's pivot has play and its zero an offset") {
   LaserSettings s = perfect();
   s.level_hysteresis_um_per_m = 4.0;
   s.level_zero_um_per_m = 7.0;
-  Bench bench(InstrumentKind::level, Sense::EA, s);
+  Setup bench(InstrumentKind::level, Sense::EA, s);
   const auto at_tilt = [&](double tilt) {
     Sight sight;
     sight.pose.rotation_um_per_m[0] = tilt;
@@ -272,7 +272,7 @@ TEST_CASE("a square's own error is a slope, the indicator's plunger lags") {
   LaserSettings s = perfect();
   s.square_error_um_per_m = 10.0;
   s.indicator_hysteresis_um = 1.0;
-  Bench bench(InstrumentKind::square, Sense::EY, s);
+  Setup bench(InstrumentKind::square, Sense::EY, s);
   CHECK(bench.reads(at(400.0)) == doctest::Approx(3.5));
   CHECK(bench.reads(at(800.0)) == doctest::Approx(7.5));
   CHECK(bench.reads(at(400.0)) == doctest::Approx(4.5));

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
+#include "tests/support/folder.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -43,25 +44,15 @@ MeasurementSet there_and_back(Sense sense = Sense::EX) {
   return set;
 }
 
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / "ecs_measurement_files_test") {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
+struct MeasurementFolder : Folder {
   laser::Imported written_and_read(const MeasurementSet& set, const std::string& name, const laser::ImportOptions& o) {
-    const auto written = write_measurement(path_ / name, set);
+    const auto written = write_measurement(path / name, set);
     REQUIRE_MESSAGE(written.has_value(), (written ? "" : to_text(written.error())));
-    auto read = laser::read_any(path_ / name, o);
+    auto read = laser::read_any(path / name, o);
     REQUIRE_MESSAGE(read.has_value(), (read ? "" : to_text(read.error())));
     return std::move(*read);
   }
-  Result<void> write(const MeasurementSet& set, const std::string& name) {
-    return write_measurement(path_ / name, set);
-  }
-
- private:
-  std::filesystem::path path_;
+  Result<void> write(const MeasurementSet& set, const std::string& name) { return write_measurement(path / name, set); }
 };
 
 laser::ImportOptions along_x(std::optional<Sense> sense = {}) {
@@ -74,15 +65,15 @@ laser::ImportOptions along_x(std::optional<Sense> sense = {}) {
 
 using Key = std::tuple<double, Approach, int>;
 
-std::map<Key, double> errors_of(const MeasurementSet& set) {
+std::map<Key, double> errors_by_reading(const MeasurementSet& set) {
   std::map<Key, double> errors;
   for (const Reading& r : set.readings) errors[{laser::target_mm(r), r.approach, r.run}] = r.error;
   return errors;
 }
 
 void same_errors(const MeasurementSet& a, const MeasurementSet& b, double tolerance) {
-  const auto left = errors_of(a);
-  const auto right = errors_of(b);
+  const auto left = errors_by_reading(a);
+  const auto right = errors_by_reading(b);
   REQUIRE(left.size() == right.size());
   for (const auto& [key, error] : left) {
     REQUIRE(right.contains(key));
@@ -93,7 +84,7 @@ void same_errors(const MeasurementSet& a, const MeasurementSet& b, double tolera
 }  // namespace
 
 TEST_CASE("runs in .rtl, .rta and .rts come back with errors, targets, runs, approach and conditions") {
-  Folder folder;
+  MeasurementFolder folder;
   for (const auto& [name, sense] : {std::pair{"a.rtl", Sense::EX}, {"a.rta", Sense::EC}, {"a.rts", Sense::EY}}) {
     const auto set = there_and_back(sense);
     const auto back = folder.written_and_read(set, name, along_x(sense));
@@ -111,7 +102,7 @@ TEST_CASE("runs in .rtl, .rta and .rts come back with errors, targets, runs, app
 }
 
 TEST_CASE("ISO 230-2 assignments come back with every cycle and direction") {
-  Folder folder;
+  MeasurementFolder folder;
   const auto set = there_and_back();
   const auto back = folder.written_and_read(set, "a.dat", along_x());
   CHECK(back.format->id == "iso230_assignments");
@@ -119,7 +110,7 @@ TEST_CASE("ISO 230-2 assignments come back with every cycle and direction") {
 }
 
 TEST_CASE("an API report comes back with the mean of each direction") {
-  Folder folder;
+  MeasurementFolder folder;
   const auto back = folder.written_and_read(there_and_back(), "a.pos", along_x());
   CHECK(back.format->id == "api_pos");
   CHECK(back.set.readings.size() == 8);
@@ -131,7 +122,7 @@ TEST_CASE("an API report comes back with the mean of each direction") {
 }
 
 TEST_CASE("a compensation table comes back as the mean of everything, its sign turned twice") {
-  Folder folder;
+  MeasurementFolder folder;
   const auto back = folder.written_and_read(there_and_back(), "a.ren", along_x());
   CHECK(back.format->id == "renishaw_table");
   REQUIRE(back.set.readings.size() == 4);
@@ -141,7 +132,7 @@ TEST_CASE("a compensation table comes back as the mean of everything, its sign t
 }
 
 TEST_CASE("the weather comes back from an environment log") {
-  Folder folder;
+  MeasurementFolder folder;
   const auto back = folder.written_and_read(there_and_back(), "a.env.pos", along_x());
   CHECK(back.format->id == "sios_environment");
   REQUIRE(back.environment.size() == 16);
@@ -154,7 +145,7 @@ TEST_CASE("the weather comes back from an environment log") {
 }
 
 TEST_CASE("a capture comes back sample by sample") {
-  Folder folder;
+  MeasurementFolder folder;
   MeasurementSet set;
   set.metadata = {{"machine", "test mill"}, {"feed_mm_min", "1500"}};
   for (int i = 0; i < 500; ++i) {
@@ -178,7 +169,7 @@ TEST_CASE("a capture comes back sample by sample") {
 }
 
 TEST_CASE("what a format cannot hold is refused with the reason") {
-  Folder folder;
+  MeasurementFolder folder;
   const auto because = [&](const MeasurementSet& set, const char* name) {
     const auto written = folder.write(set, name);
     return written ? std::string() : to_text(written.error());

@@ -13,12 +13,6 @@ using namespace ecs::emulator::test;
 
 namespace {
 
-laser::MeasurementSet measured(Simulation& simulation, const MeasurementPlan& plan) {
-  auto set = measure(simulation, plan);
-  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
-  return std::move(*set);
-}
-
 MeasurementPlan plan_for(Axis axis, Sense sense, double from_mm, double to_mm, double step_mm) {
   MeasurementPlan plan;
   plan.axis = axis;
@@ -27,13 +21,6 @@ MeasurementPlan plan_for(Axis axis, Sense sense, double from_mm, double to_mm, d
   plan.runs = 1;
   plan.feed_mm_min = 6000.0;
   return plan;
-}
-
-double reading_at(const laser::MeasurementSet& set, double target_mm, Approach approach) {
-  for (const auto& reading : set.readings)
-    if (laser::target_mm(reading) == target_mm && reading.approach == approach) return reading.error;
-  FAIL("no reading at " << target_mm);
-  return 0.0;
 }
 
 }  // namespace

@@ -21,12 +21,6 @@ Simulation workshop(const std::string& settings, const std::string& errors = "")
   return Simulation(machine_of(small_machine() + kPerfectInstruments + settings), errors_of(errors), 1);
 }
 
-laser::MeasurementSet measured(Simulation& simulation, const MeasurementPlan& plan) {
-  auto set = measure(simulation, plan);
-  REQUIRE_MESSAGE(set.has_value(), (set ? "" : to_text(set.error())));
-  return std::move(*set);
-}
-
 MeasurementPlan x_plan() {
   MeasurementPlan plan;
   plan.targets_mm = targets_between(0.0, -500.0, 100.0);
@@ -36,16 +30,9 @@ MeasurementPlan x_plan() {
   return plan;
 }
 
-double at(const laser::MeasurementSet& set, double target_mm, Approach approach) {
-  for (const auto& reading : set.readings)
-    if (laser::target_mm(reading) == target_mm && reading.approach == approach) return reading.error;
-  FAIL("no reading at " << target_mm);
-  return 0.0;
-}
-
 /// What `changed` shows more than `plain`, at a target of the way out.
 double more(const laser::MeasurementSet& changed, const laser::MeasurementSet& plain, double target_mm) {
-  return at(changed, target_mm, Approach::reverse) - at(plain, target_mm, Approach::reverse);
+  return reading_at(changed, target_mm, Approach::reverse) - reading_at(plain, target_mm, Approach::reverse);
 }
 
 constexpr const char* kWarmDay = "[air]\nmean_degC = 25.0\npressure_hPa = 990.0\nhumidity_pct = 40.0\n";
@@ -106,7 +93,7 @@ TEST_CASE("while the air warms a dead path shows its change, and manual compensa
                    .epsilon(5e-3));
 }
 
-TEST_CASE("a late trigger reads where the axis has gone on to: feed times latency, in the direction of its motion") {
+TEST_CASE("a late trigger reads further along the motion: feed times latency") {
   auto plan = x_plan();
   plan.targets_mm = targets_between(-50.0, -450.0, 50.0);
   plan.overrun_mm = 20.0;
@@ -122,7 +109,7 @@ TEST_CASE("a late trigger reads where the axis has gone on to: feed times latenc
     const double expected_um = feed_mm_min / 60.0 * 0.0005 * 1e3;  // 50 mm/s: 25 um
     // The display was set to zero late as well, on the way out: what is left is twice the lag on the way back.
     CHECK(std::abs(more(set, plain, -250.0)) < 0.3);
-    CHECK(at(set, -250.0, Approach::forward) - at(plain, -250.0, Approach::forward) ==
+    CHECK(reading_at(set, -250.0, Approach::forward) - reading_at(plain, -250.0, Approach::forward) ==
           doctest::Approx(2.0 * expected_um).epsilon(0.01));
   }
 }
@@ -147,7 +134,7 @@ TEST_CASE("an instrument with a clock of its own reads at its next tick: late by
   CHECK(most_um - least_um > 85.0);
 }
 
-TEST_CASE("whoever steps into the beam ends the measurement, and it says where; a level does not mind") {
+TEST_CASE("a broken beam ends the measurement and is reported with its place; a level is not affected") {
   auto simulation = workshop("");
   auto plan = x_plan();
   plan.beam_broken_at = 4;
@@ -172,7 +159,7 @@ TEST_CASE("a level that settles slowly reads low after a short dwell") {
   plan.targets_mm = {0.0, -500.0};
   plan.dwell_s = 2.0;
   auto slow = workshop("level_settling_s = 2\n", roll);
-  CHECK(at(measured(slow, plan), -500.0, Approach::reverse) ==
+  CHECK(reading_at(measured(slow, plan), -500.0, Approach::reverse) ==
         doctest::Approx(100.0 * (1.0 - std::exp(-1.0))).epsilon(1e-3));
 }
 
@@ -195,7 +182,7 @@ TEST_CASE("a capture follows a move sample by sample and begins at zero") {
   CHECK(set->readings.back().position_mm[0] == doctest::Approx(-100.0));
 }
 
-TEST_CASE("a capture of a standing machine shows turbulence alone, the same for the same seed") {
+TEST_CASE("a capture of a machine at rest shows turbulence alone, the same for the same seed") {
   const auto taken = [] {
     auto simulation = workshop("turbulence_um_per_sqrt_m = 0.2\ndead_path_m = 4\nturbulence_time_s = 0.05\n");
     CapturePlan plan;
@@ -253,7 +240,7 @@ TEST_CASE("what a person sets at the instrument comes with the request, and is j
   CHECK(has(captured, "X,-500,0,0,EX,0,0"));  // the first sample: zero, at time zero
 }
 
-TEST_CASE("settings of the instruments are read, and every wrong one is told with its line") {
+TEST_CASE("settings of the instruments are read, and every wrong one is reported with its line") {
   const auto machine = machine_of(small_machine() + R"(
 [emulator.laser]
 air_compensation = "manual"

@@ -4,18 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using Json = nlohmann::json;
 
 namespace {
-
-struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / "ecs_plan_test";
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
 
 Result<std::vector<std::string>> requests_in(const std::string& text, const std::string& phase = "before") {
   const Folder folder;
@@ -76,7 +72,7 @@ on_the_fly = true
   }
 }
 
-TEST_CASE("every wrong key or value of a plan is told with its line") {
+TEST_CASE("every wrong key or value of a plan is reported with its line") {
   const std::string text = complaint_on(R"(runs = "three"
 feed = 2000.0
 [[measure]]
@@ -95,7 +91,7 @@ on_the_fly = "yes"
   CHECK(contains(text, "phase: expected before, after or both, got \"between\""));
 }
 
-TEST_CASE("a plan that is no TOML, has nothing to measure, or asks for part of a run is refused") {
+TEST_CASE("a plan that is not TOML, has nothing to measure, or asks for part of a run is refused") {
   CHECK(contains(complaint_on("runs = \n"), "plan.toml:1:"));
   CHECK(contains(complaint_on("measure = 3\n"), "expected [[measure]] tables"));
   CHECK(contains(complaint_on("name = \"empty\"\n"), "[[measure]]"));

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+using namespace ecs;
 using namespace ecs::emulator;
 
 TEST_CASE("the refractive index is that of the NIST calculator to its last printed digit") {

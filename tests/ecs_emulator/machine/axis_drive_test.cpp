@@ -77,7 +77,7 @@ TEST_CASE("the axis lags behind its command by feed over gain") {
   }
 }
 
-TEST_CASE("the axis stands within a pulse of its command, from either side, and stays there") {
+TEST_CASE("the axis settles within a pulse of its command, from either side, and stays there") {
   OneAxis one;
   for (const double at_mm : {0.0, 12.3456, -77.7}) {
     const auto [forward_um, reverse_um] = one.stand_at(at_mm);
@@ -89,8 +89,7 @@ TEST_CASE("the axis stands within a pulse of its command, from either side, and 
   }
 }
 
-TEST_CASE(
-    "the voltage of the unit moves the axis by what it stands for, to a pulse, through either sign of the wiring") {
+TEST_CASE("the unit's voltage moves the axis by its value, to a pulse, with either sign of the wiring") {
   for (const double um_per_count : {0.1, -0.1, 0.13}) {
     AxisSettings settings;
     settings.dac_um_per_count = um_per_count;
@@ -148,7 +147,7 @@ TEST_CASE("a heavy slide sticks and slips at creep speed, a light one runs evenl
   CHECK(standing_part(heavy()) > 0.8);
 }
 
-TEST_CASE("after a reversal a heavy slide stays behind for a moment: the pips of figure 7.22") {
+TEST_CASE("after a reversal a heavy slide lags briefly: the pips of figure 7.22") {
   // a sine, as one axis of a circle of 125 mm radius at 1000 mm/min; deviation from the same motion of a light axis
   const auto track = [](const AxisSettings& settings) {
     OneAxis one(settings);

@@ -12,7 +12,7 @@ using namespace ecs::emulator;
 
 namespace {
 
-constexpr double kPeriod_s = 0.001;
+constexpr double kTick_s = 0.001;
 const PathLimits kLimits{{150.0, 120.0, 100.0}, {500.0, 400.0, 300.0}};
 
 PathPiece line_to(const Vector3& to_mm, double feed_mm_min) {
@@ -36,7 +36,7 @@ struct Drive {
   double length_mm = 0.0;
   double fastest_mm_s = 0.0;
   Vector3 hardest_mm_s2{};  ///< per axis, from the second difference of the command
-  [[nodiscard]] double time_s() const { return static_cast<double>(places.size() - 1) * kPeriod_s; }
+  [[nodiscard]] double time_s() const { return static_cast<double>(places.size() - 1) * kTick_s; }
 };
 
 Drive driven(const Vector3& from_mm, const std::vector<PathPiece>& pieces, const PathLimits& limits = kLimits) {
@@ -46,16 +46,15 @@ Drive driven(const Vector3& from_mm, const std::vector<PathPiece>& pieces, const
   Drive drive;
   drive.places.assign(2, from_mm);
   while (!path.done() && drive.places.size() < 5'000'000) {
-    path.step(kPeriod_s);
+    path.step(kTick_s);
     drive.places.push_back(path.command_mm());
     const auto n = drive.places.size();
     drive.length_mm += distance(drive.places[n - 1], drive.places[n - 2]);
-    drive.fastest_mm_s = std::max(drive.fastest_mm_s, distance(drive.places[n - 1], drive.places[n - 2]) / kPeriod_s);
+    drive.fastest_mm_s = std::max(drive.fastest_mm_s, distance(drive.places[n - 1], drive.places[n - 2]) / kTick_s);
     for (std::size_t a = 0; a < kAxes; ++a)
-      drive.hardest_mm_s2[a] =
-          std::max(drive.hardest_mm_s2[a],
-                   std::abs(drive.places[n - 1][a] - 2.0 * drive.places[n - 2][a] + drive.places[n - 3][a]) /
-                       kPeriod_s / kPeriod_s);
+      drive.hardest_mm_s2[a] = std::max(
+          drive.hardest_mm_s2[a],
+          std::abs(drive.places[n - 1][a] - 2.0 * drive.places[n - 2][a] + drive.places[n - 3][a]) / kTick_s / kTick_s);
   }
   drive.places.push_back(path.command_mm());
   return drive;
@@ -108,7 +107,7 @@ TEST_CASE("a right-angled corner is passed no faster than an axis can change its
 
 TEST_CASE("an arc at any feed stays on its circle, and no axis accelerates more than it can") {
   CHECK(rc::check("full circles, any plane, sense, size and feed", [] {
-    const auto plane = static_cast<Plane>(*rc::gen::inRange(0, 3));
+    const auto plane = static_cast<emulator::Plane>(*rc::gen::inRange(0, 3));
     const double radius = *between(100, 500'000);
     const double feed = *rc::gen::inRange(1, 100) * std::max(10.0, radius);
     ArcWay way{plane, {radius, 0.0}, *rc::gen::arbitrary<bool>()};
@@ -126,7 +125,7 @@ TEST_CASE("an arc at any feed stays on its circle, and no axis accelerates more 
 }
 
 TEST_CASE("a line tangent to an arc goes on into it without slowing down") {
-  const ArcWay quarter{Plane::XY, {50.0, 100.0}, false};
+  const ArcWay quarter{emulator::Plane::XY, {50.0, 100.0}, false};
   const auto drive =
       driven({0.0, 0.0, 0.0}, {line_to({50.0, 0.0, 0.0}, 1200.0), arc_to({150.0, 100.0, 0.0}, 1200.0, quarter),
                                line_to({150.0, 150.0, 0.0}, 1200.0)});
@@ -172,7 +171,7 @@ TEST_CASE("ten thousand blocks of a micrometre are all run, none cut, at the fee
   int last = 0;
   int ticks = 0;
   while (!path.done()) {
-    path.step(kPeriod_s);
+    path.step(kTick_s);
     ++ticks;
     CHECK(path.line() >= last);
     CHECK(path.line() - last <= 11);  // 10 um a tick
@@ -180,7 +179,7 @@ TEST_CASE("ten thousand blocks of a micrometre are all run, none cut, at the fee
     const double off = std::hypot(path.command_mm()[0], path.command_mm()[1] - 1.5915) - 1.5915;
     CHECK(std::abs(off) < 1e-7);  // sagitta of a micrometre on this radius
   }
-  CHECK(ticks * kPeriod_s == doctest::Approx(1.0 + 0.025).epsilon(0.02));
+  CHECK(ticks * kTick_s == doctest::Approx(1.0 + 0.025).epsilon(0.02));
   CHECK(path.command_mm() == pieces.back().to_mm);
 }
 
@@ -192,7 +191,7 @@ TEST_CASE("pieces that are added in time are run into without stopping") {
   double slowest_mm_s = 1e9;
   bool added = false;
   while (!path.done()) {
-    path.step(kPeriod_s);
+    path.step(kTick_s);
     if (path.command_mm()[0] > 4.0 && !added) {
       const auto two = line_to({100.0, 0.0, 0.0}, 3000.0);
       path.add({&two, 1});

@@ -18,7 +18,7 @@ double error_x_um(Simulation& simulation) { return simulation.tool_now(true).err
 
 }  // namespace
 
-TEST_CASE("what does not repeat stays as it is while every axis stands") {
+TEST_CASE("the error that does not repeat stays constant while every axis is at rest") {
   auto simulation = simulation_of("[scatter]\nEXX = { reading = 2.0 }\nEXY = { reading = 5.0 }\n");
   go(simulation, {-100.0, -50.0, 0.0});
   const double first_um = error_x_um(simulation);

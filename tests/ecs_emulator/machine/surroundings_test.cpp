@@ -15,7 +15,7 @@ using namespace ecs::emulator::test;
 
 namespace {
 
-constexpr const char* kWarm = R"(
+constexpr const char* kWarmMachine = R"(
 [air]
 mean_degC = 21.0
 swing_degC = 2.5
@@ -38,7 +38,7 @@ at_mm = -480.0
 oil = "30 + t/100"
 )";
 
-std::string measured(Simulation& simulation) {
+std::string measured_csv(Simulation& simulation) {
   MeasurementPlan plan;
   plan.targets_mm = {-500.0, -250.0, 0.0};
   plan.runs = 2;
@@ -49,23 +49,17 @@ std::string measured(Simulation& simulation) {
   return laser::to_csv(*set);
 }
 
-std::string told(const std::string& text) {
-  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE(!errors.has_value());
-  return to_text(errors.error());
-}
-
 }  // namespace
 
 TEST_CASE("sensors appear in the readings, those of heat and those of formulas") {
-  Simulation simulation = simulation_of(kWarm);
-  const std::string csv = measured(simulation);
+  Simulation simulation = simulation_of(kWarmMachine);
+  const std::string csv = measured_csv(simulation);
   for (const char* column : {"t_screw_degC", "t_far_end_degC", "t_oil_degC"})
     CHECK_MESSAGE(csv.find(column) != std::string::npos, csv);
 }
 
 TEST_CASE("travel at one end of the axis warms the screw there") {
-  Simulation simulation = simulation_of(kWarm);
+  Simulation simulation = simulation_of(kWarmMachine);
   for (int i = 0; i < 40; ++i) {
     REQUIRE(simulation.move_to({-200.0, 0.0, 0.0}, 10'000.0));
     REQUIRE(simulation.move_to({0.0, 0.0, 0.0}, 10'000.0));
@@ -84,21 +78,21 @@ TEST_CASE("travel at one end of the axis warms the screw there") {
 }
 
 TEST_CASE("the same seed and the same actions give the same bytes, however long nobody worked meanwhile") {
-  Simulation one = simulation_of(kWarm);
-  Simulation other = simulation_of(kWarm);
-  Simulation third = simulation_of(kWarm, small_machine(), 2);
+  Simulation one = simulation_of(kWarmMachine);
+  Simulation other = simulation_of(kWarmMachine);
+  Simulation third = simulation_of(kWarmMachine, small_machine(), 2);
   other.come_to_rest();
   one.come_to_rest();
   for (int i = 0; i < 5000; ++i) other.idle_tick();
-  CHECK(measured(one) == measured(other));
+  CHECK(measured_csv(one) == measured_csv(other));
   for (int i = 0; i < 5000; ++i) other.idle_tick();
-  CHECK(measured(one) == measured(other));
-  CHECK(measured(third) != measured(one));
+  CHECK(measured_csv(one) == measured_csv(other));
+  CHECK(measured_csv(third) != measured_csv(one));
 }
 
 TEST_CASE("an hour's wait in one go is an hour's wait in pieces") {
-  Simulation one = simulation_of(kWarm);
-  Simulation many = simulation_of(kWarm);
+  Simulation one = simulation_of(kWarmMachine);
+  Simulation many = simulation_of(kWarmMachine);
   for (Simulation* each : {&one, &many}) REQUIRE(each->move_to({-300.0, 0.0, 0.0}, 10'000.0));
   REQUIRE(one.dwell(3600.0));
   for (int i = 0; i < 60; ++i) REQUIRE(many.dwell(60.0));
@@ -134,7 +128,7 @@ formula = "T_hall"
 }
 
 TEST_CASE("every wrong word about heat is refused with its line") {
-  const std::string text = told(R"([air]
+  const std::string text = refused_errors(R"([air]
 mean_degC = 20
 humidity_pct = 120
 swnig_degC = 2
@@ -188,7 +182,7 @@ TEST_CASE("the warm mill of the samples: droop, bed, spindle and day are as its 
 }
 
 TEST_CASE("the state of the workshop shows sensors and air where there are any") {
-  Simulation warm = simulation_of(kWarm);
+  Simulation warm = simulation_of(kWarmMachine);
   const std::string shown = perform({&warm, nullptr, nullptr}, R"({"action": "state"})");
   for (const char* part : {"\"sensors_degC\":{\"far_end\":", "\"oil\":30.0", "\"air\":{", "\"hPa\":"})
     CHECK_MESSAGE(shown.find(part) != std::string::npos, part << " in " << shown);

@@ -1,3 +1,5 @@
+#include "ecs_emulator/part_programs/reader.hpp"
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <rapidcheck.h>
@@ -5,7 +7,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/part_programs/interpreter.hpp"
-#include "ecs_emulator/part_programs/reader.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -53,7 +55,7 @@ TEST_CASE("loops in loops run as often as their numbers multiply") {
   CHECK(steps.back().motion->to_mm[0] == -2.0);
 }
 
-TEST_CASE("G91 holds for its own block wherever it stands, and until G90") {
+TEST_CASE("G91 holds for its own block at any place in it, and until G90") {
   const auto steps = steps_of("G00X-5\nX-50.0G91\nX-50.0\nX-7G90");
   CHECK(steps[1].motion->to_mm[0] == -55.0);
   CHECK(steps[2].motion->to_mm[0] == -105.0);
@@ -116,7 +118,7 @@ TEST_CASE("planes turn as ISO 6983 says: G02 clockwise seen from the positive en
   }
 }
 
-TEST_CASE("what is wrong is told with its line and column, all of it at once") {
+TEST_CASE("every error is reported at once with its line and column") {
   const std::string all =
       wrong_with("G00X-5\nG77\nX1.2.3\nQ5\nG00G01X1\n$REP 0\n$END\n$END\nX1X2\nG04\nM77(open\n$REPEAT\n");
   for (const char* part :

@@ -1,3 +1,5 @@
+#include "ecs_emulator/part_programs/run.hpp"
+
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -8,7 +10,6 @@
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/part_programs/files.hpp"
-#include "ecs_emulator/part_programs/run.hpp"
 #include "ecs_emulator/part_programs/writer.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
 #include "tests/support/workshop_machines.hpp"
@@ -190,7 +191,7 @@ TEST_CASE("a reading without a dwell is taken in position, no later") {
   CHECK(lag_um <= 10.0);
 }
 
-TEST_CASE("nothing moves, and nothing is written, where a program is wrong or given up") {
+TEST_CASE("a wrong or cancelled program moves nothing and writes nothing") {
   auto simulation = simulation_of("", small_machine() + ideal_drives(30.0));
   const Vector3 before_mm = simulation.machine().command_mm();
   CHECK(!run_program(simulation, program_of("G00X-5\nX-900"), {}).has_value());
@@ -206,7 +207,7 @@ TEST_CASE("nothing moves, and nothing is written, where a program is wrong or gi
   CHECK(!std::filesystem::exists("/tmp/ecs_program_given_up.csv.part"));
 }
 
-TEST_CASE("the spindle is told before the motion when it starts, after it when it stops") {
+TEST_CASE("the spindle starts before the motion and stops after it") {
   auto simulation = simulation_of("", small_machine() + ideal_drives(30.0));
   std::vector<std::pair<double, double>> heard;  // rpm, command of X
   ProgramHooks hooks;
@@ -282,13 +283,13 @@ TEST_CASE("the workshop runs programs and single blocks by request") {
   const auto refused = perform(workshop, R"({"action": "mdi", "block": "G01 X-100"})");
   CHECK(refused.find("mdi:1: expected a feed") != refused.npos);
   REQUIRE(write_file("/tmp/ecs_program_request.nc", "$REP 50\nG00X-5\nX0\nG04H1\nM08\nM08\nM09\n$END\n").has_value());
-  std::vector<std::string> told;
+  std::vector<std::string> reports;
   const auto answer =
       perform(workshop, R"({"action": "run", "program": "/tmp/ecs_program_request.nc", "axis": "X", "sense": "EX"})",
-              [&](const std::string& line) { told.push_back(line); });
+              [&](const std::string& line) { reports.push_back(line); });
   CHECK(answer.find("\"readings\":50") != answer.npos);
   CHECK(answer.find("\"missed_trigger_lines\":[6]") != answer.npos);
-  CHECK(told.size() > 50);
-  CHECK(told.front().rfind("{\"progress\":0.0", 0) == 0);  // as the socket tells it from an answer
-  CHECK(told.front().find("\"line\":") != std::string::npos);
+  CHECK(reports.size() > 50);
+  CHECK(reports.front().rfind("{\"progress\":0.0", 0) == 0);  // as the socket tells it from an answer
+  CHECK(reports.front().find("\"line\":") != std::string::npos);
 }

@@ -1,10 +1,10 @@
 // The thesis's test rig: the servo of appendix A, its slide, and the compensation of figures 3.5 and 3.9 to 3.12.
+#include "ecs_emulator/rig/figures.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
-
-#include "ecs_emulator/rig/figures.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -50,7 +50,7 @@ TEST_CASE("the servo answers a step as figures 3.3 and 3.4 show") {
   CHECK(step.dac_V.back() == doctest::Approx(0.0).epsilon(0.02));
 }
 
-TEST_CASE("with the printed tachogenerator gain the D/A output stands at its limit") {
+TEST_CASE("with the printed tachogenerator gain the D/A output is at its limit") {
   ServoParameters printed;
   printed.tacho_V_s_per_rad = 0.632298;
   printed.step_s = 0.00002;

@@ -3,19 +3,10 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "tests/support/folder.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
-
-namespace {
-
-struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / "ecs_battery_test";
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
-
-}  // namespace
 
 TEST_CASE("axis memory and commit records survive in the battery's file, system RAM does not") {
   const Folder folder;
@@ -36,7 +27,7 @@ TEST_CASE("axis memory and commit records survive in the battery's file, system 
   CHECK(other.read(kSystemRam.first) == 0);
 }
 
-TEST_CASE("a file that is no battery memory, or of another rack, is refused; a missing one is an empty memory") {
+TEST_CASE("a file that is not a battery memory, or is of another rack, is refused; a missing one is an empty memory") {
   const Folder folder;
   UnitMemory memory(1);
   CHECK(restore(memory, folder.path / "missing").has_value());

@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/emulated_unit.hpp"
 #include "ecs_emulator/unit/unit.hpp"
 #include "protocol/registers/register_map.hpp"
+#include "tests/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -13,16 +13,6 @@ using protocol::Command;
 using protocol::CommandCode;
 using protocol::CommandState;
 using protocol::UnitError;
-
-namespace {
-
-bool all_relays(const Bench& bench, bool closed) {
-  for (const auto& drive : bench.simulation.drives())
-    if (drive.relay_closed != closed) return false;
-  return true;
-}
-
-}  // namespace
 
 TEST_CASE("a compensating unit answers reads and refuses every write and command but integrate") {
   Bench bench;
@@ -75,7 +65,7 @@ TEST_CASE("an image that is not what was announced, or no image, is refused and 
   CHECK(bench.tell(Command{.code = CommandCode::commit_staged, .length = 10}).error == UnitError::no_staging);
 }
 
-TEST_CASE("power lost at any byte of a transfer leaves the old map, whole, or the new one") {
+TEST_CASE("power lost at any byte of a transfer leaves the complete old map or the new one") {
   Bench bench;
   const auto old_image = bench.image([](Component, double, Approach) { return 1.0; });
   const auto new_image = bench.image([](Component, double, Approach) { return 2.0; });
@@ -183,7 +173,7 @@ TEST_CASE("a position that no machine has is refused") {
   CHECK(bench.unit.monitor().axes[1].position_mm == doctest::Approx(1e6));
 }
 
-TEST_CASE("why an image or a map is refused fits into the text of a result, whole") {
+TEST_CASE("the reason why an image or a map is refused fits into the text of a result") {
   constexpr std::size_t kAround = std::string_view("the image  (table 36)").size();
   for (int f = 0; f <= static_cast<int>(ImageFault::over_capacity); ++f)
     CHECK(text_of(static_cast<ImageFault>(f)).size() + kAround <= protocol::kResultTextBytes);

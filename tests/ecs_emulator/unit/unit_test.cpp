@@ -4,8 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/emulated_unit.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
+#include "tests/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -14,16 +14,6 @@ using protocol::Command;
 using protocol::CommandCode;
 using protocol::CommandState;
 using protocol::UnitError;
-
-namespace {
-
-bool all_relays(const Bench& bench, bool closed) {
-  for (const auto& drive : bench.simulation.drives())
-    if (drive.relay_closed != closed) return false;
-  return true;
-}
-
-}  // namespace
 
 TEST_CASE("with a host on the line the unit goes into integration mode") {
   Bench bench("", small_machine(), LinkSense::automatic);
@@ -85,7 +75,7 @@ TEST_CASE("the unit finds the reference position of every kind of controller") {
       }
 }
 
-TEST_CASE("an axis that stands beyond its switch is brought back and referenced") {
+TEST_CASE("an axis beyond its switch is brought back and referenced") {
   Bench bench;
   bench.reference_all();  // the axes now stand at the datum, past the switch
   bench.compensate();

@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/emulated_unit.hpp"
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/survey.hpp"
+#include "tests/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
@@ -32,7 +32,7 @@ double squareness_slope(Component curve) {  // um/m of E along the moving axis
 
 }  // namespace
 
-TEST_CASE("measured along the axes and compensated with measured curves, any machine is right in its whole volume") {
+TEST_CASE("compensated with curves measured along the axes, any machine is accurate in its whole volume") {
   for (const std::string configuration : {"TXYZ", "XTYZ", "XYTZ", "XYZT", "YXTZ", "ZXTY"}) {
     CAPTURE(configuration);
     Bench bench(every_error(), ideal_machine(configuration));

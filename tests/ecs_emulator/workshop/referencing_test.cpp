@@ -72,7 +72,7 @@ TEST_CASE("the switch is crossed at reference speed and the marker taken at cree
   CHECK(*at_marker_mm_s == doctest::Approx(2.0).epsilon(0.05));
 }
 
-TEST_CASE("what the control cannot find is an alarm of its own, and the machine stands") {
+TEST_CASE("a failed datum search is an alarm, and the machine stops") {
   for (const std::string family : kFamilies) {
     CAPTURE(family);
     auto simulation = one_axis("reference_kind = \"" + family + "\"");

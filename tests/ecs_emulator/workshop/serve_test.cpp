@@ -13,8 +13,8 @@
 
 #include "base/file.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
-#include "tests/support/maps.hpp"
 #include "protocol/client/client.hpp"
+#include "tests/support/maps.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
@@ -47,11 +47,11 @@ class Served {
   }
   void begin() {
     stop = 0;
-    std::promise<std::string> told;
-    auto ready = told.get_future();
-    thread = std::thread([this, &told] {
-      const auto served = serve(options, stop, [&](const std::string& line) { told.set_value(line); });
-      if (!served) told.set_value(to_text(served.error()));
+    std::promise<std::string> announced;
+    auto ready = announced.get_future();
+    thread = std::thread([this, &announced] {
+      const auto served = serve(options, stop, [&](const std::string& line) { announced.set_value(line); });
+      if (!served) announced.set_value(to_text(served.error()));
     });
     const std::string line = ready.get();
     about = Json::parse(line, nullptr, false);
@@ -173,7 +173,7 @@ TEST_CASE("a unit whose power fails in the middle of a transfer answers nothing 
   }
 }
 
-TEST_CASE("a second emulator is refused before it spoils anything of the first") {
+TEST_CASE("a second emulator is refused before it changes anything of the first") {
   Served served;
   ServeOptions second = served.options;
   std::string why;
@@ -201,7 +201,7 @@ TEST_CASE("a second emulator is refused before it spoils anything of the first")
   CHECK(!std::filesystem::exists(served.folder / "other_line"));
 }
 
-TEST_CASE("a link that leads nowhere is replaced, one that leads to a file is not") {
+TEST_CASE("a dangling link is replaced, a link to a file is not") {
   Served served;
   served.end();
   CHECK(!std::filesystem::is_symlink(served.folder / "line"));
@@ -289,7 +289,7 @@ TEST_CASE("who asks for a long action and goes away has given it up: the machine
   CHECK(served.ask({{"action", "jog"}, {"X", -10.0}})["ok"] == true);
 }
 
-TEST_CASE("in real time an action takes the time that it stands for, and what came late is counted") {
+TEST_CASE("in real time an action takes its simulated time, and late ticks are counted") {
   Served served;
   served.end();
   served.options.real_time = true;

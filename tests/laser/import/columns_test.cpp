@@ -12,7 +12,9 @@
 #include "laser/import/import.hpp"
 #include "laser/import/motion.hpp"
 #include "laser/import/time.hpp"
+#include "tests/support/import_options.hpp"
 #include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -20,23 +22,14 @@ using doctest::Approx;
 
 namespace {
 
-ImportOptions by(const std::string& columns, int skip = 0) {
-  ImportOptions options;
-  auto mapping = column_mapping(columns);
-  REQUIRE_MESSAGE(mapping.has_value(), (mapping ? "" : to_text(mapping.error())));
-  options.mapping = *mapping;
-  options.mapping->skip_lines = skip;
-  return options;
-}
-
-MeasurementSet read(const std::string& text, const ImportOptions& options) {
+MeasurementSet read_table(const std::string& text, const ImportOptions& options) {
   auto imported = parse_any(text, "table.txt", options);
   REQUIRE_MESSAGE(imported.has_value(), (imported ? "" : to_text(imported.error())));
   CHECK(imported->format->id == "mapped_columns");
   return imported->set;
 }
 
-std::string refusal(const std::string& text, const ImportOptions& options) {
+std::string refused_table(const std::string& text, const ImportOptions& options) {
   const auto imported = parse_any(text, "table.txt", options);
   REQUIRE_FALSE(imported.has_value());
   return to_text(imported.error());
@@ -45,7 +38,7 @@ std::string refusal(const std::string& text, const ImportOptions& options) {
 }  // namespace
 
 TEST_CASE("columns by number, with a factor, a run and an approach") {
-  const auto set = read("0 1 0.001 1\n100 1 0.003 -1\n", by("x_mm=1,reading=3*1000,run=2,approach=4"));
+  const auto set = read_table("0 1 0.001 1\n100 1 0.003 -1\n", by_columns("x_mm=1,reading=3*1000,run=2,approach=4"));
   REQUIRE(set.readings.size() == 2);
   CHECK(set.readings[1].axis == Axis::X);
   CHECK(set.readings[1].sense == Sense::EX);
@@ -56,7 +49,8 @@ TEST_CASE("columns by number, with a factor, a run and an approach") {
 
 TEST_CASE("columns by heading, units in brackets, lines skipped, decimal commas") {
   const std::string text = "Protokoll 7\nBediener: N.N.\nPos [in];Abw;\"Temp; Bett\"\n0,0;0,0001;68\n10,0;-0,0002;77\n";
-  const auto set = read(text, by("y_mm=\"Pos [in]\"[in],reading=Abw[in],t_material_degC=\"Temp; Bett\"[degF]", 2));
+  const auto set =
+      read_table(text, by_columns("y_mm=\"Pos [in]\"[in],reading=Abw[in],t_material_degC=\"Temp; Bett\"[degF]", 2));
   REQUIRE(set.readings.size() == 2);
   CHECK(set.readings[1].axis == Axis::Y);
   CHECK(target_mm(set.readings[1]) == Approx(254.0));
@@ -65,8 +59,8 @@ TEST_CASE("columns by heading, units in brackets, lines skipped, decimal commas"
 }
 
 TEST_CASE("a table with a column for each pass") {
-  const auto set =
-      read("target,f1,b1,f2,b2\n0,1,2,3,4\n50,5,6,,8\n", by("z_mm=1,forward1=2,reverse1=3,forward2=4,reverse2=5"));
+  const auto set = read_table("target,f1,b1,f2,b2\n0,1,2,3,4\n50,5,6,,8\n",
+                              by_columns("z_mm=1,forward1=2,reverse1=3,forward2=4,reverse2=5"));
   REQUIRE(set.readings.size() == 7);
   CHECK(set.readings[3].approach == Approach::reverse);
   CHECK(set.readings[3].run == 2);
@@ -75,26 +69,26 @@ TEST_CASE("a table with a column for each pass") {
 }
 
 TEST_CASE("several senses in a row, angles in arc seconds") {
-  const auto set = read("0|1.5|2\n10|0|-1\n", by("x_mm=1,EX=2,EC=3[arcsec]"));
+  const auto set = read_table("0|1.5|2\n10|0|-1\n", by_columns("x_mm=1,EX=2,EC=3[arcsec]"));
   REQUIRE(set.readings.size() == 4);
   CHECK(set.readings[1].sense == Sense::EC);
   CHECK(set.readings[1].error == Approx(9.6963).epsilon(1e-4));
 }
 
 TEST_CASE("actual positions and compensations become errors") {
-  ImportOptions actual = by("x_mm=1,forward=2,reverse=3");
+  ImportOptions actual = by_columns("x_mm=1,forward=2,reverse=3");
   actual.mapping->values = TableValues::actual_positions;
-  const auto set = read("-10 -10.001 -9.999\n-8 -8.001 -7.999\n", actual);
+  const auto set = read_table("-10 -10.001 -9.999\n-8 -8.001 -7.999\n", actual);
   CHECK(set.readings[0].error == Approx(-1.0));
   CHECK(set.readings[1].error == Approx(1.0));
-  ImportOptions trim = by("x_mm=1,forward=2[mm],reverse=3[mm]");
+  ImportOptions trim = by_columns("x_mm=1,forward=2[mm],reverse=3[mm]");
   trim.mapping->values = TableValues::compensations;
-  CHECK(read("-10 0.001 -0.001\n", trim).readings[0].error == Approx(-1.0));
+  CHECK(read_table("-10 0.001 -0.001\n", trim).readings[0].error == Approx(-1.0));
 }
 
 TEST_CASE("approach and run from the order of the targets") {
-  const auto set =
-      read("0 1\n100 2\n200 3\n200 4\n100 5\n0 6\n0 7\n100 8\n", by("x_mm=1,reading=2,approach=motion,run=motion"));
+  const auto set = read_table("0 1\n100 2\n200 3\n200 4\n100 5\n0 6\n0 7\n100 8\n",
+                              by_columns("x_mm=1,reading=2,approach=motion,run=motion"));
   const std::vector<int> approach{1, 1, 1, -1, -1, -1, 1, 1};
   const std::vector<int> run{1, 1, 1, 1, 1, 1, 2, 2};
   for (std::size_t i = 0; i < 8; ++i) {
@@ -105,7 +99,8 @@ TEST_CASE("approach and run from the order of the targets") {
 }
 
 TEST_CASE("the order of the targets counts rows, however many readings a row has") {
-  const auto set = read("0 1 1\n100 2 2\n100 3 3\n0 4 4\n", by("x_mm=1,EX=2,EB=3,approach=motion,run=motion"));
+  const auto set =
+      read_table("0 1 1\n100 2 2\n100 3 3\n0 4 4\n", by_columns("x_mm=1,EX=2,EB=3,approach=motion,run=motion"));
   REQUIRE(set.readings.size() == 8);
   CHECK(set.readings[3].approach == Approach::forward);
   CHECK(set.readings[4].approach == Approach::reverse);
@@ -141,28 +136,30 @@ TEST_CASE("a made-up bidirectional test keeps its approaches however many target
 }
 
 TEST_CASE("repeats without a run column are numbered, dates become seconds") {
-  const auto set = read("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12.5,0,2\n", by("date_time=1,x_mm=2,reading=3"));
+  const auto set =
+      read_table("2024-05-06 09:10:11,0,1\n2024-05-06 09:10:12.5,0,2\n", by_columns("date_time=1,x_mm=2,reading=3"));
   CHECK(*set.readings[1].time_s == Approx(1.5));
-  CHECK(read("0 1\n0 2\n", by("x_mm=1,reading=2")).readings[1].run == 2);
+  CHECK(read_table("0 1\n0 2\n", by_columns("x_mm=1,reading=2")).readings[1].run == 2);
   CHECK(*seconds_in("08.11.2022 14:07:19") - *seconds_in("2022-11-07T14:07:19Z") == Approx(86400.0));
   CHECK_FALSE(seconds_in("2022-13-07 14:07:19").has_value());
 }
 
 TEST_CASE("every bad row is named with line and column, and what to map is said") {
-  const auto bad = parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by("x_mm=x,reading=e"));
+  const auto bad = parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by_columns("x_mm=x,reading=e"));
   REQUIRE_FALSE(bad.has_value());
   CHECK(bad.error().line == 3);
   CHECK(bad.error().column == 1);
   REQUIRE(bad.error().also.size() == 1);
   CHECK(bad.error().also[0].line == 4);
   CHECK(bad.error().also[0].column == 4);
-  CHECK(contains(refusal("x,e\n0,1\n", by("x_mm=x,reading=err")), "expected a heading \"err\", found none"));
-  CHECK(contains(refusal("0 1\n", by("x_mm=1,reading=5")), "expected a column 5, found 2"));
-  CHECK(contains(refusal("0 1\n", by("reading=2")), "which axis moved"));
-  CHECK(contains(refusal("0 1\n", by("x_mm=1,run=2")), "expected one of reading"));
-  CHECK(contains(refusal("0 1\n", by("x_mm=1[degC],reading=2")), "is no unit of it"));
-  CHECK(contains(refusal("0 1\n", by("x_mm=1,reading=2[mrad]")), "is no unit of it"));
-  CHECK(contains(refusal("x e\n", by("x_mm=1,reading=2")), "expected rows"));
+  CHECK(contains(refused_table("x,e\n0,1\n", by_columns("x_mm=x,reading=err")),
+                 "expected a heading \"err\", found none"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=5")), "expected a column 5, found 2"));
+  CHECK(contains(refused_table("0 1\n", by_columns("reading=2")), "which axis moved"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,run=2")), "expected one of reading"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1[degC],reading=2")), "is no unit of it"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=2[mrad]")), "is no unit of it"));
+  CHECK(contains(refused_table("x e\n", by_columns("x_mm=1,reading=2")), "expected rows"));
 }
 
 TEST_CASE("a wrong mapping is refused rule by rule") {
@@ -201,7 +198,7 @@ TEST_CASE("a written table is read back whatever delimiter, unit and decimal sig
       if (comma) std::replace(line.begin(), line.end(), '.', ',');
       text += line;
     }
-    ImportOptions options = by("x_mm=1,reading=2*25.4", 1);
+    ImportOptions options = by_columns("x_mm=1,reading=2*25.4", 1);
     options.mapping->delimiter = delimiter;
     const auto set = parse_any(text, "t.txt", options);
     RC_ASSERT(set.has_value());

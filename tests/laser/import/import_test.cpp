@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -249,10 +250,8 @@ TEST_CASE("incomplete or mixed sets are not written as run files") {
   CHECK(to_renishaw_run(MeasurementSet{}).error().kind == ProblemKind::refused);
 }
 
-TEST_CASE("real environment logs are read whole") {
-  const auto folder = shared_data("nmm-environment");
-  if (folder.empty()) return;
-  const auto log = read_any(folder / "T22-0263_L2_16_1.pos", {});
+TEST_CASE("real environment logs are read completely") {
+  const auto log = read_any("samples/real/nmm-environment/T22-0263_L2_16_1.pos", {});
   REQUIRE(log.has_value());
   CHECK(log->environment.size() == 251);
   CHECK(log->environment[0].pressure_hPa == Approx(976.35));

@@ -70,7 +70,7 @@ std::vector<ImportOptions> ways() {
 }
 
 /// Everything that can follow reading; results may be refusals, never a crash.
-int evaluated(const MeasurementSet& set) {
+int evaluations(const MeasurementSet& set) {
   int done = 0;
   for (const Group& group : groups_of(set)) {
     done += iso230_of(set, group).has_value() ? 1 : 0;
@@ -97,7 +97,7 @@ bool is_finite(const MeasurementSet& set) {
 
 }  // namespace
 
-TEST_CASE("spoiled files end in a set of finite numbers or in a refusal with words") {
+TEST_CASE("corrupted files give a set of finite numbers or a refusal with a message") {
   std::mt19937 random(20240506);
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(sample(""))) files.push_back(entry.path());
@@ -115,7 +115,7 @@ TEST_CASE("spoiled files end in a set of finite numbers or in a refusal with wor
         if (result) {
           ++read;
           REQUIRE_MESSAGE(is_finite(result->set), path.string());
-          REQUIRE(evaluated(result->set) >= 0);
+          REQUIRE(evaluations(result->set) >= 0);
         } else {
           ++refused;
           REQUIRE_FALSE(result.error().message.empty());

@@ -9,7 +9,9 @@
 #include "laser/import/registry.hpp"
 #include "laser/writers/renishaw_writer.hpp"
 #include "laser/writers/table_writers.hpp"
+#include "tests/support/import_options.hpp"
 #include "tests/support/readings.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -22,12 +24,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
   return text;
-}
-
-ImportOptions along_x() {
-  ImportOptions options;
-  options.axis = Axis::X;
-  return options;
 }
 
 MeasurementSet read(const std::string& text, const std::string& name, const ImportOptions& options = along_x()) {

@@ -1,4 +1,6 @@
 // From measured files to a map: what each component takes, and what is refused.
+#include "laser/map/build.hpp"
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -6,8 +8,6 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <unistd.h>
-
-#include "laser/map/build.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -129,7 +129,7 @@ TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
   CHECK(built->map.header.sources.front().component == "C0Y");
 }
 
-TEST_CASE("a file of another sense is refused and told what it holds") {
+TEST_CASE("a file of another sense is refused with what it holds") {
   const Folder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());

@@ -1,21 +1,15 @@
 // How far tables reach, what is said of it, and what is normal.
+#include "laser/map/coverage.hpp"
+
 #include <doctest/doctest.h>
 
-#include "laser/map/coverage.hpp"
 #include "laser/map/recipe.hpp"
+#include "tests/support/readings.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
 
 namespace {
-
-UnitParameters one_axis() {
-  UnitParameters p;
-  p.configuration = {'T', 'X', 0, 0, 0};
-  p.axis_present = {true, false, false};
-  p.scope = Scope::linear;
-  return p;
-}
 
 /// A table of EXX with points from `first_mm` on; compensation is zero everywhere.
 MapTable exx(Approach approach, double first_mm, double last_mm, double step_mm) {
@@ -46,7 +40,7 @@ const Travels kTravel{std::array<double, 2>{-4100.0, 0.0}, std::nullopt, std::nu
 
 }  // namespace
 
-TEST_CASE("approaches that end a target apart are told with both ranges and with what holds beyond") {
+TEST_CASE("approaches that end a target apart are reported with both ranges and with the value beyond") {
   const auto told = remarks(map_of({exx(Approach::forward, -200, 0, 100), exx(Approach::reverse, -300, 0, 100)}));
   REQUIRE(told.size() == 1);
   CHECK(told[0] ==
@@ -58,7 +52,7 @@ TEST_CASE("approaches whose targets lie beside each other by less than a spacing
   CHECK(remarks(map_of({exx(Approach::forward, -200, 0, 50), exx(Approach::reverse, -202, 0, 50)})).empty());
 }
 
-TEST_CASE("an approach of two points is told, three points are enough") {
+TEST_CASE("an approach of two points is reported, three points are enough") {
   const auto told = remarks(map_of({exx(Approach::forward, -100, 0, 100), exx(Approach::reverse, -100, 0, 50)}));
   REQUIRE(told.size() == 1);
   CHECK(told[0] ==
@@ -66,7 +60,7 @@ TEST_CASE("an approach of two points is told, three points are enough") {
   CHECK(remarks(map_of({exx(Approach::unknown, -100, 0, 50)})).empty());
 }
 
-TEST_CASE("a table that covers a part of its axis's travel is told with how much of it") {
+TEST_CASE("a table that covers part of its axis's travel is reported with the part covered") {
   const auto told = remarks(map_of({exx(Approach::unknown, -200, 0, 50)}), kTravel);
   REQUIRE(told.size() == 1);
   CHECK(told[0] ==

@@ -9,19 +9,12 @@
 #include "laser/map/csv.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/map/image.hpp"
+#include "tests/support/readings.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
 
 namespace {
-
-UnitParameters one_axis() {
-  UnitParameters p;
-  p.configuration = {'T', 'X', 0, 0, 0};
-  p.axis_present = {true, false, false};
-  p.scope = Scope::linear;
-  return p;
-}
 
 ErrorMap small_map() {
   ErrorMap map;
@@ -66,7 +59,7 @@ TEST_CASE("every table survives the text form to the last bit") {
   });
 }
 
-TEST_CASE("every bad row of a map is told at once, with its line and column") {
+TEST_CASE("every bad row of a map is reported at once, with its line and column") {
   const auto map = parse_map_csv(
       "axis,sense,approach,p_mm,value_um\n"
       "Q,EX,1,0,0\n"
@@ -138,7 +131,7 @@ TEST_CASE("values too large for hundredths of a micrometre are stored in tenths"
   CHECK(back->map.tables[0].compensation[2] == doctest::Approx(-1234.5));
 }
 
-TEST_CASE("unevenly spaced points are put on a grid at their smallest spacing, and the change is told") {
+TEST_CASE("unevenly spaced points are put on a grid at their smallest spacing, and the change is reported") {
   ErrorMap map = small_map();
   map.tables = {{Component::EXX, Approach::unknown, {0.0, 10.0, 40.0}, {0.0, 1.0, 4.0}}};
   const auto image = image_of(map, one_axis());

@@ -39,7 +39,7 @@ TEST_CASE("a NUL in a map is named with its place") {
   CHECK(to_text(read.error()).starts_with("map.csv:3:9: a NUL byte (0)"));
 }
 
-TEST_CASE("UTF-16 that was cut in the middle of a letter is told as such") {
+TEST_CASE("UTF-16 cut in the middle of a letter is reported as such") {
   std::string cut = utf16(kMap, false, true);
   cut.pop_back();
   const auto read = parse_map_csv(cut, "map.csv");

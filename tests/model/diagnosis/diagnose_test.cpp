@@ -19,7 +19,7 @@ using enum ecs::model::EffectId;
 
 namespace {
 
-bool in_group(const Candidate& candidate, const std::string& name) {
+bool is_rival(const Candidate& candidate, const std::string& name) {
   const auto& list = candidate.indistinguishable_from;
   return to_text(candidate.effect) == name || std::find(list.begin(), list.end(), name) != list.end();
 }
@@ -34,24 +34,24 @@ Candidate first_for(const Truth& truth, double noise_um = 0.3) {
 }  // namespace
 
 TEST_CASE("each cause on a line is named first") {
-  CHECK(in_group(first_for([](const laser::Reading& r) { return 1.0 * d(r); }), "backlash:X:EX"));
-  CHECK(in_group(first_for([](const laser::Reading& r) { return p(r) > 430.0 ? 2.5 : 0.0; }), "step:X:EX"));
+  CHECK(is_rival(first_for([](const laser::Reading& r) { return 1.0 * d(r); }), "backlash:X:EX"));
+  CHECK(is_rival(first_for([](const laser::Reading& r) { return p(r) > 430.0 ? 2.5 : 0.0; }), "step:X:EX"));
   CHECK(
-      in_group(first_for([](const laser::Reading& r) { return 1.4 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0); }),
+      is_rival(first_for([](const laser::Reading& r) { return 1.4 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0); }),
                "cyclic:X:EX"));
-  CHECK(in_group(first_for([](const laser::Reading& r) { return 12.0 * std::pow(p(r) / 1000.0, 2); }), "sag:X:EX"));
-  CHECK(in_group(first_for([](const laser::Reading& r) {
+  CHECK(is_rival(first_for([](const laser::Reading& r) { return 12.0 * std::pow(p(r) / 1000.0, 2); }), "sag:X:EX"));
+  CHECK(is_rival(first_for([](const laser::Reading& r) {
                    return 6.0 * (r.sensors_degC.at("t_material_degC") - 20.0) * p(r) / 1000.0;
                  }),
                  "thermal_scale:X:EX"));
-  CHECK(in_group(first_for([](const laser::Reading& r) { return 3.0 * *r.time_s / 3600.0; }), "time_drift:X:EX"));
-  CHECK(in_group(first_for([](const laser::Reading& r) {
+  CHECK(is_rival(first_for([](const laser::Reading& r) { return 3.0 * *r.time_s / 3600.0; }), "time_drift:X:EX"));
+  CHECK(is_rival(first_for([](const laser::Reading& r) {
                    return std::sin(7.0 * p(r) / 1000.0) + 0.8 * std::cos(11.0 * p(r) / 1000.0 + 1.0);
                  }),
                  "progressive:X:EX"));
 }
 
-TEST_CASE("the evidence is told: parameters with sigma, proof on readings not fitted to, chance of a false name") {
+TEST_CASE("the evidence is given: parameters with sigma, proof on held-out readings, chance of a false name") {
   const Candidate first = first_for([](const laser::Reading& r) { return 1.0 * d(r); });
   REQUIRE(first.parameters.size() == 1);
   CHECK(std::abs(first.parameters[0].value - 2.0) < 3.0 * *first.parameters[0].sigma);
@@ -81,12 +81,12 @@ TEST_CASE("causes of one shape come back as one group") {
   const Diagnosis found = diagnosed(model, set);
   REQUIRE_FALSE(found.candidates.empty());
   for (const char* name : {"scale:X:EX", "thermal_scale:X:EX", "cosine:X:EX"})
-    CHECK(in_group(found.candidates.front(), name));
+    CHECK(is_rival(found.candidates.front(), name));
   CHECK(found.candidates.front().indistinguishable_from.size() == 2);
   for (auto& r : set.readings) r.error = -r.error;  // a cosine error cannot lengthen
   const Diagnosis other = diagnosed(model, set);
   REQUIRE_FALSE(other.candidates.empty());
-  CHECK_FALSE(in_group(other.candidates.front(), "cosine:X:EX"));
+  CHECK_FALSE(is_rival(other.candidates.front(), "cosine:X:EX"));
 }
 
 TEST_CASE("for backlash and following error at one feed another feed is proposed") {
@@ -97,8 +97,8 @@ TEST_CASE("for backlash and following error at one feed another feed is proposed
   const auto found = diagnose(model, data);
   REQUIRE(found);
   REQUIRE_FALSE(found->candidates.empty());
-  CHECK(in_group(found->candidates.front(), "backlash:X:EX"));
-  CHECK(in_group(found->candidates.front(), "servo_lag:X:EX"));
+  CHECK(is_rival(found->candidates.front(), "backlash:X:EX"));
+  CHECK(is_rival(found->candidates.front(), "servo_lag:X:EX"));
   const NextMeasurement next = next_measurement(model, data, *found);
   REQUIRE_FALSE(next.proposals.empty());
   CHECK(next.proposals.front().condition.find("feed") != std::string::npos);
@@ -146,8 +146,8 @@ TEST_CASE("two causes at once are both named") {
   CHECK(found.verdict == Verdict::missing_effect);
   CHECK(found.candidates[0].named);
   CHECK(found.candidates[1].named);
-  CHECK((in_group(found.candidates[0], "cyclic:X:EX") || in_group(found.candidates[1], "cyclic:X:EX")));
-  CHECK((in_group(found.candidates[0], "backlash:X:EX") || in_group(found.candidates[1], "backlash:X:EX")));
+  CHECK((is_rival(found.candidates[0], "cyclic:X:EX") || is_rival(found.candidates[1], "cyclic:X:EX")));
+  CHECK((is_rival(found.candidates[0], "backlash:X:EX") || is_rival(found.candidates[1], "backlash:X:EX")));
   CHECK(found.rms_after_um == Approx(0.3).epsilon(0.15));
 }
 
@@ -163,7 +163,7 @@ TEST_CASE(
   CHECK(names == std::vector<std::string>{"offset:X:EX", "scale:X:EX", "backlash:X:EX"});
   const Diagnosis found = diagnosed(begun, set);
   REQUIRE_FALSE(found.candidates.empty());
-  CHECK(in_group(found.candidates[0], "cyclic:X:EX"));
+  CHECK(is_rival(found.candidates[0], "cyclic:X:EX"));
 }
 
 TEST_CASE("one bad run is structure that no effect explains") {
@@ -247,7 +247,7 @@ TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
   const Diagnosis found = diagnosed(model, set);
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(found.candidates[0].effect.id == map_polarity);
-  CHECK(in_group(found.candidates[0], "map_gain:X:EX"));
+  CHECK(is_rival(found.candidates[0], "map_gain:X:EX"));
 }
 
 TEST_CASE("poor data get a clear answer and no confident name") {
@@ -290,7 +290,7 @@ TEST_CASE("one reading in a hundred grossly wrong changes nothing but the list o
   const Diagnosis found = diagnosed(straight(), set);
   CHECK(found.outliers == std::vector<int>{32, 141, 223});
   REQUIRE_FALSE(found.candidates.empty());
-  CHECK(in_group(found.candidates.front(), "backlash:X:EX"));
+  CHECK(is_rival(found.candidates.front(), "backlash:X:EX"));
 }
 
 TEST_CASE("a diagnosis that is stopped says so") {

@@ -1,6 +1,5 @@
 // Another program's fits as oracle: telescope pointing tests with published models (TPOINT), as user effects.
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <sstream>
@@ -10,6 +9,8 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "tests/support/measured_lines.hpp"
+#include "tests/support/real_data.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -17,11 +18,6 @@ using namespace ecs::model::test;
 using doctest::Approx;
 
 namespace {
-
-std::filesystem::path pointing_folder() {
-  const char* shared = std::getenv("ECS_SHARED_DATA");
-  return std::filesystem::path(shared != nullptr ? shared : "../shared/data") / "tpoint-apo35m";
-}
 
 /// Numbers of a line up to a comment; empty if it is no line of numbers.
 std::vector<double> numbers_of(std::string_view line) {
@@ -103,16 +99,13 @@ Published published(const std::string& text) {
 }  // namespace
 
 TEST_CASE("six pointing terms come out as another program published them, where it dropped no observation") {
-  if (!std::filesystem::exists(pointing_folder())) {
-    MESSAGE("skipped: ../shared/data/tpoint-apo35m is absent");
-    return;
-  }
+  SKIP_UNLESS(!real_data("tpoint-apo35m").empty(), kNoRealData);
   int compared = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(pointing_folder())) {
+  for (const auto& entry : std::filesystem::directory_iterator(real_data("tpoint-apo35m"))) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("telmod_")) continue;
     const auto text = read_file(entry.path());
-    const auto data_text = read_file(pointing_folder() / ("ptdata_" + name.substr(7)));
+    const auto data_text = read_file(real_data("tpoint-apo35m") / ("ptdata_" + name.substr(7)));
     if (!text || !data_text) continue;
     const Published theirs = published(*text);
     const auto set = pointing(*data_text);
@@ -133,11 +126,9 @@ TEST_CASE("six pointing terms come out as another program published them, where 
 }
 
 TEST_CASE("a pointing term that is left out is found among the candidates offered") {
-  const auto data_text = read_file(pointing_folder() / "ptdata_2015-04-03T07-33-39.5.dat");
-  if (!data_text) {
-    MESSAGE("skipped: ../shared/data/tpoint-apo35m is absent");
-    return;
-  }
+  SKIP_UNLESS(!real_data("tpoint-apo35m").empty(), kNoRealData);
+  const auto data_text = read_file(real_data("tpoint-apo35m/ptdata_2015-04-03T07-33-39.5.dat"));
+  REQUIRE(data_text);
   Model model = six_terms();
   model.candidates = {model.effects[2], model.effects[3], model.effects[4]};
   model.effects.erase(model.effects.begin() + 2);

@@ -1,10 +1,12 @@
+#include "model/drive/diagnosis.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>
 
-#include "model/drive/diagnosis.hpp"
+#include "tests/support/true_drive.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -13,12 +15,6 @@ using enum ecs::model::DriveConstant;
 using enum ecs::model::DriveVerdict;
 
 namespace {
-
-DriveParameters true_machine() {
-  DriveParameters drive;
-  drive[Kw] = 0.0632298;
-  return drive;
-}
 
 struct Recorder {
   double quantum = 0.02, noise = 0.008, trigger_s = 0.02, seconds = 0.8, interval_s = 0.001, edge = 1e9;
@@ -107,7 +103,7 @@ TEST_CASE(
 TEST_CASE("with the tacho voltage recorded too, K and Kw are no group any more") {
   Recorder recorder;
   recorder.tacho = true;
-  CHECK(names_of(named(true_machine(), DriveParameters{}, recorder)) == std::vector{Kw});
+  CHECK(names_of(named(true_drive(), DriveParameters{}, recorder)) == std::vector{Kw});
   DriveParameters other;  // the amplifier's scaling is the culprit, the tacho as printed
   other[K] = 10.0 / 3.0;
   CHECK(names_of(named(other, DriveParameters{}, recorder)) == std::vector{K});
@@ -121,7 +117,7 @@ TEST_CASE("a drive as believed agrees with its recording, whatever noise, trigge
       recorder.noise = noise;
       recorder.trigger_s = 0.003 + 0.01 * seed;
       recorder.interval_s = seed % 2 == 0 ? 0.0005 : 0.002;
-      const DriveDiagnosis found = diagnose_drive(true_machine(), recorded(true_machine(), recorder));
+      const DriveDiagnosis found = diagnose_drive(true_drive(), recorded(true_drive(), recorder));
       CHECK(found.verdict == agrees);
       CHECK(found.candidates.empty());
       CHECK(found.start_s == Approx(recorder.trigger_s).epsilon(0.05));
@@ -130,9 +126,9 @@ TEST_CASE("a drive as believed agrees with its recording, whatever noise, trigge
 
 TEST_CASE("each constant that the D/A voltage shows is named, with those that act like it") {
   const auto with = [](DriveConstant constant, double factor) {
-    DriveParameters believed = true_machine();
+    DriveParameters believed = true_drive();
     believed[constant] *= factor;
-    return named(true_machine(), believed);
+    return named(true_drive(), believed);
   };
   const DriveCandidate gain = with(Kd, 1.3);
   CHECK(names_of(gain) == std::vector{Kd, Ke});
@@ -143,11 +139,10 @@ TEST_CASE("each constant that the D/A voltage shows is named, with those that ac
   CHECK(names_of(with(J1, 30.0)) == std::vector{J1});  // the motor's own inertia cannot be taken below nothing
 }
 
-TEST_CASE(
-    "an axis heavier than believed: inertias that no signal tells apart, gains that the current tells from them") {
-  DriveParameters truth = true_machine();
+TEST_CASE("an axis heavier than assumed: no signal separates the inertias, the current separates the gains") {
+  DriveParameters truth = true_drive();
   truth[J1] = 0.01;
-  const DriveCandidate group = named(truth, true_machine());
+  const DriveCandidate group = named(truth, true_drive());
   CHECK(names_of(group) == std::vector{Ka, Kt, Jm, J1});
   CHECK(group.separated_by.empty());
   const auto current = std::find_if(group.signals.begin(), group.signals.end(),
@@ -157,32 +152,32 @@ TEST_CASE(
     if (m.member == J1 || m.member == Jm) CHECK(m.relative < 1e-3);
     if (m.member == Kt) CHECK(m.relative > kClearDifference);
   }
-  DriveParameters believed = true_machine();  // and with the tacho gain ten times too large beside it
+  DriveParameters believed = true_drive();  // and with the tacho gain ten times too large beside it
   believed[Kw] *= 10.0;
   const DriveDiagnosis found = diagnose_drive(believed, recorded(truth));
   CHECK(found.verdict == wrong_constants);
 }
 
 TEST_CASE("a limit of the converter is found") {
-  DriveParameters truth = true_machine();
+  DriveParameters truth = true_drive();
   truth[dac_limit] = 2.0;
-  const DriveCandidate limit = named(truth, true_machine());
+  const DriveCandidate limit = named(truth, true_drive());
   CHECK(names_of(limit) == std::vector{dac_limit});
   CHECK(limit.alternatives.front().value == Approx(2.0).epsilon(0.01));
 }
 
 TEST_CASE("what the recording does not show is said") {
-  const DriveDiagnosis found = diagnose_drive(true_machine(), recorded(true_machine()));
+  const DriveDiagnosis found = diagnose_drive(true_drive(), recorded(true_drive()));
   CHECK(std::find(found.silent.begin(), found.silent.end(), Ks) != found.silent.end());
   CHECK(std::find(found.silent.begin(), found.silent.end(), dac_limit) != found.silent.end());
   CHECK(std::find(found.silent.begin(), found.silent.end(), Kw) == found.silent.end());
 }
 
 TEST_CASE("two wrong constants are named together only where no single one does") {
-  DriveParameters believed = true_machine();
+  DriveParameters believed = true_drive();
   believed[Kw] *= 10.0;
   believed[Kd] *= 0.6;
-  const DriveDiagnosis found = diagnose_drive(believed, recorded(true_machine()));
+  const DriveDiagnosis found = diagnose_drive(believed, recorded(true_drive()));
   CHECK(found.verdict == wrong_constants);
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(found.candidates.front().together);
@@ -199,33 +194,33 @@ TEST_CASE("two wrong constants are named together only where no single one does"
 TEST_CASE("a recorder that clips, or was triggered late, still gives the constant") {
   Recorder clipping;
   clipping.edge = 2.0;
-  CHECK(names_of(named(true_machine(), DriveParameters{}, clipping)) == std::vector{K, Kw});
+  CHECK(names_of(named(true_drive(), DriveParameters{}, clipping)) == std::vector{K, Kw});
   Recorder late;
   late.trigger_s = -0.2;
-  CHECK(names_of(named(true_machine(), DriveParameters{}, late)) == std::vector{K, Kw});
+  CHECK(names_of(named(true_drive(), DriveParameters{}, late)) == std::vector{K, Kw});
 }
 
-TEST_CASE("an axis that truly saturates, believed healthy, is told from the recording of the saturation") {
+TEST_CASE("an axis that saturates, assumed healthy, is recognised in the recording") {
   Recorder recorder;
   recorder.seconds = 2.5;
   recorder.quantum = 0.08;
   recorder.noise = 0.03;
-  const DriveCandidate found = named(DriveParameters{}, true_machine(), recorder);
+  const DriveCandidate found = named(DriveParameters{}, true_drive(), recorder);
   CHECK(names_of(found) == std::vector{K, Kw});
   CHECK(diagnose_drive(DriveParameters{}, recorded(DriveParameters{}, recorder)).verdict == agrees);
 }
 
 TEST_CASE("a recording of something else is called unexplained") {
-  DriveTrace trace = recorded(true_machine());
+  DriveTrace trace = recorded(true_drive());
   for (std::size_t k = 0; k < trace.time_s.size(); ++k)
     trace.signals[0].value[k] += 0.6 * std::sin(40.0 * trace.time_s[k]);
-  const DriveDiagnosis found = diagnose_drive(true_machine(), trace);
+  const DriveDiagnosis found = diagnose_drive(true_drive(), trace);
   CHECK(found.verdict == unexplained);
   for (const DriveCandidate& c : found.candidates) CHECK_FALSE(c.explains);
 }
 
 TEST_CASE("a few glitches of the recorder do not change the answer") {
-  DriveTrace trace = recorded(true_machine());
+  DriveTrace trace = recorded(true_drive());
   for (const std::size_t k : {50U, 300U, 301U, 620U}) trace.signals[0].value[k] += 4.0;
   const DriveDiagnosis found = diagnose_drive(DriveParameters{}, trace);
   CHECK(found.verdict == wrong_constant);

@@ -1,23 +1,20 @@
+#include "model/drive/simulation.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
 
-#include "model/drive/simulation.hpp"
 #include "model/drive/trace.hpp"
+#include "tests/support/true_drive.hpp"
 
+using namespace ecs;
 using namespace ecs::model;
 using doctest::Approx;
 using enum ecs::model::DriveConstant;
 
 namespace {
-
-DriveParameters true_machine() {
-  DriveParameters drive;
-  drive[Kw] = 0.0632298;  // the printed value with its decimal point put right
-  return drive;
-}
 
 StepShape dac_shape(const DriveParameters& drive, const DriveMove& move = {}, double seconds = 1.0) {
   const DriveResponse response = simulated(drive, move, seconds);
@@ -38,7 +35,7 @@ double worst_change_on_halving(const DriveParameters& drive, const DriveMove& mo
 }  // namespace
 
 TEST_CASE("the rig's D/A output has the published level, end of plateau and rise") {
-  const StepShape shape = dac_shape(true_machine());
+  const StepShape shape = dac_shape(true_drive());
   CHECK(*shape.steady == Approx(2.98).epsilon(0.002));         // 3 V in figures 3.3 and 3.4
   CHECK(*shape.decay_start_s == Approx(0.50).epsilon(0.005));  // 0.5 s
   CHECK(*shape.rise_s == Approx(0.067).epsilon(0.02));         // 74 ms; 67 ms with the printed constants
@@ -54,7 +51,7 @@ TEST_CASE("the steady D/A voltage is the tacho voltage of the demanded speed ove
   for (const double feed : {300.0, 1200.0, 2500.0}) {
     const DriveMove move{feed, 0.01 * feed};
     const double speed_rad_s = feed / 60.0 / 8.0 * 2.0 * std::numbers::pi;
-    const DriveResponse response = simulated(true_machine(), move, 0.59);
+    const DriveResponse response = simulated(true_drive(), move, 0.59);
     CHECK(response.at(DriveSignal::dac, 0.58) == Approx(3.0 * 0.0632298 * speed_rad_s).epsilon(1e-6));
     CHECK(response.at(DriveSignal::tacho, 0.58) == Approx(0.0632298 * speed_rad_s).epsilon(1e-6));
     CHECK(response.at(DriveSignal::speed, 0.58) == Approx(speed_rad_s).epsilon(1e-6));
@@ -64,7 +61,7 @@ TEST_CASE("the steady D/A voltage is the tacho voltage of the demanded speed ove
 }
 
 TEST_CASE("the slide ends where it was sent, by the screw's own constant") {
-  DriveParameters drive = true_machine();
+  DriveParameters drive = true_drive();
   drive[Ks] = 8.0 / (2.0 * std::numbers::pi);
   const DriveResponse response = simulated(drive, {1200.0, 10.0}, 2.0);
   CHECK(response.at(DriveSignal::slide, 1.9) == Approx(10.0).epsilon(1e-5));
@@ -73,7 +70,7 @@ TEST_CASE("the slide ends where it was sent, by the screw's own constant") {
 TEST_CASE("a slow velocity loop is a damped oscillator of known frequency") {
   // Without friction, integral action and current lag: J ω' = Kt Ka (K u − Kw ω), so that the position loop has
   // ω0² = Kt Ka K Kd Ke / J and 2 ζ ω0 = Kt Ka Kw / J.
-  DriveParameters drive = true_machine();
+  DriveParameters drive = true_drive();
   drive[Ka] = 0.1;
   drive[Ti] = 1e6;
   drive[Tc] = 1e-6;
@@ -93,23 +90,23 @@ TEST_CASE("a slow velocity loop is a damped oscillator of known frequency") {
 }
 
 TEST_CASE("half the step changes nothing that can be seen, whatever the events") {
-  CHECK(worst_change_on_halving(true_machine(), {1200.0, 10.0}, 1.0) < 1e-8);
+  CHECK(worst_change_on_halving(true_drive(), {1200.0, 10.0}, 1.0) < 1e-8);
   CHECK(worst_change_on_halving(DriveParameters{}, {1200.0, 10.0}, 3.0) < 1e-8);
-  DriveParameters rough = true_machine();
+  DriveParameters rough = true_drive();
   rough[T1] = 0.5;  // stands, breaks away and stands again
   CHECK(worst_change_on_halving(rough, {60.0, 0.5}, 1.5) < 1e-6);
 }
 
 TEST_CASE("a move backwards is a move forwards in the mirror") {
-  const DriveResponse there = simulated(true_machine(), {1200.0, 10.0}, 1.0);
-  const DriveResponse back = simulated(true_machine(), {1200.0, -10.0}, 1.0);
+  const DriveResponse there = simulated(true_drive(), {1200.0, 10.0}, 1.0);
+  const DriveResponse back = simulated(true_drive(), {1200.0, -10.0}, 1.0);
   for (const double t : {0.01, 0.1, 0.5, 0.52, 0.9})
     for (const DriveSignal s : {DriveSignal::dac, DriveSignal::tacho, DriveSignal::current, DriveSignal::slide})
       CHECK(back.at(s, t) == Approx(-there.at(s, t)).epsilon(1e-9));
 }
 
 TEST_CASE("an unstable loop ends its simulation instead of running to infinity") {
-  DriveParameters drive = true_machine();
+  DriveParameters drive = true_drive();
   drive[Tc] = 1.0;
   drive[Ti] = 1e-5;
   const DriveResponse response = simulated(drive, {1200.0, 10.0}, 5.0);

@@ -1,3 +1,5 @@
+#include "model/drive/trace.hpp"
+
 #include <cmath>
 #include <string>
 
@@ -5,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "model/drive/parameters.hpp"
-#include "model/drive/trace.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -45,7 +46,7 @@ TEST_CASE("a recorded step is read with its move, its noise and the step of its 
   CHECK(*shape.start_s == Approx(0.020).epsilon(0.05));
 }
 
-TEST_CASE("columns stand in any order, others are left out and said") {
+TEST_CASE("columns come in any order, others are left out and reported") {
   const auto trace = parse_trace(
       kHead + "note,dac_V,tacho_V,time_s\n" +
           [] {
@@ -88,7 +89,7 @@ TEST_CASE("a file without what a step needs is refused with what to add") {
   CHECK(refusal(flat).find("found 1.5 in every sample") != std::string::npos);
 }
 
-TEST_CASE("a step is told from a measurement set by its header row") {
+TEST_CASE("a step recording differs from a measurement set by its header row") {
   CHECK(is_drive_trace("# a: b\n\ntime_s,dac_V\n0,0\n"));
   CHECK(
       is_drive_trace("\xEF\xBB\xBF"

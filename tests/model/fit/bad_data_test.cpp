@@ -19,11 +19,8 @@ using Set = laser::MeasurementSet;
 
 namespace {
 
-constexpr double kNoise_um = 0.3;
-
 double ramp(const laser::Reading& r) { return 3.0 + 9.0 * p(r) / 1000.0; }
 double lost_motion(const laser::Reading& r) { return d(r); }
-double nothing(const laser::Reading&) { return 0.0; }
 
 Plan plan(int targets, int runs, bool both_ways = true) {
   Plan one;
@@ -114,7 +111,7 @@ Set rounded(Set set, double step_um) {
 
 }  // namespace
 
-TEST_CASE("no readings at all are refused in words") {
+TEST_CASE("a set without readings is refused with a message") {
   const auto found = diagnose(straight(), observations_of({}, straight(), mill()));
   REQUIRE_FALSE(found);
   CHECK(found.error().message.find("no readings") != std::string::npos);
@@ -149,7 +146,7 @@ TEST_CASE("a step in one run in one direction is a step or nothing") {
                {"step:X:EX"});
 }
 
-TEST_CASE("columns that never change explain nothing and spoil nothing") {
+TEST_CASE("columns that never change explain nothing and change nothing") {
   const auto constant = [](Set set) {
     return with_each(std::move(set), [](laser::Reading& r) {
       r.feed_mm_min = 1000.0;
@@ -226,7 +223,7 @@ TEST_CASE("a model of another axis leaves the measured axis to be found") {
   }
 }
 
-TEST_CASE("one reading in a hundred far off is listed, names nothing and hides nothing") {
+TEST_CASE("one outlier in a hundred readings is listed and does not change the verdict") {
   for (const double size_um : {8.0, 100.0})
     for (unsigned seed = 1; seed <= 2; ++seed) {
       const Set noise = spoiled(measured({}, kNoise_um, ramp, seed), size_um, seed);
@@ -416,7 +413,7 @@ TEST_CASE("a measurement that breaks off half way back") {
   });
 }
 
-TEST_CASE("wrong names in the data and in the model are refused where they stand") {
+TEST_CASE("wrong names in the data and in the model are refused with their place") {
   const auto data = laser::parse_measurement_set("axis,sense,reading,x_mm\nQ,EX,1.0,0\nX,EQ,1.0,0\n", "line.csv");
   REQUIRE_FALSE(data);
   CHECK(data.error().line == 2);

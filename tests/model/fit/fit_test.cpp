@@ -190,7 +190,7 @@ TEST_CASE("a fitted model predicts what it was fitted to, and compiles into its 
   CHECK(map->not_carried[0].find("time_drift") != std::string::npos);
 }
 
-TEST_CASE("a plan is told whether it can determine a model before anybody measures") {
+TEST_CASE("whether a plan can determine a model is known before measuring") {
   Model model = straight();
   model.effects.push_back(effect(servo_lag, Axis::X, Sense::EX));
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));

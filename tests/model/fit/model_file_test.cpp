@@ -58,7 +58,7 @@ TEST_CASE("writing a model and reading it again gives the same effects") {
   CHECK(again->history == model->history);
 }
 
-TEST_CASE("every fault of a model file is told at once, with its line") {
+TEST_CASE("every fault of a model file is reported at once, with its line") {
   const auto model = parse_model(R"toml([[effect]]
 id = "cylic"
 axis = "X"

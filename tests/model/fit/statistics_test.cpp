@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+using namespace ecs;
 using namespace ecs::model;
 using doctest::Approx;
 
@@ -22,7 +23,7 @@ TEST_CASE("Clopper-Pearson intervals agree with printed ones") {
   CHECK(clopper_pearson(8, 10).high == Approx(0.9748).epsilon(0.001));
 }
 
-TEST_CASE("beyond the blanks the tail goes on falling") {
+TEST_CASE("beyond the noise replicates the tail goes on falling") {
   std::vector<double> blanks;
   for (int i = 1; i <= 400; ++i) blanks.push_back(-2.0 * std::log(i / 400.5));  // χ² of two degrees
   CHECK(tail_probability(blanks, 6.0) == Approx(std::exp(-3.0)).epsilon(0.2));

@@ -278,7 +278,7 @@ TEST_CASE("warming up or creep: a session shorter than the time that warming tak
       kBare));
 }
 
-TEST_CASE("a weak backlash at one feed takes more runs to tell from a following error") {
+TEST_CASE("a weak backlash at one feed needs more runs to differ from a following error") {
   const auto feed = [](laser::Reading& r) { r.feed_mm_min = 2000.0; };
   Plan plan;
   plan.targets = 21;

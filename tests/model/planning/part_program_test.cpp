@@ -201,7 +201,7 @@ TEST_CASE("uneven targets become a line each") {
   check_program(plan, mill());
 }
 
-TEST_CASE("steps that are no whole micrometres do not add up to a shift") {
+TEST_CASE("steps that are not whole micrometres do not add up to a shift") {
   check_program(a_line(even(10.0, 100.0 / 3.0, 29)), mill());
 }
 
@@ -221,7 +221,7 @@ TEST_CASE("one way, downwards, two feeds, on the fly, short reversals") {
   for (const auto& row : target_set(plan).readings) CHECK(*row.travel_since_reversal_mm == Approx(2.0));
 }
 
-TEST_CASE("an overrun ends at the travel, a target beyond it is left out and said") {
+TEST_CASE("an overrun ends at the travel, a target beyond it is left out and reported") {
   auto plan = a_line({2.0, 300.0, 998.5});
   check_program(plan, mill());
   plan.targets_mm.push_back(1200.0);

@@ -15,10 +15,6 @@ using enum ecs::model::EffectId;
 
 namespace {
 
-constexpr double kNoise_um = 0.3;
-
-double nothing(const laser::Reading&) { return 0.0; }
-
 bool says(const PlanCheck& check, const char* text) {
   return std::any_of(check.undetermined.begin(), check.undetermined.end(),
                      [&](const std::string& each) { return each.find(text) != std::string::npos; });
@@ -114,7 +110,7 @@ TEST_CASE("before measuring: nonlinear parameters and curves, as accurate as a f
   CHECK(*rms.sigma == Approx(kNoise_um * std::sqrt(14.0 / 246.0)).epsilon(0.1));
 }
 
-TEST_CASE("before measuring: a model without values is judged at values that are told") {
+TEST_CASE("before measuring: a model without values is judged at values that are reported") {
   const auto set = measured({}, 0.0, [](const laser::Reading&) { return 0.0; });
   Model model = straight();
   model.effects.push_back(effect(warm_up, Axis::X, Sense::EX));
@@ -179,7 +175,7 @@ TEST_CASE("before measuring: a cyclic error on targets that lie at its own perio
       CHECK(*parameter.sigma == Approx(kNoise_um * std::sqrt(2.0 / 246.0)).epsilon(0.15));
 }
 
-TEST_CASE("before measuring: a formula of the user, with a parameter that is no factor") {
+TEST_CASE("before measuring: a formula of the user, with a parameter that is not a factor") {
   Model model = straight();
   EffectInstance own;
   own.id = user;

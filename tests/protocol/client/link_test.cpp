@@ -118,7 +118,7 @@ TEST_CASE("a reply later than the response time-out is discarded as late") {
   CHECK(unit.link().statistics().timeouts == 1);
 }
 
-TEST_CASE("late replies over TCP are told apart too") {
+TEST_CASE("late replies over TCP are recognised too") {
   auto shop = Workshop::on_tcp();
   auto unit = shop.client();
   shop.fault(LinkFault::stale_reply, 1);

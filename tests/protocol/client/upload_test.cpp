@@ -20,7 +20,7 @@ std::vector<std::uint8_t> active_image(Workshop& shop) {
 
 }  // namespace
 
-TEST_CASE("64 KB arrive whole under every fault of the line") {
+TEST_CASE("64 KB arrive complete under every fault of the link") {
   const auto image = noise_image(65'536);
   for (std::size_t i = 0; i < kLinkFaults; ++i) {
     const auto fault = static_cast<LinkFault>(i);
@@ -39,7 +39,7 @@ TEST_CASE("64 KB arrive whole under every fault of the line") {
   }
 }
 
-TEST_CASE("a map survives a line that spoils one frame in fifty, in every way") {
+TEST_CASE("a map survives a link that corrupts one frame in fifty, in every way") {
   const auto image = noise_image(20'000);
   auto shop = Workshop::on_pty();
   install_old(shop);
@@ -65,7 +65,7 @@ TEST_CASE("only missing blocks are sent again") {
   CHECK(unit.link().statistics().requests == 1 + 64 + 1 + 1 + 1 + 2);
 }
 
-TEST_CASE("progress rises to the end and tells the time left") {
+TEST_CASE("progress rises to the end and gives the time left") {
   const auto image = noise_image(20'000);
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
@@ -88,7 +88,7 @@ TEST_CASE("reading back every byte is possible too") {
   CHECK(active_image(shop) == image);
 }
 
-TEST_CASE("a line cut in the middle is an error and leaves the old map active and whole") {
+TEST_CASE("a link cut in the middle is an error and leaves the old map active and complete") {
   const auto image = noise_image(65'536);
   for (const bool tcp : {false, true}) {
     auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
@@ -107,7 +107,7 @@ TEST_CASE("a line cut in the middle is an error and leaves the old map active an
   }
 }
 
-TEST_CASE("a cancelled upload is abandoned and leaves the old map active and whole") {
+TEST_CASE("a cancelled upload is abandoned and leaves the old map active and complete") {
   std::atomic<bool> cancelled{false};
   auto shop = Workshop::on_pty();
   install_old(shop);
@@ -258,7 +258,7 @@ TEST_CASE("of two hosts on one unit each has its own command done, not the other
   }
 }
 
-TEST_CASE("a commit after which the active map is another one is told as such") {
+TEST_CASE("a commit after which another map is active is reported as such") {
   auto shop = Workshop::on_tcp();
   install_old(shop);
   auto unit = shop.client();
@@ -282,7 +282,7 @@ void another_host_commits_first(Workshop& shop, const std::vector<std::uint8_t>&
   });
 }
 
-TEST_CASE("a refused commit is never told as done, whatever another host has made active meanwhile") {
+TEST_CASE("a refused commit is never reported as done, whatever another host has made active meanwhile") {
   const auto ours = noise_image(4000, 1);
   for (const std::size_t length : {std::size_t{5000}, std::size_t{4000}}) {
     auto shop = Workshop::on_tcp();

@@ -191,7 +191,7 @@ TEST_CASE("a block that makes no sense is refused with the name of the field") {
   CHECK_FALSE(identity_in(registers_of(Identity{1, 0, 0, "a\x1b[2J", "", 1, {}, 0}, 0)).has_value());
 }
 
-TEST_CASE("text beyond its room is cut, never inside a character") {
+TEST_CASE("text longer than its field is cut, never inside a character") {
   CommandResult result;
   result.text = std::string(79, 'x') + "\xC2\xB5m";  // µ would need bytes 80 and 81
   CHECK(command_result_in(registers_of(result, 0)).value().text == std::string(79, 'x'));

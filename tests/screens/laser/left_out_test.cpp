@@ -5,8 +5,6 @@
 namespace ecs::app {
 namespace {
 
-const std::string kExx = "EX along X at Y -1400, Z 0";
-const Measured kPositioning{'X', "EX", 0, -400, 50, {0, -1400, 0}};
 const Measured kLower{'X', "EX", 0, -400, 50, {0, -1400, -1000}};
 
 PlotPanel three_points() {
@@ -20,18 +18,14 @@ Place place_of(const Canvas& canvas, char32_t sign) {
   return {-1, -1};
 }
 
-std::string file_with(const LaserFolder& folder, const std::string& reading_at_200) {
+std::string file_with(const StateFolder& folder, const std::string& reading_at_200) {
   std::string csv = measured_csv(kPositioning, [](double p) { return 0.01 * p; });
   const std::size_t at = csv.find("X,-200,-1400,0,EX,") + std::string("X,-200,-1400,0,EX,").size();
   csv.replace(at, csv.find(',', at) - at, reading_at_200);
   return folder.with("x.csv", csv);
 }
 
-std::size_t count_of(const std::string& text, char sign) {
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), sign));
-}
-
-TEST_CASE("a reading left out stands as x in the very cell where a chart puts it") {
+TEST_CASE("a reading left out is an x in the cell where a chart puts it") {
   for (const Glyphs glyphs : {Glyphs::ascii, Glyphs::unicode})
     for (const PlotPoint& p : {PlotPoint{50, 5}, {0, -3}, {200, 14}, {130, 0.5}}) {
       Canvas left_out(14, 60, glyphs), counted(14, 60, glyphs);
@@ -47,7 +41,7 @@ TEST_CASE("a reading left out stands as x in the very cell where a chart puts it
     }
 }
 
-TEST_CASE("what is left out never squashes the others: far ones stand at the edge with their value") {
+TEST_CASE("readings left out do not change the scale: far ones are at the edge with their value") {
   const std::vector<PlotPoint> out{{50, 5000}, {150, -300}, {120, 14}};
   const LeftOutSeen seen = left_out_seen(three_points(), out, {});
   CHECK(seen.inside.size() == 1);
@@ -69,7 +63,7 @@ TEST_CASE("what is left out never squashes the others: far ones stand at the edg
 }
 
 TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode and in ASCII") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
   sitting.type("3\n");
@@ -93,8 +87,8 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
   CHECK(count_of(seen, 'x') > 5);
 }
 
-TEST_CASE("an outlier left out is told at the edge of the curve with its value, and the axis stays as it was") {
-  const LaserFolder folder;
+TEST_CASE("an outlier left out is shown at the edge of the curve with its value, and the axis stays as it was") {
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({file_with(folder, "947.5")});
   sitting.type("3o ");
@@ -115,7 +109,7 @@ TEST_CASE("an outlier left out is told at the edge of the curve with its value, 
 }
 
 TEST_CASE("a line of which every reading is left out still shows them") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({file_with(folder, "1.0")});
   sitting.controller().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
@@ -127,8 +121,8 @@ TEST_CASE("a line of which every reading is left out still shows them") {
   CHECK(count_of(seen, 'x') > 15);
 }
 
-TEST_CASE("before any parameters are chosen the curves are told apart by where they were measured") {
-  const LaserFolder folder;
+TEST_CASE("before any parameters are chosen the curves are named by where they were measured") {
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; })),
                       folder.with("x_low.csv", measured_csv(kLower, [](double) { return 2.0; }))});
@@ -141,7 +135,7 @@ TEST_CASE("before any parameters are chosen the curves are told apart by where t
 }
 
 TEST_CASE("a file that does not say where the other axes stood is asked for it from the list of lines") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("plain.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\nEX,X,2.0,30\n"),
                       folder.with("half.csv", "sense,axis,reading,x_mm,y_mm\nEY,X,1,10,-70\nEY,X,2,20,-70\n")});
@@ -161,8 +155,8 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   CHECK(sitting.seen().find("Y ?") == std::string::npos);
 }
 
-TEST_CASE("a long message is read whole at 80 columns, and the step keeps the rest") {
-  const LaserFolder folder;
+TEST_CASE("a long message is readable at 80 columns, and the step keeps the rest") {
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; }))});
   std::string words;

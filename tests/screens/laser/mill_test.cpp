@@ -6,16 +6,8 @@
 namespace ecs::app {
 namespace {
 
-std::pair<int, std::string> ran(const std::vector<std::string>& words) {
-  std::ostringstream out, messages;
-  const int code = run_program(words, out, messages);
-  return {code, out.str() + messages.str()};
-}
-
-const std::string kExx = "EX along X at Y -1400, Z 0";
-
 TEST_CASE("the map says which components are missing; declaring one zero takes a reason, and undo takes it back") {
-  const LaserFolder folder;
+  const StateFolder folder;
   measure_mill(folder);
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path / "before"))
@@ -46,7 +38,7 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
 }
 
 /// What an engineer types for the mill: folder, parameters, smoothing, zero, header.
-void commission_on_keys(LaserSitting& sitting, const LaserFolder& folder) {
+void commission_on_keys(LaserSitting& sitting, const StateFolder& folder) {
   sitting.type("a" + folder.path.string() + "/before\n");
   REQUIRE(sitting.shows("[all 16 measurement files here]"));
   sitting.press(Key::Name::down);
@@ -79,14 +71,14 @@ void commission_on_keys(LaserSitting& sitting, const LaserFolder& folder) {
   REQUIRE(sitting.settled());
 }
 
-TEST_CASE("the mill commissioned on the screen gives the very map that the verb builds by the recipe") {
-  const LaserFolder folder;
+TEST_CASE("the mill commissioned on the screen gives the same map that the verb builds by the recipe") {
+  const StateFolder folder;
   measure_mill(folder);
   std::filesystem::copy_file("samples/mill/recipe.toml", folder.path / "recipe.toml");
   const std::string by_verb = (folder.path / "verb.csv").string();
   REQUIRE(ran({"map", "build", (folder.path / "recipe.toml").string(), "--params", "samples/mill/parameters.toml", "-o",
                by_verb, "--params-out", (folder.path / "verb.toml").string()})
-              .first == 0);
+              .code == 0);
   LaserSitting sitting;
   commission_on_keys(sitting, folder);
   CHECK(sitting.controller().mark(LaserStep::header) == LaserMark::done);
@@ -98,18 +90,18 @@ TEST_CASE("the mill commissioned on the screen gives the very map that the verb 
   sitting.type("s");
   REQUIRE(sitting.shows("saved: "));
   CHECK(sitting.controller().unsaved().empty());
-  CHECK(folder.text("out/screen.csv") == folder.text("verb.csv"));
-  CHECK(folder.text("out/screen-parameters.toml") == folder.text("verb.toml"));
+  CHECK(content_of(folder / "out/screen.csv") == content_of(folder / "verb.csv"));
+  CHECK(content_of(folder / "out/screen-parameters.toml") == content_of(folder / "verb.toml"));
   SUBCASE("and the recipe saved beside it makes it again") {
     REQUIRE(ran({"map", "build", (folder.path / "out/screen-recipe.toml").string(), "--params",
                  "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
-                .first == 0);
-    CHECK(folder.text("again.csv") == folder.text("verb.csv"));
+                .code == 0);
+    CHECK(content_of(folder / "again.csv") == content_of(folder / "verb.csv"));
   }
 }
 
 TEST_CASE("a map without a reading or with answers names a prepared file, and its recipe makes it again") {
-  const LaserFolder folder;
+  const StateFolder folder;
   measure_mill(folder);
   LaserSitting sitting;
   commission_on_keys(sitting, folder);
@@ -123,18 +115,18 @@ TEST_CASE("a map without a reading or with answers names a prepared file, and it
   REQUIRE(sitting.controller().work().map.complete());
   sitting.type("s");
   REQUIRE(sitting.shows("saved: "));
-  const std::string map = folder.text("out/map.csv");
+  const std::string map = content_of(folder / "out/map.csv");
   CHECK(map.find("source: EXX EXX_line1.csv") != std::string::npos);
-  CHECK(folder.text("out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
-  CHECK(folder.text("out/map-recipe.toml").find("exclude_runs = [1]") != std::string::npos);
+  CHECK(content_of(folder / "out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
+  CHECK(content_of(folder / "out/map-recipe.toml").find("exclude_runs = [1]") != std::string::npos);
   REQUIRE(ran({"map", "build", (folder.path / "out/map-recipe.toml").string(), "--params",
                "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
-              .first == 0);
-  CHECK(folder.text("again.csv") == map);
+              .code == 0);
+  CHECK(content_of(folder / "again.csv") == map);
 }
 
-TEST_CASE("after a crash the work is offered again and taken up whole; d drops it for good") {
-  const LaserFolder folder;
+TEST_CASE("after a crash the work is offered again and restored completely; d drops it") {
+  const StateFolder folder;
   measure_mill(folder);
   std::string choices;
   {
@@ -158,8 +150,8 @@ TEST_CASE("after a crash the work is offered again and taken up whole; d drops i
   CHECK(LaserSitting().seen().find("Work of 20") == std::string::npos);
 }
 
-TEST_CASE("every step is drawn whole at every size, in unicode and in ASCII") {
-  const LaserFolder folder;
+TEST_CASE("every step is drawn completely at every size, in Unicode and in ASCII") {
+  const StateFolder folder;
   measure_mill(folder);
   LaserSitting empty, full;
   commission_on_keys(full, folder);

@@ -5,7 +5,7 @@ namespace ecs::app {
 namespace {
 
 /// The sample of 200 mm of X, with the parameters and the machine of the mill's X axis alone.
-void take_short_axis(LaserSitting& sitting, const LaserFolder& folder) {
+void take_short_axis(LaserSitting& sitting, const StateFolder& folder) {
   folder.with("machine.toml",
               "configuration = \"TX\"\nname = \"moving column mill\"\n[axis.X]\ntravel_mm = [-4100.0, 0.0]\n");
   const std::string params = folder.with("p.toml",
@@ -15,7 +15,7 @@ void take_short_axis(LaserSitting& sitting, const LaserFolder& folder) {
 }
 
 TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 and in step 8") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   take_short_axis(sitting, folder);
   REQUIRE(sitting.controller().work().map.complete());
@@ -31,7 +31,7 @@ TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 
 }
 
 TEST_CASE("the date of the header is a date; another text is not taken, and what is expected is said") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   take_short_axis(sitting, folder);
   sitting.type("7");
@@ -46,8 +46,8 @@ TEST_CASE("the date of the header is a date; another text is not taken, and what
   CHECK(sitting.controller().work().map.built->map.header.date == "2024-05-06");
 }
 
-TEST_CASE("a date of the files that is none is not preset") {
-  const LaserFolder folder;
+TEST_CASE("an invalid date of the files is not preset") {
+  const StateFolder folder;
   const std::string file = folder.with("x.csv", "# date: Mon Mar 12\naxis,sense,x_mm,reading\nX,EX,0,0\nX,EX,-50,1\n");
   LaserSitting sitting;
   sitting.take_files({file});
@@ -55,8 +55,7 @@ TEST_CASE("a date of the files that is none is not preset") {
 }
 
 TEST_CASE("the question before sending names the first remark and what the header does not state") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
   LaserSitting sitting(unit.link());

@@ -24,18 +24,10 @@ const LaserCurve& curve_of_component(const LaserWork& work, Component component)
   return work.curves.front();
 }
 
-std::pair<int, std::string> ran(const std::vector<std::string>& words) {
-  std::ostringstream out, messages;
-  const int code = run_program(words, out, messages);
-  return {code, out.str() + messages.str()};
-}
-
-const std::string kExx = "EX along X at Y -1400, Z 0";
-const Measured kPositioning{'X', "EX", 0, -400, 50, {0, -1400, 0}};
 const Measured kStraightness{'X', "EY", 0, -400, 50, {0, -1400, 0}, "straightness"};
 
 TEST_CASE("a folder's files are named for what they are, taken at once, and unknown ones explained") {
-  const LaserFolder folder;
+  const StateFolder folder;
   folder.with("day/x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }));
   folder.with("day/straight.csv", measured_csv(kStraightness, [](double p) { return 0.01 * p; }));
   folder.with("day/notes.txt", "the machine was cold\n");
@@ -57,7 +49,7 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
 }
 
 TEST_CASE("marks choose single files, and a typed path is completed") {
-  const LaserFolder folder;
+  const StateFolder folder;
   for (const char* name : {"one.csv", "two.csv", "three.csv"})
     folder.with(std::string("f/") + name, measured_csv(kPositioning, [](double) { return 1.0; }));
   LaserSitting sitting;
@@ -75,7 +67,7 @@ TEST_CASE("marks choose single files, and a typed path is completed") {
 }
 
 TEST_CASE("a file that does not say what was measured is asked, and the answers stay with the draft") {
-  const LaserFolder folder;
+  const StateFolder folder;
   const std::string file = folder.with("pitch.rta", [] {
     std::ifstream in("samples/laser/pitch.rta", std::ios::binary);
     std::ostringstream text;
@@ -107,7 +99,7 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
 }
 
 TEST_CASE("several files of one line are joined, their runs numbered on") {
-  const LaserFolder folder;
+  const StateFolder folder;
   const auto error = [](double p) { return 0.01 * p; };
   LaserSitting sitting;
   sitting.take_files({folder.with("monday.csv", measured_csv(kPositioning, error)),
@@ -118,8 +110,8 @@ TEST_CASE("several files of one line are joined, their runs numbered on") {
   CHECK(sitting.seen().find("tuesday.csv") != std::string::npos);
 }
 
-TEST_CASE("the lines tell what, where, how often, and under which conditions") {
-  const LaserFolder folder;
+TEST_CASE("the measured lines show what, where, how often and under which conditions") {
+  const StateFolder folder;
   Measured after = kPositioning;
   after.compensated = true;
   LaserSitting sitting;
@@ -134,8 +126,8 @@ TEST_CASE("the lines tell what, where, how often, and under which conditions") {
   CHECK(sitting.controller().mark(LaserStep::lines) == LaserMark::doubtful);
 }
 
-TEST_CASE("a run left out changes every later step at once, and undo brings the very same numbers back") {
-  const LaserFolder folder;
+TEST_CASE("a run left out changes every later step at once, and undo restores the same numbers") {
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
   const double before = result_of(sitting.controller().work(), kExx).iso->R_forward.value();
@@ -160,7 +152,7 @@ TEST_CASE("a run left out changes every later step at once, and undo brings the 
 }
 
 TEST_CASE("a reading far from its repeats is suggested, never left out by itself") {
-  const LaserFolder folder;
+  const StateFolder folder;
   std::string csv = measured_csv(kPositioning, [](double p) { return 0.01 * p; });
   const std::size_t at = csv.find("X,-200,-1400,0,EX,", csv.find(",2,20.2,") - 40);
   const std::size_t begin = at + std::string("X,-200,-1400,0,EX,").size();
@@ -182,7 +174,7 @@ TEST_CASE("a reading far from its repeats is suggested, never left out by itself
 }
 
 TEST_CASE("straightness loses its slope by least squares, positioning keeps it, and the numbers are those put in") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.03 * p; })),
                       folder.with("y.csv", measured_csv(kStraightness, [](double p) { return 0.03 * p; }))});
@@ -215,21 +207,21 @@ TEST_CASE("straightness loses its slope by least squares, positioning keeps it, 
 }
 
 TEST_CASE("the values of ISO 230-2 are those of the verb") {
-  const LaserFolder folder;
+  const StateFolder folder;
   const std::string file =
       folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 8.0 * std::sin(p / 90.0); }));
   LaserSitting sitting;
   sitting.take_files({file});
   sitting.type("5");
-  const auto [code, text] = ran({"laser", "stats", file});
-  REQUIRE(code == 0);
+  const Ran run = ran({"laser", "stats", file});
+  REQUIRE(run.code == 0);
   const double A = result_of(sitting.controller().work(), kExx).iso->A.value();
-  CHECK(text.find(fmt::format("{:.3f}", A)) != std::string::npos);
+  CHECK(run.all().find(fmt::format("{:.3f}", A)) != std::string::npos);
   CHECK(sitting.seen().find(fmt::format("A      {:>8.2f} um", A)) != std::string::npos);
 }
 
 TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
-  const LaserFolder folder;
+  const StateFolder folder;
   LaserSitting sitting;
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
   CHECK(sitting.seen().find("Next: the parameters of the unit, p in step 1, 4 or 6.") != std::string::npos);
@@ -244,8 +236,8 @@ TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
   CHECK(sitting.screen->step() == LaserStep::map);
 }
 
-TEST_CASE("escape asks before work is left that is not saved, and goes at once where there is none") {
-  const LaserFolder folder;
+TEST_CASE("Esc asks before unsaved work is left, and leaves at once where there is none") {
+  const StateFolder folder;
   LaserSitting sitting;
   CHECK(sitting.type("\x1b") == Step::Kind::back);
   sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});

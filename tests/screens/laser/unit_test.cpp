@@ -5,8 +5,7 @@ namespace ecs::app {
 namespace {
 
 TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map in the unit") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
   {
@@ -35,8 +34,7 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
 }
 
 TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen says so, sending again works") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "19200");
   const LinearMill mill(folder);
   LaserSitting sitting(unit.link());
@@ -74,8 +72,7 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
 }
 
 TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it had") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "19200");
   const LinearMill mill(folder, 10.0);
   LaserSitting sitting(unit.link());
@@ -93,8 +90,7 @@ TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it ha
 }
 
 TEST_CASE("parameters are received from the unit where no file is given") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   REQUIRE(ran_text({"params", "send", "samples/mill/parameters.toml", "--link", unit.link()}).starts_with("0 "));
   LaserSitting sitting(unit.link());
@@ -106,7 +102,7 @@ TEST_CASE("parameters are received from the unit where no file is given") {
 }
 
 TEST_CASE("without a unit everything up to the file works, and sending says why it cannot") {
-  const LaserFolder folder;
+  const StateFolder folder;
   const LinearMill mill(folder);
   LaserSitting sitting;
   make_ready(sitting, folder, mill);

@@ -1,6 +1,6 @@
 // Step 9: a verdict that holds only as long as the unit is the one that was compared, and compensation with it.
-#include "tests/support/laser_unit.hpp"
 #include "protocol/client/client.hpp"
+#include "tests/support/laser_unit.hpp"
 
 namespace ecs::app {
 namespace {
@@ -24,7 +24,7 @@ Result<void> map_sent_over(UnitLink& line, const std::string& map, const std::st
 }
 
 /// A map of the same machine with other values, saved beside the first one.
-void save_another_map(LaserSitting& sitting, const LaserFolder& folder) {
+void save_another_map(LaserSitting& sitting, const StateFolder& folder) {
   const LaserChoices before = sitting.controller().choices();
   sitting.controller().change("other values", [&](LaserChoices& c) {
     c.components["EXX"].smoothing_mm = 800.0;
@@ -70,8 +70,7 @@ TEST_CASE(
 }
 
 TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
   LaserSitting sitting(unit.link());
@@ -120,8 +119,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
 
 TEST_CASE(
     "a map that was verified but not sent from here counts: compensation is refused once the unit holds another") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
   LaserSitting sitting(unit.link());
@@ -152,8 +150,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a unit that was switched off and on has to be verified again") {
-  if (!built()) return;
-  const LaserFolder folder;
+  const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
   LaserSitting sitting(unit.link());

@@ -1,16 +1,17 @@
 // Memory access with the emulator's memory, and with dumps of it.
+#include "app/screens/memory/screen.hpp"
+
 #include <algorithm>
 
-#include "app/screens/memory/screen.hpp"
 #include "base/file.hpp"
 #include "tests/support/unit_screen.hpp"
 
 namespace ecs::app {
 namespace {
 
-using namespace unit_case;
+using namespace screen_test;
 
-struct MemoryCase : UnitCase {
+struct MemoryCase : StateFolder {
   std::shared_ptr<UnitConnection> unit = std::make_shared<UnitConnection>("emulator");
   MemoryScreen screen{unit};
 
@@ -18,7 +19,7 @@ struct MemoryCase : UnitCase {
   void go(const std::string& where) {
     REQUIRE(until(screen, [&] {  // names are there when they are read
       type(screen, "g");
-      enter(screen, where);
+      replace_line(screen, where);
       return !contains(picture(screen), "no memory and no name");
     }));
     REQUIRE(until(screen, [this] { return !contains(picture(screen), " .. "); }));
@@ -31,8 +32,7 @@ struct MemoryCase : UnitCase {
   }
 };
 
-TEST_CASE("the unit's memory comes into view page by page with the names of what stands there") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("the unit's memory is shown page by page with the names of its contents") {
   MemoryCase one;
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "[45]43 53 49"));
@@ -53,21 +53,20 @@ TEST_CASE("the unit's memory comes into view page by page with the names of what
   one.go("100000");
 }
 
-TEST_CASE("writing asks with old and new bytes, is read back, and is taken back by undo") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("writing asks with old and new bytes, is read back, and is undone by undo") {
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");
   const auto before = one.bytes_of_unit(0x48000, 4);
   type(one.screen, "w");
-  enter(one.screen, "DE AD BE EF");
+  replace_line(one.screen, "DE AD BE EF");
   CHECK(contains(picture(one.screen), "Write 4 bytes of unit MCM-0107 (EMULATOR)?"));
   CHECK(contains(picture(one.screen), "now 00 00 00 00"));
   CHECK(contains(picture(one.screen), "new DE AD BE EF"));
   type(one.screen, "n");
   CHECK(one.bytes_of_unit(0x48000, 4) == before);
   type(one.screen, "w");
-  enter(one.screen, "DE AD BE EF");
+  replace_line(one.screen, "DE AD BE EF");
   type(one.screen, "y");
   REQUIRE(shows(one.screen, "4 bytes written at 0x048000, read back the same"));
   CHECK(one.bytes_of_unit(0x48000, 4) == std::vector<std::uint8_t>{0xDE, 0xAD, 0xBE, 0xEF});
@@ -83,12 +82,11 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is taken back 
 }
 
 TEST_CASE("bytes that changed since they were shown are not overwritten") {
-  if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");
   type(one.screen, "w");
-  enter(one.screen, "01");
+  replace_line(one.screen, "01");
   JobControl control;
   REQUIRE(one.unit->on_line(
       control, [](UnitLink& line) { return line.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
@@ -98,7 +96,6 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
 }
 
 TEST_CASE("protected memory and a unit that does not integrate refuse writing with the reason") {
-  if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
@@ -118,43 +115,41 @@ TEST_CASE("protected memory and a unit that does not integrate refuse writing wi
   CHECK_FALSE(one.screen.typing());
 }
 
-TEST_CASE("a write into the active map says what it spoils") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("a write into the active map says what it damages") {
   MemoryCase one;
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
   one.go("table EXX");
   type(one.screen, "w");
-  enter(one.screen, "16:777");
+  replace_line(one.screen, "16:777");
   CHECK(contains(picture(one.screen), "Careful: these bytes lie in the active map"));
   type(one.screen, "n");
 }
 
 TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
-  if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "ACTIVE map of"));
-  const std::string file = (one.folder / "before.ecsdump").string();
+  const std::string file = (one.path / "before.ecsdump").string();
   type(one.screen, "s");
   (void)press(one.screen, Key::Name::down);
   CHECK(contains(picture(one.screen), "save the active map to"));
   (void)press(one.screen, Key::Name::up);
-  enter(one.screen, file);
+  replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "with the unit's status written to"));
   CHECK(read_dump(file).value().serial_number == "MCM-0107");
   type(one.screen, "s");
-  enter(one.screen, file);
+  replace_line(one.screen, file);
   CHECK(contains(picture(one.screen), "Replace "));
   type(one.screen, "n");
 
   one.go("table EXX");
   type(one.screen, "w");
-  enter(one.screen, "16:777");
+  replace_line(one.screen, "16:777");
   type(one.screen, "y");
   REQUIRE(shows(one.screen, "2 bytes written"));
   type(one.screen, "c");
-  enter(one.screen, file);
+  replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "compared with"));
   CHECK(contains(picture(one.screen), "1 place differs"));
   (void)press(one.screen, Key::Name::home);
@@ -167,23 +162,22 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   (void)press(one.screen, Key::Name::enter);
 
   type(one.screen, "o");
-  enter(one.screen, file);
+  replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "file before.ecsdump, unit MCM-0107, taken 2"));
   (void)press(one.screen, Key::Name::home);
   type(one.screen, "/");
-  enter(one.screen, "\"ECSI\"");
+  replace_line(one.screen, "\"ECSI\"");
   CHECK(contains(picture(one.screen), "found at 0x100000"));
   type(one.screen, "w");
   CHECK(contains(picture(one.screen), "this is a file"));
   type(one.screen, "m");
   CHECK(contains(picture(one.screen), "is not in axis memory bank A"));
   type(one.screen, "o");
-  enter(one.screen, "");
+  replace_line(one.screen, "");
   REQUIRE(shows(one.screen, "unit MCM-0107"));
 }
 
-TEST_CASE("a search reads on through the unit until it finds, and can be given up") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("a search reads through the unit until it finds, and can be cancelled") {
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   JobControl control;
@@ -192,11 +186,11 @@ TEST_CASE("a search reads on through the unit until it finds, and can be given u
   }));
   one.go("40000");
   type(one.screen, "/");
-  enter(one.screen, "CA FE");
+  replace_line(one.screen, "CA FE");
   REQUIRE(shows(one.screen, "found at 0x04A123"));
   one.go("100000");
   type(one.screen, "/");
-  enter(one.screen, "CA FE 01");
+  replace_line(one.screen, "CA FE 01");
   REQUIRE(shows(one.screen, "looking for CA FE 01"));
   (void)press(one.screen, Key::Name::escape);
   CHECK(contains(picture(one.screen), "given up: looking for CA FE 01"));
@@ -207,7 +201,6 @@ TEST_CASE("a search reads on through the unit until it finds, and can be given u
 }
 
 TEST_CASE("with the emulator killed the screen says so, and reads anew when it is back") {
-  if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");
@@ -217,12 +210,11 @@ TEST_CASE("with the emulator killed the screen says so, and reads anew when it i
 }
 
 TEST_CASE("a write while the unit dies either is confirmed or is in the list as not confirmed") {
-  if (!UnitCase::has_emulator()) return;
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");
   type(one.screen, "w");
-  enter(one.screen, "01 02");
+  replace_line(one.screen, "01 02");
   REQUIRE(kill_emulators() == 1);
   type(one.screen, "y");
   type(one.screen, "3");
@@ -238,13 +230,13 @@ TEST_CASE("a write while the unit dies either is confirmed or is in the list as 
 }
 
 TEST_CASE("without a unit the screen says what is missing and opens a file all the same") {
-  const UnitCase one;
+  const StateFolder one;
   MemoryScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   REQUIRE(shows(screen, "no such port"));
   CHECK(contains(picture(screen), "as soon as a unit answers"));
   for (const char* key : {"w", "u", "r", "a", "d", "m", "n", "p", "2", "3", "1"}) type(screen, key);
   type(screen, "o");
-  enter(screen, "no-such.ecsdump");
+  replace_line(screen, "no-such.ecsdump");
   REQUIRE(shows(screen, "no-such.ecsdump"));
   for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
     const std::string text = picture(screen, rows, columns, Glyphs::ascii);

@@ -8,46 +8,13 @@
 
 #include "app/cli/program.hpp"
 #include "commissioning/link/emulator_process.hpp"
+#include "tests/support/emulator.hpp"
 #include "tests/support/parameters_screen.hpp"
 
-namespace ecs::app::parameters_case {
+namespace ecs::app {
 namespace {
 
-const std::string kEmulator = std::string(ECS_BUILD_FOLDER) + "/ecs_emulator/ecs-emulator";
-
-bool built() {
-  if (std::filesystem::exists(kEmulator)) return true;
-  MESSAGE("skipped: " << kEmulator << " is not built");
-  return false;
-}
-
-class UnitCase : public ParametersCase {
- public:
-  UnitCase() { ::setenv("ECS_EMULATOR", kEmulator.c_str(), 1); }
-  ~UnitCase() { ::unsetenv("ECS_EMULATOR"); }
-  UnitCase(const UnitCase&) = delete;
-  UnitCase& operator=(const UnitCase&) = delete;
-};
-
-/// The emulator that this process started.
-pid_t emulator_child() {
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream children(task.path() / "children");
-    for (pid_t child = 0; children >> child;) {
-      std::string name;
-      std::getline(std::ifstream("/proc/" + std::to_string(child) + "/comm") >> std::ws, name);
-      if (name == "ecs-emulator") return child;
-    }
-  }
-  return -1;
-}
-
-int ran(const std::vector<std::string>& words) {
-  std::ostringstream out, messages;
-  const int code = run_program(words, out, messages);
-  if (code != 0) MESSAGE(messages.str() << out.str());
-  return code;
-}
+using namespace screen_test;
 
 /// Until the line is open again; half a minute at most.
 bool opens_again(const UnitConnection& line) {
@@ -63,8 +30,7 @@ UnitParameters held_by(UnitConnection& line) {
 }
 
 TEST_CASE("what is sent is asked first, read back without a difference, and received again the same") {
-  if (!built()) return;
-  const UnitCase one;
+  const ParametersCase one;
   auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   CHECK(shows(screen, "EMULATOR, unit MCM-0107 answers"));
@@ -75,7 +41,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   edit(screen, "7.5");
   type(screen, "t");
   REQUIRE(shows(screen, "Send the parameters to EMULATOR, unit MCM-0107?"));
-  CHECK(has(seen(screen), "Nothing is overwritten"));
+  CHECK(reads(picture(screen), "Nothing is overwritten"));
   type(screen, "y");
   REQUIRE(shows(screen, "read back: no difference"));
   CHECK(screen.controller().differs_from_unit().empty());
@@ -83,10 +49,10 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   CHECK_FALSE(draft_of("parameters"));
 
   edit(screen, "9");
-  CHECK(has(seen(screen), "unit 7.5"));
+  CHECK(reads(picture(screen), "unit 7.5"));
   type(screen, "t");
   REQUIRE(shows(screen, "Overwritten there: 1 parameter"));
-  CHECK(has(seen(screen), "X deadband: 7.5 > 9 um"));
+  CHECK(reads(picture(screen), "X deadband: 7.5 > 9 um"));
   type(screen, "n");
   CHECK(held_by(*line).axes[0].deadband_um == 7.5);
 
@@ -100,23 +66,22 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   CHECK(another.unsaved().empty());
 }
 
-TEST_CASE("the unit's value is taken by g, and receiving over edits is asked and can be taken back") {
-  if (!built()) return;
-  const UnitCase one;
-  REQUIRE(ran({"params", "send", one.file()}) == 0);
+TEST_CASE("g takes the unit's value; receiving over edits asks first and can be undone") {
+  const ParametersCase one;
+  REQUIRE(ran({"params", "send", one.file()}).code == 0);
   ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   REQUIRE(shows(screen, "the unit holds the same"));
   find(screen, "deadband");
   edit(screen, "7.5");
   type(screen, "5");
-  CHECK(has(seen(screen), "X deadband"));
+  CHECK(reads(picture(screen), "X deadband"));
   type(screen, "g");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
-  CHECK(has(seen(screen), "Screen, file and unit hold the same."));
+  CHECK(reads(picture(screen), "Screen, file and unit hold the same."));
   type(screen, "u");
   type(screen, "r");
-  CHECK(has(seen(screen), "go on, lose them"));
+  CHECK(reads(picture(screen), "go on, lose them"));
   type(screen, "y");
   REQUIRE(shows(screen, "received from EMULATOR"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
@@ -125,13 +90,12 @@ TEST_CASE("the unit's value is taken by g, and receiving over edits is asked and
 }
 
 TEST_CASE("a unit that is not in integration mode is switched only after a yes") {
-  if (!built()) return;
-  const UnitCase one;
-  REQUIRE(ran({"params", "send", one.file()}) == 0);
+  const ParametersCase one;
+  REQUIRE(ran({"params", "send", one.file()}).code == 0);
   REQUIRE(write_file(one.file("map.csv"),
                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
-  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
+  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}).code == 0);
   auto line = std::make_shared<UnitConnection>("emulator");
   JobControl control;
   const auto mode = [&] {
@@ -157,12 +121,11 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
 }
 
 TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
-  if (!built()) return;
-  const UnitCase one;
+  const ParametersCase one;
   REQUIRE(write_file(one.file("map.csv"),
                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
-  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}) == 0);
+  REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}).code == 0);
   auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
@@ -184,31 +147,27 @@ TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
 }
 
 TEST_CASE("parameters of another unit are said to be so before they are sent") {
-  if (!built()) return;
-  const UnitCase one;
+  const ParametersCase one;
   ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   find(screen, "serial_number");
   edit(screen, "CH-0005");
   type(screen, "t");
   REQUIRE(shows(screen, "ANOTHER UNIT"));
-  CHECK(has(seen(screen), "CH-0005"));
+  CHECK(reads(picture(screen), "CH-0005"));
   type(screen, "y");
   REQUIRE(shows(screen, "read back: no difference"));
 }
 
 TEST_CASE("a unit that dies keeps every edit here, and takes them when it is back") {
-  if (!built()) return;
-  const UnitCase one;
+  const ParametersCase one;
   auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
   REQUIRE(shows(screen, "the unit holds no parameters"));
   find(screen, "deadband");
   edit(screen, "7.5");
-  const pid_t child = emulator_child();
-  REQUIRE(child > 0);
-  ::kill(child, SIGKILL);
+  REQUIRE(kill_emulators() == 1);
   type(screen, "t");
   REQUIRE(shows(screen, "everything here stays as it is"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
@@ -232,27 +191,26 @@ TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives th
   find(screen, "deadband");
   edit(screen, "7.5");
   type(screen, "t");
-  CHECK(has(seen(screen), "Esc cancels"));
+  CHECK(reads(picture(screen), "Esc cancels"));
   type(screen, "d");
-  CHECK(has(seen(screen), "7.5 um"));  // what is being sent is not edited meanwhile
-  press(screen, Key::Name::up);
-  press(screen, Key::Name::escape);
+  CHECK(reads(picture(screen), "7.5 um"));  // what is being sent is not edited meanwhile
+  (void)press(screen, Key::Name::up);
+  (void)press(screen, Key::Name::escape);
   REQUIRE(shows(screen, "everything here stays as it is"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   ::close(master);
 }
 
-TEST_CASE("warnings stand in the question before they are sent") {
-  if (!built()) return;
-  const UnitCase one;
+TEST_CASE("warnings are part of the question before parameters are sent") {
+  const ParametersCase one;
   ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
   find(screen, "X.output_limit");
   edit(screen, "0");
   type(screen, "t");
   REQUIRE(shows(screen, "1 warning:"));
-  CHECK(has(seen(screen), "lets no"));
+  CHECK(reads(picture(screen), "lets no"));
 }
 
 }  // namespace
-}  // namespace ecs::app::parameters_case
+}  // namespace ecs::app

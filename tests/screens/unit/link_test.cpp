@@ -1,15 +1,14 @@
 // The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
-#include "app/screens/unit/link_screen.hpp"
-
 #include <algorithm>
 
+#include "app/screens/unit/link_screen.hpp"
 #include "app/screens/unit/link_statistics.hpp"
 #include "tests/support/bad_line.hpp"
 
 namespace ecs::app {
 namespace {
 
-using namespace unit_case;
+using namespace screen_test;
 
 std::string form_text(const std::string& link) { return LinkForm(*parsed_link(link, "test")).text(); }
 
@@ -37,7 +36,7 @@ TEST_CASE("choices step round and ports are among them") {
 }
 
 /// The setting screen with the form filled in by its keys.
-struct LinkCase : UnitCase {
+struct LinkCase : StateFolder {
   std::shared_ptr<UnitConnection> unit;
   LinkScreen screen;
   explicit LinkCase(const std::string& link) : unit(std::make_shared<UnitConnection>(link)), screen(unit) {}
@@ -45,8 +44,9 @@ struct LinkCase : UnitCase {
   void try_it() {
     REQUIRE(until(screen, [this] { return !contains(picture(screen), "looking for serial ports"); }));
     type(screen, "t");
-    REQUIRE(
-        until(screen, [this] { return contains(picture(screen), "the link ") && !contains(picture(screen), "gives it up"); }));
+    REQUIRE(until(screen, [this] {
+      return contains(picture(screen), "the link ") && !contains(picture(screen), "gives it up");
+    }));
   }
 };
 
@@ -65,7 +65,7 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   (void)one.screen.on_key({Key::Name::mouse, 0, 0, 4, 10});  // the row of the port
   (void)press(one.screen, Key::Name::enter);
   CHECK(one.screen.typing());
-  enter(one.screen, "/dev/no-other-port");
+  replace_line(one.screen, "/dev/no-other-port");
   CHECK_FALSE(one.screen.typing());
   CHECK(contains(picture(one.screen), "makes rtu:/dev/no-other-port:9600:8N1:1"));
   type(one.screen, "s");
@@ -82,14 +82,13 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   (void)press(one.screen, Key::Name::down);
   (void)press(one.screen, Key::Name::down);
   (void)press(one.screen, Key::Name::enter);
-  enter(one.screen, "999");
+  replace_line(one.screen, "999");
   type(one.screen, "t");
   CHECK(contains(picture(one.screen), "999"));
   CHECK_FALSE(contains(picture(one.screen), "gives it up"));
 }
 
 TEST_CASE("the bundled emulator answers, the doctor says how well, and the statistics count") {
-  if (!UnitCase::has_emulator()) return;
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   one.try_it();
@@ -102,7 +101,6 @@ TEST_CASE("the bundled emulator answers, the doctor says how well, and the stati
 }
 
 TEST_CASE("a unit with another number is found, offered and taken") {
-  if (!UnitCase::has_emulator()) return;
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {"--unit", "3"});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
@@ -128,7 +126,6 @@ TEST_CASE("a line that gives back what is sent is called an echo") {
 }
 
 TEST_CASE("the right speed is found and offered where another was set") {
-  if (!UnitCase::has_emulator()) return;
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {});
   const BadLine slow(emulator.pty, B9600);
@@ -141,8 +138,7 @@ TEST_CASE("the right speed is found and offered where another was set") {
   CHECK(contains(picture(screen), "9600 baud, parity N, not at 115200"));
 }
 
-TEST_CASE("late and garbled answers are told with their causes, and the statistics judge them") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("late and garbled answers are reported with their causes, and the statistics judge them") {
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
@@ -158,8 +154,7 @@ TEST_CASE("late and garbled answers are told with their causes, and the statisti
   REQUIRE(shows(screen, "many garbled answers"));
 }
 
-TEST_CASE("what the doctor tries can be given up") {
-  if (!UnitCase::has_emulator()) return;
+TEST_CASE("the doctor's checks can be cancelled") {
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {"--unit", "99"});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
@@ -173,7 +168,6 @@ TEST_CASE("what the doctor tries can be given up") {
 }
 
 TEST_CASE("with the emulator killed the link screen says so and shows it back") {
-  if (!UnitCase::has_emulator()) return;
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   REQUIRE(kill_emulators() == 1);
@@ -184,8 +178,7 @@ TEST_CASE("with the emulator killed the link screen says so and shows it back") 
 }
 
 TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
-  if (!UnitCase::has_emulator()) return;
-  const UnitCase one;
+  const StateFolder one;
   const auto choice = parsed_link("emulator", "test");
   REQUIRE(choice);
   std::shared_ptr<EmulatorProcess> emulator;

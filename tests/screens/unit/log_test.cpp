@@ -1,18 +1,17 @@
 // The log: what the screens told, whole, found again and copied.
-#include "app/screens/unit/log_screen.hpp"
-
 #include <algorithm>
 
+#include "app/screens/unit/log_screen.hpp"
 #include "base/file.hpp"
 #include "tests/support/unit_screen.hpp"
 
 namespace ecs::app {
 namespace {
 
-using namespace unit_case;
+using namespace screen_test;
 
-TEST_CASE("the log follows the newest message and shows a long one whole") {
-  const UnitCase one;
+TEST_CASE("the log follows the newest message and shows a long one completely") {
+  const StateFolder one;
   LogScreen screen;
   log_event(Tone::good, "parameters sent");
   std::string error = "the unit does not answer";
@@ -25,11 +24,11 @@ TEST_CASE("the log follows the newest message and shows a long one whole") {
   CHECK(contains(text, "ERROR"));
   CHECK(contains(text, "word19"));
   CHECK(contains(text, "following"));
-  CHECK(contains(text, (one.folder / "state" / "screens.log").string()));
+  CHECK(contains(text, (one.path / "state" / "screens.log").string()));
 }
 
 TEST_CASE("errors alone are shown on e, any message is found by a part of it, and a copy is saved") {
-  const UnitCase one;
+  const StateFolder one;
   log_event(Tone::bad, "first trouble");
   log_event(Tone::good, "Quite well");
   log_event(Tone::bad, "second trouble");
@@ -39,34 +38,33 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   CHECK(contains(picture(screen), "errors only"));
   type(screen, "e/");
   CHECK(screen.typing());
-  enter(screen, "quite");
+  replace_line(screen, "quite");
   CHECK(contains(picture(screen), "> "));
   CHECK_FALSE(contains(picture(screen), "following"));
   log_event(Tone::good, "a later one");
   (void)screen.advance();
   CHECK_FALSE(contains(picture(screen), "following"));
   type(screen, "/");
-  enter(screen, "no such words at all");
+  replace_line(screen, "no such words at all");
   CHECK(contains(picture(screen), "is in no message"));
   (void)press(screen, Key::Name::end);
   CHECK(contains(picture(screen), "following"));
   (void)screen.on_key({Key::Name::mouse, 0, 0, 3, 10});  // the first row of the list
   CHECK_FALSE(contains(picture(screen), "following"));
   type(screen, "s");
-  const std::string copy = (one.folder / "copy.txt").string();
-  enter(screen, copy);
+  const std::string copy = (one.path / "copy.txt").string();
+  replace_line(screen, copy);
   CHECK(contains(picture(screen), "written to"));
   CHECK(contains(read_file(copy).value(), "second trouble"));
   type(screen, "s");
-  enter(screen, copy);
+  replace_line(screen, copy);
   CHECK(contains(picture(screen), "Replace "));
   type(screen, "n");
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
 TEST_CASE("with the emulator killed the log goes on, and the unit comes back behind it") {
-  if (!UnitCase::has_emulator()) return;
-  const UnitCase one;
+  const StateFolder one;
   const auto unit = std::make_shared<UnitConnection>("emulator");
   LogScreen screen;
   REQUIRE(until(screen, [&] { return unit->standing().open; }));
@@ -78,7 +76,7 @@ TEST_CASE("with the emulator killed the log goes on, and the unit comes back beh
 }
 
 TEST_CASE("the log fits any size") {
-  const UnitCase one;
+  const StateFolder one;
   log_event(Tone::bad, std::string(3000, 'x') + "\nsecond line");
   LogScreen screen;
   for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {

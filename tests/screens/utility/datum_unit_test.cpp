@@ -7,12 +7,12 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 namespace {
 
 /// The parameters of the sample mill in the unit.
-void send_mill(const Bench& bench) {
+void send_mill(const UnitBench& bench) {
   const auto file = params::read_parameters("samples/mill/parameters.toml");
   REQUIRE(file);
   REQUIRE(bench.on_line([&](UnitLink& line) { return send_parameters(line.client(), file->parameters, {}); }));
@@ -21,16 +21,15 @@ void send_mill(const Bench& bench) {
 }  // namespace
 
 TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   DatumRecordScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
   CHECK(contains(picture(screen), "Record axis X for 10 seconds?"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS X NOW: g lets"));
+  REQUIRE(shows(screen, "REFERENCE AXIS X NOW: g lets"));
   (void)picture(screen);
   (void)letter(screen, 'g');
   std::unique_ptr<Screen> graph;
@@ -50,70 +49,66 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   CHECK(contains(events, "Datum type fanuc"));
 }
 
-TEST_CASE("a record is given up by Esc, and the next one works") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("a record is cancelled by Esc, and the next one works") {
+  const UnitBench bench;
   bench.wait_for_unit();
   DatumRecordScreen screen(bench.controller);
   (void)letter(screen, 'z');
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS Z NOW"));
+  REQUIRE(shows(screen, "REFERENCE AXIS Z NOW"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(comes(screen, "Given up."));
+  REQUIRE(shows(screen, "Given up."));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS Z NOW"));
+  REQUIRE(shows(screen, "REFERENCE AXIS Z NOW"));
 }
 
 TEST_CASE("kill -9 of the emulator while it records: it is said, and recording works when it is back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   DatumRecordScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "Enter records axis X."));
+  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "Enter records axis X."));
   (void)picture(screen);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
 }
 
 TEST_CASE("every axis finds its datum with the parameters of the mill, stage by stage") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   send_mill(bench);
   DatumTestScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
   CHECK(contains(picture(screen), "Test the datum routine of X, Y, Z?"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
-  REQUIRE(comes(screen, "waiting ..."));
+  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(shows(screen, "waiting ..."));
   (void)letter(screen, 'g');
-  REQUIRE(comes(screen, "Every axis that was tested found its datum."));
+  REQUIRE(shows(screen, "Every axis that was tested found its datum."));
   CHECK(contains(picture(screen), "[x] Z      DATUM FOUND"));
 }
 
 TEST_CASE("an axis that fails says what to do, the others go on") {
-  if (emulator_built().empty()) return;
-  const Bench bench;  // without parameters Y is looked for in the wrong direction
+  const UnitBench bench;  // without parameters Y is looked for in the wrong direction
   bench.wait_for_unit();
   DatumTestScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'x');
   (void)press(screen, Key::Name::enter);
   CHECK(contains(picture(screen), "Test the datum routine of Y, Z?"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS Y NOW"));
+  REQUIRE(shows(screen, "REFERENCE AXIS Y NOW"));
   (void)letter(screen, 'g');
-  REQUIRE(comes(screen, "One axis failed"));
+  REQUIRE(shows(screen, "One axis failed"));
   const std::string seen = picture(screen);
   CHECK(contains(seen, "[ ] X      not tested"));
   CHECK(contains(seen, "[x] Y      FAILED"));
@@ -121,22 +116,21 @@ TEST_CASE("an axis that fails says what to do, the others go on") {
 }
 
 TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test works when it is back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   send_mill(bench);
   DatumTestScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "waiting ..."));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "given up"));
+  REQUIRE(shows(screen, "waiting ..."));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "given up"));
   (void)picture(screen);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "REFERENCE AXIS X NOW"));
+  REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
   (void)letter(screen, 'g');
-  REQUIRE(comes(screen, "Every axis that was tested found its datum."));
+  REQUIRE(shows(screen, "Every axis that was tested found its datum."));
 }

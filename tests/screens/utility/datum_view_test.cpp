@@ -8,7 +8,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 namespace {
 
@@ -33,8 +33,6 @@ DatumRecording sequence(double start_s, double sign = 1.0) {
   return r;
 }
 
-int count_of(const std::string& text, char c) { return static_cast<int>(std::count(text.begin(), text.end(), c)); }
-
 std::string line_with(const std::string& text, const std::string& part) {
   const std::size_t at = text.find(part);
   if (at == std::string::npos) return {};
@@ -42,7 +40,7 @@ std::string line_with(const std::string& text, const std::string& part) {
   return text.substr(begin, text.find('\n', at) - begin);
 }
 
-void finish(Screen& screen) {
+void advance_for_half_a_second(Screen& screen) {
   for (int k = 0; k < 100; ++k) {
     (void)screen.advance();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -54,9 +52,9 @@ void finish(Screen& screen) {
 TEST_CASE(
     "the switch fills its lane for as long as it is closed, the marker shows even where it is one sample of ten "
     "thousand") {
-  const BenchFolder folder;
+  const StateFolder folder;
   DatumViewScreen screen(sequence(2.0));
-  const std::string seen = picture(screen, Canvas(24, 80, Glyphs::ascii));
+  const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
   CHECK(contains(seen, "Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED"));
   CHECK(contains(seen, "mm/min"));
   const std::string switches = line_with(seen, "switch");
@@ -69,7 +67,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the cursor reads time, speed, position, switch and marker") {
-  const BenchFolder folder;
+  const StateFolder folder;
   DatumViewController controller;
   controller.take(sequence(2.0));
   controller.go_to(3.5);
@@ -85,7 +83,7 @@ TEST_CASE("the cursor reads time, speed, position, switch and marker") {
 }
 
 TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
-  const BenchFolder folder;
+  const StateFolder folder;
   DatumViewController controller;
   controller.take(sequence(2.0));
   controller.go_to(3.0);
@@ -100,7 +98,7 @@ TEST_CASE("zoom halves what is seen around the cursor, 0 shows all") {
 }
 
 TEST_CASE("the record says what it means for the datuming parameters") {
-  const BenchFolder folder;
+  const StateFolder folder;
   const auto hints = datuming_hints(shown(sequence(2.0, -1.0), ""));
   REQUIRE(hints.size() == 4);
   CHECK(contains(hints[0], "direction: reverse"));
@@ -113,7 +111,7 @@ TEST_CASE("the record says what it means for the datuming parameters") {
 }
 
 TEST_CASE("a record is saved, opened again, and a second is laid over it; the two differ without colour") {
-  const BenchFolder folder;
+  const StateFolder folder;
   const std::string file = folder / "first.csv", other = folder / "other.csv";
   REQUIRE(write_file(other, to_csv(sequence(4.0))));
   DatumViewScreen screen(sequence(2.0));
@@ -122,14 +120,14 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
   for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
   type(screen, file);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "written: "));
+  REQUIRE(shows(screen, "written: "));
   CHECK(screen.unsaved().empty());
   CHECK(read_recording_file(file)->samples == sequence(2.0).samples);
   (void)letter(screen, 'v');
   type(screen, other);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "other.csv is the second"));
-  const std::string seen = picture(screen, Canvas(24, 80, Glyphs::ascii));
+  REQUIRE(shows(screen, "other.csv is the second"));
+  const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
   CHECK(contains(seen, "switch 2"));
   CHECK(contains(seen, "marker 2"));
   CHECK(contains(seen, "^"));
@@ -143,10 +141,10 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
 }
 
 TEST_CASE("a record that nobody saved is offered again") {
-  const BenchFolder folder;
+  const StateFolder folder;
   {
     DatumViewScreen screen(sequence(2.0));
-    finish(screen);
+    advance_for_half_a_second(screen);
     CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
     CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
   }
@@ -160,19 +158,19 @@ TEST_CASE("a record that nobody saved is offered again") {
   CHECK_FALSE(DatumViewController().draft());
 }
 
-TEST_CASE("a file that is no record says so and nothing is lost") {
-  const BenchFolder folder;
+TEST_CASE("a file that is not a record is refused and nothing is lost") {
+  const StateFolder folder;
   REQUIRE(write_file(folder / "bad.csv", "hello\n"));
   DatumViewScreen screen(sequence(2.0));
   (void)letter(screen, 'v');
   type(screen, folder / "bad.csv");
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "expected the columns"));
+  REQUIRE(shows(screen, "expected the columns"));
   CHECK(contains(picture(screen), "Axis Y, just recorded"));
 }
 
 TEST_CASE("no size of the terminal breaks the picture") {
-  const BenchFolder folder;
+  const StateFolder folder;
   DatumViewScreen screen(sequence(2.0));
   for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}}) {
     (void)picture_of(screen, "", {}, Canvas(rows, columns), false);

@@ -4,7 +4,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
   AxisParameters axis;
@@ -25,12 +25,11 @@ TEST_CASE("the output scale follows from what was put out and what a gauge showe
   CHECK(contains(stuck.error().message, "does not follow"));
 }
 
-TEST_CASE("with the relay open a value is put out at once; beyond the limit it is refused with the reason") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("with the relay open a value is output at once; beyond the limit it is refused with the reason") {
+  const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   type(screen, "600");
   (void)press(screen, Key::Name::enter);
@@ -38,73 +37,70 @@ TEST_CASE("with the relay open a value is put out at once; beyond the limit it i
   (void)press(screen, Key::Name::enter);
   type(screen, "12.5");
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "+12.5 um at the converter of X, nothing moves"));
-  REQUIRE(comes(screen, "125 counts"));
+  REQUIRE(shows(screen, "+12.5 um at the converter of X, nothing moves"));
+  REQUIRE(shows(screen, "125 counts"));
   (void)letter(screen, 'y');
   CHECK(contains(picture(screen), "press o first"));
   (void)letter(screen, 'o');
-  REQUIRE(comes(screen, "Every output is 0, every relay is open."));
+  REQUIRE(shows(screen, "Every output is 0, every relay is open."));
 }
 
 TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends everything") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, '>');
   (void)letter(screen, '>');
   CHECK(contains(picture(screen), "step 5 um"));
   (void)letter(screen, '+');
-  REQUIRE(comes(screen, "+5 um at the converter of X"));
+  REQUIRE(shows(screen, "+5 um at the converter of X"));
   (void)letter(screen, 'r');
   const std::string asked = picture(screen);
   CHECK(contains(asked, "Move axis X by +5 um?"));
   CHECK(contains(asked, "larger coordinates)"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "RELAY CLOSED     axis X is moved by +5 um"));
-  REQUIRE(comes(screen, "moved          +5"));
+  REQUIRE(shows(screen, "RELAY CLOSED     axis X is moved by +5 um"));
+  REQUIRE(shows(screen, "moved          +5"));
   (void)letter(screen, '+');
-  REQUIRE(comes(screen, "axis X is moved by +10 um"));
-  REQUIRE(comes(screen, "moved         +10"));
+  REQUIRE(shows(screen, "axis X is moved by +10 um"));
+  REQUIRE(shows(screen, "moved         +10"));
   (void)letter(screen, 'm');
   CHECK(contains(picture(screen), "Measured movement of X, um: 10.00"));
   (void)press(screen, Key::Name::enter);
   CHECK(contains(picture(screen), "scale and polarity are right"));
   CHECK(bench.controller->newest()->axes[0].relay_closed);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(comes(screen, "nothing is put out, nothing moves"));
+  REQUIRE(shows(screen, "nothing is put out, nothing moves"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
 TEST_CASE("a relay that the unit opens for another reason is seen") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(shows(screen, "RELAY CLOSED"));
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
-  REQUIRE(comes(screen, "The unit has opened the relay by itself"));
+  REQUIRE(shows(screen, "The unit has opened the relay by itself"));
   CHECK(contains(picture(screen), "RELAY OPEN       nothing is put out"));
 }
 
 TEST_CASE("what another host puts out is shown, and steps go on from there") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(shows(screen, "RELAY CLOSED"));
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
-  REQUIRE(comes(screen, "Another host has changed the output of axis X: +30 um now"));
+  REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
   CHECK(contains(picture(screen), "axis X is moved by +30 um"));
   (void)letter(screen, '+');
-  REQUIRE(comes(screen, "axis X is moved by +31 um"));
+  REQUIRE(shows(screen, "axis X is moved by +31 um"));
   const auto seen = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
   REQUIRE(seen);
   CHECK(seen->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
@@ -126,15 +122,14 @@ TEST_CASE("a unit that lacks what it had run was started again; one that is as m
 }
 
 TEST_CASE("leaving by any way opens the relay") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   {
     OutputScreen screen(bench.controller);
-    REQUIRE(comes(screen, "MCM-0107, integration"));
+    REQUIRE(shows(screen, "MCM-0107, integration"));
     (void)letter(screen, 'r');
     (void)letter(screen, 'y');
-    REQUIRE(comes(screen, "RELAY CLOSED"));
+    REQUIRE(shows(screen, "RELAY CLOSED"));
   }
   const auto after = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
   REQUIRE(after);
@@ -142,19 +137,18 @@ TEST_CASE("leaving by any way opens the relay") {
 }
 
 TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everything is off when it is back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "RELAY CLOSED"));
+  REQUIRE(shows(screen, "RELAY CLOSED"));
   bench.wait_until_it_ran(std::chrono::seconds(1));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "The line is lost"));
-  REQUIRE(comes(screen, "The unit was restarted: every output is 0"));
-  REQUIRE(comes(screen, "RELAY OPEN"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "The line is lost"));
+  REQUIRE(shows(screen, "The unit was restarted: every output is 0"));
+  REQUIRE(shows(screen, "RELAY OPEN"));
   (void)letter(screen, '+');
-  REQUIRE(comes(screen, "um at the converter of X"));
+  REQUIRE(shows(screen, "um at the converter of X"));
 }

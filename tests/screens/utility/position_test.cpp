@@ -2,22 +2,22 @@
 #include "app/screens/utility/position_screen.hpp"
 #include "tests/support/utility_bench.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
-TEST_CASE("a position that is no number, or too far away, is refused before the unit is asked") {
+TEST_CASE("a position that is not a number, or too far away, is refused before the unit is asked") {
   CHECK(PositionController::position_in("-100.5").value() == -100.5);
   CHECK_FALSE(PositionController::position_in("12,5"));
   CHECK_FALSE(PositionController::position_in("1000001"));
   CHECK(PositionController::position_in("-1000000"));
 }
 
-TEST_CASE("a position is typed, asked for, set, seen live and taken back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
+  const UnitBench bench;
   bench.wait_for_unit();
   PositionScreen screen(bench.controller);
-  REQUIRE(comes(screen, "unit MCM-0107, integration"));
+  REQUIRE(shows(screen, "unit MCM-0107, integration"));
   (void)letter(screen, 'y');
   (void)press(screen, Key::Name::enter);
   CHECK(screen.typing());
@@ -28,17 +28,16 @@ TEST_CASE("a position is typed, asked for, set, seen live and taken back") {
   CHECK(contains(asked, "Let the unit show -123.5000 mm for axis Y?"));
   CHECK(contains(asked, "Nothing moves"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
-  CHECK(comes(screen, "Y        -123.5000"));
+  REQUIRE(shows(screen, "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
+  CHECK(shows(screen, "Y        -123.5000"));
   (void)picture(screen);
   (void)letter(screen, 'u');
-  REQUIRE(comes(screen, "Axis Y is back at 0.0000 mm"));
-  CHECK(comes(screen, "Y           0.0000"));
+  REQUIRE(shows(screen, "Axis Y is back at 0.0000 mm"));
+  CHECK(shows(screen, "Y           0.0000"));
 }
 
 TEST_CASE("no: nothing is set") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   PositionScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
@@ -50,8 +49,7 @@ TEST_CASE("no: nothing is set") {
 }
 
 TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   PositionScreen screen(bench.controller);
   const auto set = [&](const std::string& mm) {
@@ -61,11 +59,11 @@ TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the 
     (void)letter(screen, 'y');
   };
   set("77");
-  REQUIRE(comes(screen, "now shows 77.0000"));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "The unit was restarted"));
+  REQUIRE(shows(screen, "now shows 77.0000"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "The unit was restarted"));
   CHECK_FALSE(contains(picture(screen), "Set here"));
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   set("88");
-  REQUIRE(comes(screen, "now shows 88.0000"));
+  REQUIRE(shows(screen, "now shows 88.0000"));
 }

@@ -4,7 +4,7 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 namespace {
 
@@ -13,7 +13,7 @@ const std::vector<std::uint8_t> kAddFive{0x5A, 0x80, 0x4E, 0x75};
 // bra to itself
 const std::vector<std::uint8_t> kForever{0x60, 0xFE};
 
-void write(const Bench& bench, Address address, const std::vector<std::uint8_t>& code) {
+void write(const UnitBench& bench, Address address, const std::vector<std::uint8_t>& code) {
   REQUIRE(bench.on_line([&](UnitLink& line) { return line.client().write_memory(address, code); }));
 }
 
@@ -31,53 +31,50 @@ TEST_CASE("every field that is wrong is named at once") {
 }
 
 TEST_CASE("a program is run with its argument, and says what it returned") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kAddFive);
   RunScreen screen(bench.controller);
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::backspace);
   type(screen, "37");
   CHECK(contains(picture(screen), "argument      37"));
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "Run the program at 0x041000?"));
+  REQUIRE(shows(screen, "Run the program at 0x041000?"));
   const std::string asked = picture(screen);
   CHECK(contains(asked, "It begins with 5A80 4E75"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "0x041000 returned 42 (0x0000002A, signed 42)"));
+  REQUIRE(shows(screen, "0x041000 returned 42 (0x0000002A, signed 42)"));
   CHECK(contains(picture(screen), "D0 0000002A"));
 }
 
-TEST_CASE("empty memory is called empty before it is run; its end is told in words") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("empty memory is called empty before it is run; its end is reported with a message") {
+  const UnitBench bench;
   bench.wait_for_unit();
   RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "NO PROGRAM lies there"));
+  REQUIRE(shows(screen, "NO PROGRAM lies there"));
   (void)letter(screen, 'n');
   CHECK_FALSE(contains(picture(screen), "NO PROGRAM"));
 }
 
 TEST_CASE("a program that never ends is stopped by Esc") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kForever);
   RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "It begins with 60FE"));
+  REQUIRE(shows(screen, "It begins with 60FE"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "running 0x041000"));
+  REQUIRE(shows(screen, "running 0x041000"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(comes(screen, "Given up."));
+  REQUIRE(shows(screen, "Given up."));
   CHECK_FALSE(contains(picture(screen), "running 0x"));
 }
 
 TEST_CASE("a region gives its address, to the program or to the argument") {
-  const BenchFolder folder;
+  const StateFolder folder;
   RunScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   for (int k = 0; k < 6; ++k) (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::enter);
@@ -85,21 +82,20 @@ TEST_CASE("a region gives its address, to the program or to the argument") {
 }
 
 TEST_CASE("kill -9 of the emulator under a running program: it is said, and the screen goes on when it is back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kForever);
   RunScreen screen(bench.controller);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "It begins with 60FE"));
+  REQUIRE(shows(screen, "It begins with 60FE"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "running 0x041000"));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "A program ends with RTS"));
-  REQUIRE(comes(screen, "MCM-0107, integration"));
+  REQUIRE(shows(screen, "running 0x041000"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "A program ends with RTS"));
+  REQUIRE(shows(screen, "MCM-0107, integration"));
   write(bench, 0x041000, kAddFive);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "It begins with 5A80"));
+  REQUIRE(shows(screen, "It begins with 5A80"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "returned 5 ("));
+  REQUIRE(shows(screen, "returned 5 ("));
 }

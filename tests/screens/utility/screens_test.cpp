@@ -4,8 +4,9 @@
 #include "app/screens/utility/choices.hpp"
 #include "tests/support/utility_bench.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 namespace {
 
@@ -22,7 +23,7 @@ void draw_in_all_sizes(const Screen& screen) {
 }  // namespace
 
 TEST_CASE("the menu has the entries of figure 5.4 in their order") {
-  const BenchFolder folder;
+  const StateFolder folder;
   std::vector<std::string> names;
   for (const MenuChoice& choice : utility_choices(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600")))
     names.push_back(choice.name);
@@ -32,19 +33,19 @@ TEST_CASE("the menu has the entries of figure 5.4 in their order") {
 }
 
 TEST_CASE("without a line every screen draws in every size, ASCII stays ASCII, says what is missing and lets go") {
-  const BenchFolder folder;
+  const StateFolder folder;
   const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
   for (const MenuChoice& choice : utility_choices(controller)) {
     const auto screen = choice.opens();
-    if (choice.name != "DISPLAY DATUM SEQUENCE") REQUIRE_MESSAGE(comes(*screen, "NO ANSWER"), choice.name);
-    (void)picture(*screen, Canvas(24, 80, Glyphs::ascii));
+    if (choice.name != "DISPLAY DATUM SEQUENCE") REQUIRE_MESSAGE(shows(*screen, "NO ANSWER"), choice.name);
+    (void)picture(*screen, 24, 80, Glyphs::ascii);
     draw_in_all_sizes(*screen);
     CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
   }
 }
 
 TEST_CASE("a click chooses the axis on that row") {
-  const BenchFolder folder;
+  const StateFolder folder;
   const auto controller = std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600");
   for (const MenuChoice& choice : utility_choices(controller)) {
     if (choice.name.find("AXIS") != 4 && choice.name != "OUTPUT COMPENSATION VALUE" &&

@@ -1,9 +1,8 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
-#include "app/screens/utility/status_screen.hpp"
-
 #include <sstream>
 
 #include "app/cli/program.hpp"
+#include "app/screens/utility/status_screen.hpp"
 #include "base/file.hpp"
 #include "commissioning/memory/dump.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -11,49 +10,46 @@
 
 using namespace ecs;
 using namespace ecs::app;
-using namespace ecs::app::utility_bench;
+using namespace ecs::app::screen_test;
 
 TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   StatusScreen screen(bench.controller);
-  REQUIRE(comes(screen, "unit MCM-0107"));
+  REQUIRE(shows(screen, "unit MCM-0107"));
   const std::string seen = picture(screen);
   CHECK(contains(seen, "integration: every relay is open"));
   CHECK(contains(seen, "never tripped"));
   CHECK(contains(seen, "live"));
   (void)letter(screen, 't');
-  REQUIRE(comes(screen, "Every location of the axis memory holds"));
-  REQUIRE(comes(screen, "RAM test     passed"));
+  REQUIRE(shows(screen, "Every location of the axis memory holds"));
+  REQUIRE(shows(screen, "RAM test     passed"));
   (void)press(screen, Key::Name::tab);
   CHECK(contains(picture(screen), "address pointers: none in use"));
   (void)press(screen, Key::Name::tab);
   CHECK(contains(picture(screen), "axis  referenced  datum stage"));
 }
 
-TEST_CASE("compensation mode without a map: the fault in plain words, and cleared when that is meant") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("compensation mode without a map: the fault in plain words, cleared on request") {
+  const UnitBench bench;
   bench.wait_for_unit();
   StatusScreen screen(bench.controller);
-  REQUIRE(comes(screen, "unit MCM-0107"));
+  REQUIRE(shows(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   CHECK(contains(picture(screen), "THE MACHINE IS MOVED"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "What to do: send parameters and map"));
-  REQUIRE(comes(screen, "fault 3 (no_map)"));
+  REQUIRE(shows(screen, "What to do: send parameters and map"));
+  REQUIRE(shows(screen, "fault 3 (no_map)"));
   (void)picture(screen);
   (void)letter(screen, 'c');
   CHECK(contains(picture(screen), "Let the unit forget its fault?"));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "The fault is cleared."));
-  REQUIRE(comes(screen, "fault        none"));
+  REQUIRE(shows(screen, "The fault is cleared."));
+  REQUIRE(shows(screen, "fault        none"));
 }
 
 TEST_CASE("with a map: datuming with its stages, g references, the unit compensates; back says what moves") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   const std::string params = bench.folder / "p.toml", map = bench.folder / "map.csv";
   REQUIRE(write_file(params, "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"));
@@ -66,14 +62,14 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
     REQUIRE(run_program({"map", "send", map, "--params", params}, out, messages) == 0);
   }
   StatusScreen screen(bench.controller);
-  REQUIRE(comes(screen, "unit MCM-0107"));
+  REQUIRE(shows(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "X: waiting"));
-  REQUIRE(comes(screen, "g lets the emulated machine do it"));
+  REQUIRE(shows(screen, "X: waiting"));
+  REQUIRE(shows(screen, "g lets the emulated machine do it"));
   (void)letter(screen, 'g');
-  REQUIRE(comes(screen, "compensating: relays closed"));
-  REQUIRE(comes(screen, "The emulated machine has referenced its axes."));
+  REQUIRE(shows(screen, "compensating: relays closed"));
+  REQUIRE(shows(screen, "The emulated machine has referenced its axes."));
   (void)press(screen, Key::Name::tab);
   const std::string pointers = picture(screen);
   CHECK(contains(pointers, "EXX"));
@@ -86,22 +82,21 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
   (void)letter(screen, 'm');
   CHECK(contains(picture(screen), "about X -5.0 um, Y -2.0 um, Z -3.0 um."));
   (void)letter(screen, 'y');
-  REQUIRE(comes(screen, "Integration mode: every relay is open."));
+  REQUIRE(shows(screen, "Integration mode: every relay is open."));
 }
 
 TEST_CASE("a state that was saved opens again without a unit; so does a memory dump") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+  const UnitBench bench;
   bench.wait_for_unit();
   const std::string file = bench.folder / "status.json", dump_file = bench.folder / "unit.ecsdump";
   {
     StatusScreen screen(bench.controller);
-    REQUIRE(comes(screen, "unit MCM-0107"));
+    REQUIRE(shows(screen, "unit MCM-0107"));
     (void)letter(screen, 's');
     for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
     type(screen, file);
     (void)press(screen, Key::Name::enter);
-    REQUIRE(comes(screen, "written: "));
+    REQUIRE(shows(screen, "written: "));
     (void)letter(screen, 's');
     for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
     type(screen, file);
@@ -113,18 +108,18 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   REQUIRE(dump);
   REQUIRE(write_file(dump_file, to_bytes(*dump)));
   StatusScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
-  REQUIRE(comes(screen, "NO ANSWER"));
+  REQUIRE(shows(screen, "NO ANSWER"));
   CHECK(contains(picture(screen), "o opens a status file"));
   (void)letter(screen, 'o');
   type(screen, file);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "FILE status.json: unit MCM-0107"));
+  REQUIRE(shows(screen, "FILE status.json: unit MCM-0107"));
   (void)letter(screen, 't');
   CHECK(contains(picture(screen), "A file is shown"));
   (void)letter(screen, 'o');
   type(screen, dump_file);
   (void)press(screen, Key::Name::enter);
-  REQUIRE(comes(screen, "FILE unit.ecsdump"));
+  REQUIRE(shows(screen, "FILE unit.ecsdump"));
   (void)letter(screen, '4');
   const std::string memory = picture(screen);
   CHECK(contains(memory, "commit records"));
@@ -135,20 +130,19 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
 }
 
 TEST_CASE("a file that is neither says so") {
-  const BenchFolder folder;
+  const StateFolder folder;
   REQUIRE(write_file(folder / "x.json", "{\"a\": 1}\n"));
   CHECK_FALSE(read_status_file(folder / "x.json"));
   CHECK_FALSE(read_status_file(folder / "absent"));
 }
 
-TEST_CASE("kill -9 of the emulator: the age of what is shown is told, and the state is live again when it is back") {
-  if (emulator_built().empty()) return;
-  const Bench bench;
+TEST_CASE("kill -9 of the emulator: the age of the values is shown, and they are live again when it is back") {
+  const UnitBench bench;
   bench.wait_for_unit();
   StatusScreen screen(bench.controller);
-  REQUIRE(comes(screen, "unit MCM-0107"));
-  Bench::kill_emulator();
-  REQUIRE(comes(screen, "NO ANSWER, what is shown is"));
+  REQUIRE(shows(screen, "unit MCM-0107"));
+  CHECK(kill_emulators() == 1);
+  REQUIRE(shows(screen, "NO ANSWER, what is shown is"));
   (void)picture(screen);
-  REQUIRE(comes(screen, "live"));
+  REQUIRE(shows(screen, "live"));
 }

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "laser/map/csv.hpp"
-#include "tests/support/verb_run.hpp"
 #include "tests/support/model_workspace.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
@@ -43,7 +43,7 @@ std::string map_text() {
   return text;
 }
 
-struct Workspace {
+struct ExportWorkspace {
   Folder folder;
   std::string map = folder.with("map.csv", map_text());
   std::string params = folder.with("p.toml", kParameters);
@@ -68,7 +68,7 @@ double largest(const nlohmann::json& answer, const std::string& where, const std
 }
 
 TEST_CASE("a LinuxCNC export writes a file for each axis, names the INI lines and what stays behind") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const Ran r = workspace.exported({"linuxcnc"}, {"-o", workspace.folder / "lc"});
   CHECK(r.code == 0);
   const auto j = r.json();
@@ -83,7 +83,7 @@ TEST_CASE("a LinuxCNC export writes a file for each axis, names the INI lines an
 }
 
 TEST_CASE("the prediction says what a control leaves that only knows some of the map") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const auto linuxcnc = workspace.exported({"linuxcnc"}).json();
   CHECK(linuxcnc["residual"]["from"] == "the map");
   CHECK(largest(linuxcnc, "line of X", "not_compensated", "X") == Approx(9.0));
@@ -100,7 +100,7 @@ TEST_CASE("the prediction says what a control leaves that only knows some of the
 }
 
 TEST_CASE("a model can say more than the map: what neither of them compensates stays") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string model = workspace.folder.with("model.toml", R"([[effect]]
 id = "scale"
 axis = "X"
@@ -123,7 +123,7 @@ parameters = { period_mm = 7.3, amplitude_um = 3.0, phase_rad = 0.0 }
 
 TEST_CASE(
     "an Etalon file of ours is read by what its head says of its lever arms, and the answer says what was moved") {
-  Workspace workspace;
+  ExportWorkspace workspace;
   workspace.params = workspace.folder.with(
       "lines.toml", std::string(kParameters) + "[axis.X]\nmeasurement_line_mm = { y = -250.0, z = -100.0 }\n");
   const std::string back = workspace.folder / "back.csv", errors = workspace.folder / "errors.txt";
@@ -161,8 +161,8 @@ TEST_CASE(
   CHECK(read({"--levers", "lines"})["curves_moved"] == false);
 }
 
-TEST_CASE("what a control cannot hold is told of the map, not of a file that does not exist") {
-  const Workspace workspace;
+TEST_CASE("what a control cannot hold is reported for the map, not for a file that does not exist") {
+  const ExportWorkspace workspace;
   const std::string close = workspace.folder.with(
       "close.csv", "axis,sense,approach,p_mm,value_um\nX,EX,0,0,1\nX,EX,0,1e-9,50\nX,EX,0,100,2\n");
   for (const char* control : {"linuxcnc", "siemens", "etalon", "twincat"}) {
@@ -184,7 +184,7 @@ TEST_CASE("what a control cannot hold is told of the map, not of a file that doe
 }
 
 TEST_CASE("every format comes back as the map it was made from") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string out = workspace.folder / "out", back = workspace.folder / "back.csv",
                     errors = workspace.folder / "errors.txt";
   const auto original = laser::read_map_csv(workspace.map);
@@ -222,7 +222,7 @@ TEST_CASE("every format comes back as the map it was made from") {
 }
 
 TEST_CASE("the map of another chain is refused, one of an unknown machine is not") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string other = workspace.folder.with("other.toml", "[configuration]\nchain = \"XYTZ\"\n");
   const Ran r = ran({"export", "etalon", workspace.map, "--params", other});
   CHECK(r.code == 1);
@@ -234,7 +234,7 @@ TEST_CASE("the map of another chain is refused, one of an unknown machine is not
 }
 
 TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what they leave") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string out = workspace.folder / "tc", back = workspace.folder / "back.csv";
   const Ran r = workspace.exported({"twincat", "--axes", "X=5,Y=6"}, {"-o", out});
   REQUIRE(r.code == 0);
@@ -264,8 +264,8 @@ TEST_CASE("TwinCAT lists come back as the positioning of the map, and say what t
   CHECK(workspace.exported({"twincat", "--axes", "X=2"}).code == 2);
 }
 
-TEST_CASE("a folder in the place of one file: exit code 5, and the tables of before stand whole") {
-  const Workspace workspace;
+TEST_CASE("a folder in the place of one file: exit code 5, and the former tables are unchanged") {
+  const ExportWorkspace workspace;
   const std::string out = workspace.folder / "lc";
   REQUIRE(workspace.exported({"linuxcnc"}, {"-o", out}).code == 0);
   const std::string before = content_of(out + "/x.comp");
@@ -278,7 +278,7 @@ TEST_CASE("a folder in the place of one file: exit code 5, and the tables of bef
 }
 
 TEST_CASE("files that were there are replaced, and the answer says which") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string out = workspace.folder / "lc";
   CHECK(workspace.exported({"linuxcnc"}, {"-o", out}).json()["replaced"].empty());
   std::filesystem::remove(out + "/y.comp");
@@ -290,7 +290,7 @@ TEST_CASE("files that were there are replaced, and the answer says which") {
 }
 
 TEST_CASE("files of an earlier export that this one does not write are named, whichever control it is for") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string out = workspace.folder / "out";
   const auto left = [](const Ran& r) {
     const auto answer = r.json();
@@ -310,8 +310,8 @@ TEST_CASE("files of an earlier export that this one does not write are named, wh
   CHECK(content_of(out + "/z.comp") == "of another map");
 }
 
-TEST_CASE("a map of another machine than the parameters is refused, unless --other-machine says it is meant") {
-  const Workspace workspace;
+TEST_CASE("a map of another machine than the parameters is refused without --other-machine") {
+  const ExportWorkspace workspace;
   const std::string other = workspace.folder.with("other.csv", "# machine: lathe\n" + map_text());
   for (const auto& with : {std::pair{"--params", workspace.params}, {"--machine", workspace.machine}}) {
     const std::vector<std::string> words{
@@ -329,7 +329,7 @@ TEST_CASE("a map of another machine than the parameters is refused, unless --oth
 }
 
 TEST_CASE("maps and parameters saved as UTF-16: the map is read, the parameters say what to do") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const auto utf16 = [](const std::string& text) {
     std::string out = "\xFF\xFE";
     for (const char c : text) out += {c, '\0'};
@@ -344,7 +344,7 @@ TEST_CASE("maps and parameters saved as UTF-16: the map is read, the parameters 
 }
 
 TEST_CASE("exit codes: usage 2, broken file 3, cannot write 5, and inputs are spared") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   CHECK(ran({"export", "linuxcnc"}).code == 2);
   CHECK(ran({"export", "linuxcnc", workspace.map, "--model", "x.toml"}).code == 2);
   CHECK(ran({"export", "siemens", workspace.map, "--axes", "X=AX2"}).code == 2);
@@ -359,7 +359,7 @@ TEST_CASE("exit codes: usage 2, broken file 3, cannot write 5, and inputs are sp
 }
 
 TEST_CASE("a LinuxCNC file with a silent stop is read with a warning, and a typing error is refused with its place") {
-  const Workspace workspace;
+  const ExportWorkspace workspace;
   const std::string silent = workspace.folder.with("x.comp", "0 0 0\n\n100 0.01 0.02\n");
   const Ran r = ran({"export", "read", silent, "--type", "1", "--json"});
   CHECK(r.code == 0);
@@ -371,8 +371,8 @@ TEST_CASE("a LinuxCNC file with a silent stop is read with a warning, and a typi
   CHECK(wrong.json()["error"]["column"] == 4);
 }
 
-TEST_CASE("what is no table of a control is refused, and axes are taken from names") {
-  const Workspace workspace;
+TEST_CASE("a file that is not a table of a control is refused, and axes are taken from names") {
+  const ExportWorkspace workspace;
   CHECK(ran({"export", "read", workspace.map}).messages.find("no compensation table that is known here") !=
         std::string::npos);
   const std::string rows = "0 0 0\n50 0.004 0.007\n";

@@ -82,7 +82,7 @@ TEST_CASE("u takes a value back, s leaves a target out, and what was left out is
   CHECK(run.out.find("left out: X forward 100 mm, run 1") != std::string::npos);
 }
 
-TEST_CASE("what is left before the end is kept, and gone on with") {
+TEST_CASE("a capture left before its end is kept and can be continued") {
   const Folder folder;
   const std::string out = folder / "exx.csv";
   const Ran left = typed(line(out, {"--json"}), {"0", "1.5", "q"});
@@ -108,14 +108,14 @@ TEST_CASE("stdin that ends leaves what was read, and says how to go on") {
   CHECK(readings_in(out + ".part").size() == 2);
 }
 
-TEST_CASE("a word that is no value is no reading") {
+TEST_CASE("a word that is not a value is not a reading") {
   const Folder folder;
   const Ran run = typed(line(folder / "exx.csv"), {"1,5", "hello", "0", "1", "2", "3", "4", "5"});
   CHECK(run.code == 0);
   CHECK(run.messages.find("\"1,5\" is no value and no command") != std::string::npos);
 }
 
-TEST_CASE("each reading of a file is taken as it comes; positions tell doubled and missed triggers") {
+TEST_CASE("each reading of a file is taken in order; positions show doubled and missed triggers") {
   const Folder folder;
   const std::string file =
       folder.with("display.txt", "0.001\n0.001\n50.002\n100.000\n99.999\n# doubled, then 50 missed\n0.003\n");
@@ -176,7 +176,7 @@ TEST_CASE("a target list is followed row by row with its conditions") {
   CHECK(!laser::metadata_value(*set, "content").has_value());
 }
 
-TEST_CASE("what is missing or does not go together is told before anything begins") {
+TEST_CASE("missing or contradicting options are reported before anything begins") {
   const Folder folder;
   const std::string out = folder / "exx.csv";
   const Ran missing = typed({"--axis", "X", "-o", out}, {});
@@ -199,7 +199,7 @@ TEST_CASE("the number of a display is the last one of its line") {
   CHECK(!last_number_in("").has_value());
 }
 
-TEST_CASE("a display that writes all the while is followed: its last whole line counts") {
+TEST_CASE("a display that writes continuously is followed: its last complete line counts") {
   const Folder folder;
   const std::string file = folder.with("log.txt", "1\n2\n3\n4.5");
   auto source = following_source(file);

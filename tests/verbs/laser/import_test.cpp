@@ -5,6 +5,7 @@
 
 #include "tests/support/verb_run.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
 using doctest::Approx;
 
@@ -13,32 +14,10 @@ namespace {
 const char* const kTable = "My gauge\npos;dev;T\n0;1,5;68\n10;2,5;77\n10;2,9;77\n0;1,0;68\n";
 const char* const kColumns = "x_mm=pos[in],reading=dev[um],t_material_degC=T[degF],approach=motion,run=motion";
 
-/// $XDG_CONFIG_HOME for the time of a test.
-class ConfigHome {
- public:
-  explicit ConfigHome(const std::string& path) {
-    const char* const old = std::getenv("XDG_CONFIG_HOME");
-    if (old != nullptr) old_ = old;
-    ::setenv("XDG_CONFIG_HOME", path.c_str(), 1);
-  }
-  ConfigHome(const ConfigHome&) = delete;
-  ConfigHome& operator=(const ConfigHome&) = delete;
-  ~ConfigHome() {
-    if (old_.empty())
-      ::unsetenv("XDG_CONFIG_HOME");
-    else
-      ::setenv("XDG_CONFIG_HOME", old_.c_str(), 1);
-  }
-
- private:
-  std::string old_;
-};
-
 }  // namespace
 
 TEST_CASE("an unknown table is explained, imported by its columns, and again by the profile kept of them") {
-  const Folder folder;
-  const ConfigHome home(folder / "config");
+  const StateFolder folder;
   const std::string file = folder.with("gauge.txt", kTable);
   const Ran unknown = ran({"laser", "show", file});
   CHECK(unknown.code == 3);
@@ -73,8 +52,7 @@ TEST_CASE("the output's extension chooses another instrument's file, which is re
 }
 
 TEST_CASE("wrong columns and wrong profiles are refused with what was expected") {
-  const Folder folder;
-  const ConfigHome home(folder / "config");
+  const StateFolder folder;
   const std::string file = folder.with("gauge.txt", kTable);
   CHECK(ran({"laser", "import", file, "--skip", "1"}).code == 2);
   CHECK(ran({"laser", "import", file, "--columns", "x_mm"}).code == 2);

@@ -119,7 +119,7 @@ TEST_CASE("each row gets a plot of before and after on one scale") {
   CHECK(content_of(j["plots"][1]).substr(1, 3) == "PNG");
 }
 
-TEST_CASE("a plan tells every wrong entry at once, with its line") {
+TEST_CASE("every wrong entry of a plan is reported at once, with its line") {
   const auto plan = parse_plan(
       "[[measure]]\nname = \"a/b\"\naxis = \"W\"\nsense = \"EX\"\n[[measure]]\nname = \"x\"\naxis = \"X\"\nsense = "
       "\"E\"\n"

@@ -6,14 +6,13 @@
 #include "core/terms.hpp"
 #include "laser/map/csv.hpp"
 #include "model/fit/compare.hpp"
-#include "tests/support/model_workspace.hpp"
 #include "params/machine.hpp"
+#include "tests/support/model_workspace.hpp"
 
 namespace ecs::app {
 namespace {
 
 using doctest::Approx;
-using nlohmann::json;
 
 TEST_CASE("a fitted model becomes a map whose header says where each table comes from") {
   const ModelWorkspace workspace;
@@ -24,7 +23,7 @@ TEST_CASE("a fitted model becomes a map whose header says where each table comes
   const Ran r = ran(
       {"map", "build", "--from-model", full, "--machine", workspace.machine, "--increment", "1", "-o", map, "--json"});
   REQUIRE(r.code == 0);
-  const json j = r.json();
+  const nlohmann::json j = r.json();
   CHECK(j["components"][0]["component"] == "EXX");
   CHECK(j["components"][0]["points"] == 1021);
   CHECK(j["not_carried"].empty());

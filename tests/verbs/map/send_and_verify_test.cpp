@@ -8,8 +8,8 @@
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
-#include "tests/support/verb_run.hpp"
 #include "params/parameters_toml.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
@@ -35,8 +35,8 @@ std::string exx(const std::string& metadata = "") {
   return text;
 }
 
-struct Workspace {
-  Folder folder;
+struct MapWorkspace {
+  StateFolder folder;
   std::string params = folder.with("p.toml", kLathe);
   std::string data = folder.with("exx.csv", exx());
   std::string map = folder / "map.csv";
@@ -48,7 +48,7 @@ struct Workspace {
 };
 
 TEST_CASE("build takes compensation as minus the error, zero at the datum, and says what it did") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const Ran r = workspace.build({"--json", "--customer", "C", "--engineer", "E", "--date", "2026-01-02"});
   CHECK(r.code == 0);
   const auto j = r.json();
@@ -69,7 +69,7 @@ TEST_CASE("build takes compensation as minus the error, zero at the datum, and s
 }
 
 TEST_CASE("files of which nothing can be built are refused with the reason of each, and nothing is written") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const std::string other =
       workspace.folder.with("eyx.csv", "axis,sense,y_mm,reading,approach\nY,EY,0,1,1\nY,EY,50,2,1\n");
   const Ran r = ran({"map", "build", other, "--params", workspace.params, "-o", workspace.map});
@@ -79,7 +79,7 @@ TEST_CASE("files of which nothing can be built are refused with the reason of ea
 }
 
 TEST_CASE("a map becomes bytes and comes back with the same content") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   REQUIRE(workspace.build().code == 0);
   const auto map = laser::read_map_csv(workspace.map);
   const auto params = params::read_parameters(workspace.params);
@@ -94,7 +94,7 @@ TEST_CASE("a map becomes bytes and comes back with the same content") {
 }
 
 TEST_CASE("an incomplete map is written, named incomplete, and refused by send") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const std::string params = workspace.folder.with("planar.toml", R"(
 [configuration]
 chain = "TXY"
@@ -113,7 +113,7 @@ scope = "planar"
 }
 
 TEST_CASE("a component is declared zero with a reason, or not at all") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   CHECK(workspace.build({"--zero", "EYY"}).code == 2);
   CHECK(workspace.build({"--zero", "EYY="}).code == 2);
   CHECK(workspace.build({"--zero", "QQQ=why"}).code == 2);
@@ -121,7 +121,7 @@ TEST_CASE("a component is declared zero with a reason, or not at all") {
 }
 
 TEST_CASE("readings taken with compensation active make no map") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const std::string file =
       workspace.folder.with("comp.csv", "axis,sense,x_mm,reading,approach,compensated\nX,EX,0,1,1,1\nX,EX,-50,2,1,1\n");
   const std::string recipe = workspace.folder.with("r.toml", "[[component]]\ncode = \"EXX\"\nfiles = [\"comp.csv\"]\n");
@@ -131,8 +131,8 @@ TEST_CASE("readings taken with compensation active make no map") {
   CHECK_FALSE(std::filesystem::exists(workspace.map));
 }
 
-TEST_CASE("a recipe stands alone, and its faults are told with their lines") {
-  const Workspace workspace;
+TEST_CASE("a recipe needs no options, and its faults are reported with their lines") {
+  const MapWorkspace workspace;
   const std::string recipe = workspace.folder.with("r.toml", "[[component]]\ncode = \"EXQ\"\nfiles = [\"exx.csv\"]\n");
   const Ran r = ran({"map", "build", recipe, "--params", workspace.params});
   CHECK(r.code == 3);
@@ -141,14 +141,14 @@ TEST_CASE("a recipe stands alone, and its faults are told with their lines") {
 }
 
 TEST_CASE("a file that does not say its sense is sent to import") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const Ran r = ran({"map", "build", "samples/laser/pitch.rta", "--params", workspace.params});
   CHECK(r.code == 2);
   CHECK(r.messages.find("ecs laser import") != std::string::npos);
 }
 
-TEST_CASE("a spoiled map is refused with line and column before any link is opened") {
-  const Workspace workspace;
+TEST_CASE("a corrupted map is refused with line and column before any link is opened") {
+  const MapWorkspace workspace;
   const std::string bad =
       workspace.folder.with("bad.csv", "axis,sense,approach,p_mm,value_um\nX,EX,1,0,nan\nX,EX,3,0,1\n");
   for (const std::vector<std::string>& words : {std::vector<std::string>{"map", "show", bad},
@@ -163,7 +163,7 @@ TEST_CASE("a spoiled map is refused with line and column before any link is open
 }
 
 TEST_CASE("show lists each table with start, increment, points, smallest and largest") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   REQUIRE(workspace.build().code == 0);
   const auto j =
       ran({"map", "show", workspace.map, "--component", "EXX", "--params", workspace.params, "--json"}).json();
@@ -197,7 +197,7 @@ TEST_CASE("a map of another machine or serial number is refused; what is not sta
 }
 
 TEST_CASE("build warns of readings from another machine than the parameters, in words of a verb that sends nothing") {
-  const Workspace workspace;
+  const MapWorkspace workspace;
   const std::string other = workspace.folder.with("other.csv", exx("# machine: long lathe\n"));
   const Ran r = ran({"map", "build", other, "--params", workspace.params, "-o", workspace.map});
   CHECK(r.code == 0);
@@ -221,7 +221,7 @@ TEST_CASE("squareness that was measured must have reached the parameters") {
   CHECK_FALSE(complains());
 }
 
-TEST_CASE("differences are told by component, approach and position") {
+TEST_CASE("differences are reported by component, approach and position") {
   laser::ErrorMap a;
   a.tables.push_back({Component::EXX, Approach::forward, {0.0, 10.0}, {1.0, 2.0}});
   laser::ErrorMap b = a;
@@ -242,13 +242,9 @@ TEST_CASE("differences are told by component, approach and position") {
 }
 
 TEST_CASE("a real axis goes from its file to the bytes of the unit") {
-  const std::string file = shared_data("ecmc-iso230-2/b02_x_ISO230.dat");
-  if (file.empty()) {
-    MESSAGE("skipped: ../shared/data is not there");
-    return;
-  }
-  const Workspace workspace;
-  const std::string csv = workspace.folder / "b02.csv";
+  const std::string file = "samples/real/ecmc-iso230-2/fat_sat_ISO230.dat";
+  const MapWorkspace workspace;
+  const std::string csv = workspace.folder / "measured.csv";
   REQUIRE(ran({"laser", "import", file, "--axis", "X", "-o", csv}).code == 0);
   REQUIRE(ran({"map", "build", csv, "--params", workspace.params, "-o", workspace.map}).code == 0);
   const auto map = laser::read_map_csv(workspace.map);
@@ -268,12 +264,7 @@ TEST_CASE("a real axis goes from its file to the bytes of the unit") {
 
 TEST_CASE("a map goes to the emulator, is verified, changed, found different, and comes back") {
   const auto machine = sample_machine();
-  if (!emulator_program() || !machine) {
-    MESSAGE("skipped: ecs-emulator is not built");
-    return;
-  }
-  const Workspace workspace;
-  ::setenv("ECS_STATE_DIR", (workspace.folder / "state").c_str(), 1);
+  const MapWorkspace workspace;
   const std::string link = "emulator:" + machine->string();
   REQUIRE(workspace.build().code == 0);
   const Ran empty = ran({"map", "header", "--unit", "--link", link});
@@ -300,7 +291,6 @@ TEST_CASE("a map goes to the emulator, is verified, changed, found different, an
   REQUIRE(differs.json()["differences"].size() == 1);
   CHECK(differs.json()["differences"][0]["component"] == "EXX");
   CHECK(differs.json()["differences"][0]["position_mm"] == Approx(-100.0));
-  ::unsetenv("ECS_STATE_DIR");
 }
 
 }  // namespace

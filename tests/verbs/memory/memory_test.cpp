@@ -72,7 +72,7 @@ TEST_CASE("the values of a table lie at the address that the directory view name
   CHECK(counts * table.entry.resolution == doctest::Approx(7.25));
 }
 
-TEST_CASE("a flipped bit of the image is told, and everything else still decodes") {
+TEST_CASE("a flipped bit of the image is reported, and everything else still decodes") {
   MemoryDump dump = good_dump();
   dump.regions[1].bytes[kPrefixBytes + kParameterBytes + 4 * kEntryBytes + 3] ^= 0x10;  // in a value
   const DecodedMemory memory = decoded(dump);
@@ -85,7 +85,7 @@ TEST_CASE("a flipped bit of the image is told, and everything else still decodes
   CHECK(image->tables.size() == 4);
 }
 
-TEST_CASE("a dump cut short, with a spoilt header or without one still gives its image") {
+TEST_CASE("a dump cut short, with a corrupted header or without one still gives its image") {
   const std::string whole = to_bytes(good_dump());
   const auto cut = dump_in(whole.substr(0, whole.size() - 300), "d");
   REQUIRE(cut);
@@ -124,7 +124,7 @@ TEST_CASE("equal dumps do not differ, a changed parameter and value differ by na
   CHECK(all.find("EXX") == std::string::npos);
 }
 
-TEST_CASE("a difference beyond the image is told by its bytes") {
+TEST_CASE("a difference beyond the image is reported by its bytes") {
   MemoryDump other = good_dump();
   other.regions[1].bytes.back() = 0x11;
   const auto found = differences(good_dump(), other);
@@ -161,7 +161,7 @@ TEST_CASE("comparing says first which of the two is damaged, even where they do 
   CHECK(ran({"memory", "compare", good, good}).code == 0);
 }
 
-TEST_CASE("show tells each fault once, and an image whose block check agrees is not called damaged for a lost header") {
+TEST_CASE("show reports each fault once; an image whose block check agrees is not damaged by a lost header") {
   const Folder folder;
   MemoryDump dump = good_dump();
   dump.regions[1].bytes[100] ^= 1;
@@ -196,7 +196,7 @@ TEST_CASE("show --bytes names the bytes") {
   CHECK(r.out.find("table 3 increment_mm") != std::string::npos);
 }
 
-TEST_CASE("any spoilt dump decodes to words and valid JSON without a crash") {
+TEST_CASE("any corrupted dump decodes to text and valid JSON without a crash") {
   const std::string whole = to_bytes(good_dump());
   CHECK(rc::check([&] {
     std::string bytes = whole;

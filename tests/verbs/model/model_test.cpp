@@ -10,15 +10,14 @@ namespace ecs::app {
 namespace {
 
 using doctest::Approx;
-using nlohmann::json;
 
-std::set<std::string> keys_of(const json& object) {
+std::set<std::string> keys_of(const nlohmann::json& object) {
   std::set<std::string> keys;
   for (const auto& [key, value] : object.items()) keys.insert(key);
   return keys;
 }
 
-void check_has(const json& object, const std::vector<std::string>& keys) {
+void check_has(const nlohmann::json& object, const std::vector<std::string>& keys) {
   const std::set<std::string> there = keys_of(object);
   for (const std::string& key : keys) {
     CAPTURE(key);
@@ -35,13 +34,13 @@ TEST_CASE("diagnose names a missing periodic error, with the keys of the contrac
   const ModelWorkspace workspace;
   const Ran r = workspace.verb("diagnose", {"--json", "--blanks", "100"});
   REQUIRE(r.code == 0);
-  const json j = r.json();
+  const nlohmann::json j = r.json();
   check_has(j, {"observations", "rms_um", "noise_um", "lack_of_fit", "verdict", "candidates", "where", "outliers"});
   check_has(j["lack_of_fit"], {"F", "p"});
   CHECK(j["observations"] == 246);
   CHECK(j["verdict"] == "missing_effect");
   CHECK(j["noise_um"].get<double>() == Approx(0.3).epsilon(0.2));
-  const json& first = j["candidates"][0];
+  const nlohmann::json& first = j["candidates"][0];
   check_has(first, {"effect", "axis", "sense", "approach", "code", "sensor", "parameters", "rms_after_um", "explained",
                     "p_value", "false_naming", "indistinguishable_from", "because", "next_measurement"});
   CHECK(first["effect"] == "cyclic");
@@ -78,7 +77,7 @@ TEST_CASE("noise alone is adequate, and exits 0 too") {
   CHECK(r.json()["candidates"].empty());
 }
 
-TEST_CASE("one bad run is told as structure that depends on the run, and exits 0") {
+TEST_CASE("one bad run is reported as structure that depends on the run, and exits 0") {
   const ModelWorkspace workspace;
   const std::string data = workspace.folder.with(
       "bad_run.csv",
@@ -88,8 +87,8 @@ TEST_CASE("one bad run is told as structure that depends on the run, and exits 0
   CHECK(r.code == 0);
   CHECK(r.json()["verdict"] == "unexplained_structure");
   bool by_run = false;
-  const json where = r.json()["where"];
-  for (const json& one : where) by_run = by_run || one["variable"] == "run";
+  const nlohmann::json where = r.json()["where"];
+  for (const nlohmann::json& one : where) by_run = by_run || one["variable"] == "run";
   CHECK(by_run);
 }
 
@@ -102,7 +101,7 @@ TEST_CASE("gross outliers are listed by row") {
   text.replace(reading, text.find(',', reading) - reading, "250.0");
   const Ran r =
       ran({"model", "diagnose", workspace.model, workspace.folder.with("o.csv", text), "--json", "--blanks", "100"});
-  CHECK(r.json()["outliers"] == json::array({number}));
+  CHECK(r.json()["outliers"] == nlohmann::json::array({number}));
 }
 
 TEST_CASE("every verb that plots writes a valid SVG or PNG") {
@@ -128,9 +127,9 @@ TEST_CASE("fit finds the parameters with sigmas, and keeps them in the model it 
   const std::string fitted = workspace.folder / "fitted.toml";
   const Ran r = ran({"model", "fit", workspace.model, data, "--machine", workspace.machine, "-o", fitted, "--json"});
   REQUIRE(r.code == 0);
-  const json j = r.json();
+  const nlohmann::json j = r.json();
   REQUIRE(j["effects"].size() == 2);
-  const json& scale = j["effects"][1]["parameters"][0];
+  const nlohmann::json& scale = j["effects"][1]["parameters"][0];
   CHECK(scale["name"] == "um_per_m");
   CHECK(scale["value"].get<double>() == Approx(5.0).epsilon(0.03));
   CHECK(std::abs(scale["value"].get<double>() - 5.0) < 4.0 * scale["sigma"].get<double>());
@@ -142,7 +141,7 @@ TEST_CASE("fit finds the parameters with sigmas, and keeps them in the model it 
   const std::string out = workspace.folder / "predicted.csv";
   const Ran p = ran({"model", "predict", fitted, points, "--machine", workspace.machine, "-o", out, "--json"});
   REQUIRE(p.code == 0);
-  const json rows = p.json()["predictions"];
+  const nlohmann::json rows = p.json()["predictions"];
   REQUIRE(rows.size() == 2);
   CHECK(rows[0]["predicted"].get<double>() == Approx(1.0).epsilon(0.1));
   CHECK(rows[1]["predicted"].get<double>() == Approx(6.0).epsilon(0.03));
@@ -159,16 +158,16 @@ TEST_CASE("a model without values predicts nothing") {
   CHECK(r.json()["error"]["message"].get<std::string>().find("fit the model") != std::string::npos);
 }
 
-TEST_CASE("held parameters are told as held, terms that do the same as undetermined") {
+TEST_CASE("fixed parameters are reported as fixed, terms with the same effect as undetermined") {
   const ModelWorkspace workspace;
   const std::string held =
       workspace.folder.with("held.toml", "[[effect]]\nid = \"scale\"\naxis = \"X\"\nparameters = { um_per_m = 5.0 }\n");
-  const json j = ran({"model", "fit", held, workspace.data, "--json"}).json();
+  const nlohmann::json j = ran({"model", "fit", held, workspace.data, "--json"}).json();
   CHECK(j["effects"][0]["parameters"][0]["held"] == true);
   CHECK(j["effects"][0]["parameters"][0]["sigma"].is_null());
   const std::string twice = workspace.folder.with(
       "twice.toml", std::string(kStraightModel) + "\n[[effect]]\nid = \"cosine\"\naxis = \"X\"\nsense = \"EX\"\n");
-  const json t = ran({"model", "fit", twice, workspace.data, "--json"}).json();
+  const nlohmann::json t = ran({"model", "fit", twice, workspace.data, "--json"}).json();
   CHECK_FALSE(t["undetermined"].empty());
 }
 
@@ -191,9 +190,9 @@ TEST_CASE("a model is not written over another file, but over itself") {
 
 TEST_CASE("compare gives bias, rms, peak, lack of fit and count for every sense, axis and direction") {
   const ModelWorkspace workspace;
-  const json j = workspace.verb("compare", {"--json"}).json();
+  const nlohmann::json j = workspace.verb("compare", {"--json"}).json();
   REQUIRE(j["directions"].size() == 2);
-  for (const json& one : j["directions"]) {
+  for (const nlohmann::json& one : j["directions"]) {
     CHECK(keys_of(one) == std::set<std::string>{"sense", "axis", "approach", "bias_um", "rms_um", "peak_um",
                                                 "lack_of_fit", "readings"});
     CHECK(one["sense"] == "EX");
@@ -206,7 +205,7 @@ TEST_CASE("compare gives bias, rms, peak, lack of fit and count for every sense,
   CHECK(j["worst"].size() == 10);
   CHECK(std::abs(j["worst"][0]["residual_um"].get<double>()) >= std::abs(j["worst"][9]["residual_um"].get<double>()));
   std::set<std::string> variables;
-  for (const json& view : j["variables"]) variables.insert(view["variable"].get<std::string>());
+  for (const nlohmann::json& view : j["variables"]) variables.insert(view["variable"].get<std::string>());
   for (const char* name : {"x_mm", "approach", "run", "time_s"}) CHECK(variables.contains(name));
   CHECK(widest_line(workspace.verb("compare").out) <= 80);
 }
@@ -217,9 +216,9 @@ TEST_CASE("compare breaks the model down by effect at one place") {
   const Ran r = ran({"model", "compare", workspace.model, data, "--machine", workspace.machine, "--at",
                      "x=1000,y=0,z=0,axis=X", "--json"});
   REQUIRE(r.code == 0);
-  const json at = r.json()["at"];
+  const nlohmann::json at = r.json()["at"];
   CHECK(at["x_mm"] == 1000.0);
-  const json& ex = at["senses"][0];
+  const nlohmann::json& ex = at["senses"][0];
   CHECK(ex["total_um"].get<double>() == Approx(6.0).epsilon(0.01));
   CHECK(ex["effects"][0]["effect"] == "offset:X:EX");
   CHECK(ex["effects"][1]["um"].get<double>() == Approx(5.0).epsilon(0.01));
@@ -248,14 +247,14 @@ TEST_CASE("add refits with the effect, prints the ladder and keeps it; undo take
   const Ran r = ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--machine",
                      workspace.machine, "-o", out, "--json"});
   REQUIRE(r.code == 0);
-  const json j = r.json();
+  const nlohmann::json j = r.json();
   check_has(j, {"rms_before_um", "rms_after_um", "noise_um", "history"});
   CHECK(j["rms_before_um"].get<double>() == Approx(std::sqrt(2.0 + 0.09)).epsilon(0.1));
   CHECK(j["rms_after_um"].get<double>() == Approx(0.3).epsilon(0.15));
   CHECK(j["noise_um"].get<double>() == Approx(0.3).epsilon(0.2));
   CHECK(content_of(workspace.model) == kStraightModel);
 
-  const json history = ran({"model", "history", out, "--json"}).json()["history"];
+  const nlohmann::json history = ran({"model", "history", out, "--json"}).json()["history"];
   REQUIRE(history.size() == 1);
   CHECK(history[0]["effect"] == "cyclic:X:EX");
   CHECK(history[0]["held_out_rms_um"].get<double>() < 0.5);
@@ -269,8 +268,7 @@ TEST_CASE("add refits with the effect, prints the ladder and keeps it; undo take
   CHECK(ran({"model", "undo", out}).code == 1);
 }
 
-TEST_CASE(
-    "add takes approach, sense and code from its options, and an effect that is none is answered with a likely one") {
+TEST_CASE("add takes approach, sense and code from its options; an unknown effect gets a suggestion") {
   const ModelWorkspace workspace;
   const Ran r = ran(
       {"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--approach", "reverse", "--json"});
@@ -294,7 +292,7 @@ TEST_CASE("add writes over no other file, and again what it wrote before") {
   CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", workspace.model}).code == 0);
 }
 
-TEST_CASE("what-if foresees the rms after compensation, and tells what was achieved") {
+TEST_CASE("what-if predicts the rms after compensation and gives what was achieved") {
   const ModelWorkspace workspace;
   const std::string full = workspace.folder / "full.toml";
   REQUIRE(ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "-o", full}).code == 0);
@@ -303,7 +301,7 @@ TEST_CASE("what-if foresees the rms after compensation, and tells what was achie
   const Ran r =
       ran({"model", "what-if", full, workspace.data, "--after", after, "--machine", workspace.machine, "--json"});
   REQUIRE(r.code == 0);
-  const json j = r.json();
+  const nlohmann::json j = r.json();
   CHECK(j["rms_after_um"].get<double>() == Approx(0.3).epsilon(0.15));
   CHECK(j["rms_now_um"].get<double>() > 3.0);
   CHECK(j["achieved"]["rms_um"].get<double>() == Approx(0.3).epsilon(0.15));
@@ -347,10 +345,10 @@ TEST_CASE("a proposal is written as a part program and as a target list, which i
   CHECK(ran({"model", "next", workspace.model, workspace.data, "--program", program}).code == 2);
 }
 
-TEST_CASE("the library explains every effect and knows a slip of the pen") {
-  const json all = ran({"model", "effects", "--json"}).json()["effects"];
+TEST_CASE("the library explains every effect and suggests one for a typing error") {
+  const nlohmann::json all = ran({"model", "effects", "--json"}).json()["effects"];
   CHECK(all.size() == 26);
-  const json one = ran({"model", "effects", "cyclic", "--json"}).json();
+  const nlohmann::json one = ran({"model", "effects", "cyclic", "--json"}).json();
   check_has(one, {"effect", "title", "cause", "tells_apart", "formula", "parameters", "compensated", "how"});
   CHECK(one["parameters"][0]["name"] == "period_mm");
   CHECK(one["parameters"][0]["unit"] == "mm");
@@ -358,7 +356,7 @@ TEST_CASE("the library explains every effect and knows a slip of the pen") {
   CHECK(wrong.code == 2);
   CHECK(wrong.messages.find("backlash") != std::string::npos);
   CHECK(widest_line(ran({"model", "effects"}).out) <= 80);
-  for (const json& effect : all)
+  for (const nlohmann::json& effect : all)
     CHECK(widest_line(ran({"model", "effects", effect["effect"].get<std::string>()}).out) <= 80);
 }
 
@@ -386,7 +384,7 @@ TEST_CASE("bad measurements get a clear answer, never a confident name") {
 TEST_CASE("a wrong model is refused with file and line, an unknown column in a formula with the columns there are") {
   const ModelWorkspace workspace;
   const std::string axis = workspace.folder.with("axis.toml", "[[effect]]\nid = \"scale\"\naxis = \"W\"\n");
-  const json error = ran({"model", "fit", axis, workspace.data, "--json"}).json()["error"];
+  const nlohmann::json error = ran({"model", "fit", axis, workspace.data, "--json"}).json()["error"];
   CHECK(error["file"] == axis);
   CHECK(error["line"] == 3);
   const std::string formula = workspace.folder.with(
@@ -406,8 +404,8 @@ TEST_CASE("files of one machine are joined, their rows and runs numbered on") {
   REQUIRE(r.code == 0);
   CHECK(r.json()["observations"] == 492);
   int last = 0;
-  const json worst = r.json()["worst"];
-  for (const json& one : worst) last = std::max(last, one["row"].get<int>());
+  const nlohmann::json worst = r.json()["worst"];
+  for (const nlohmann::json& one : worst) last = std::max(last, one["row"].get<int>());
   CHECK(last > 246);
 }
 

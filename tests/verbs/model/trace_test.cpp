@@ -2,6 +2,7 @@
 
 #include "tests/support/verb_run.hpp"
 
+using namespace ecs;
 using namespace ecs::app;
 using doctest::Approx;
 

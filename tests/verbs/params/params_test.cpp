@@ -3,15 +3,15 @@
 
 #include "commissioning/memory/fields.hpp"
 #include "core/memory_image.hpp"
-#include "tests/support/verb_run.hpp"
 #include "params/fields.hpp"
+#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {
 
 const char* const kUnit = "samples/params/mill_unit.toml";
 
-TEST_CASE("setting the value that stands there already is told as unchanged, and no line ends in blanks") {
+TEST_CASE("setting the present value is reported as unchanged, and no line ends in blanks") {
   const Folder folder;
   const std::string file = folder.with("p.toml", content_of(kUnit));
   CHECK(ran({"params", "set", file, "axis.X.deadband_um=7.5", "axis.X.datum.kind=fanuc"}).code == 0);

@@ -7,7 +7,8 @@
 #include <doctest/doctest.h>
 
 #include "model/diagnosis/gains.hpp"
-#include "searching.hpp"
+#include "tests/support/normal_matrix.hpp"
+#include "tests/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -19,25 +20,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kSigma_um = 0.2;
-
-laser::MeasurementSet line(const Truth& truth) { return measured({}, kSigma_um, truth); }
-
 double wave(const laser::Reading& r) { return std::sin(2.0 * std::numbers::pi * p(r) / 87.3); }
-
-MatrixXd normal(Index rows, Index columns, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> one;
-  return MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
-}
 
 }  // namespace
 
 TEST_CASE("what is absorbed is orthonormal, and what is left has nothing of it") {
-  MatrixXd columns = normal(30, 4, 1);
+  MatrixXd columns = normal_matrix(30, 4, 1);
   columns.col(3) = columns.col(0) - 2.0 * columns.col(1);  // depends on the others
   Space space;
-  space.y = normal(30, 1, 2).col(0);
+  space.y = normal_matrix(30, 1, 2).col(0);
   space.q.resize(30, 0);
   const VectorXd y = space.y;
   absorb(space, columns.leftCols(1));
@@ -50,7 +41,7 @@ TEST_CASE("what is absorbed is orthonormal, and what is left has nothing of it")
 }
 
 TEST_CASE("a period between two that were tried is found, and gains what its size promises") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   const std::vector<Choice> found = of.search.expand(of.search.base());
   REQUIRE(found.size() == 1);
   CHECK(found.front().nonlinear == Approx(87.3).epsilon(0.005));
@@ -60,7 +51,8 @@ TEST_CASE("a period between two that were tried is found, and gains what its siz
 
 TEST_CASE("of several causes the true one comes first") {
   const auto candidates = candidates_named({"cyclic:X:EX", "backlash:X:EX", "sag:X:EX", "step:X:EX"});
-  const Searching of(line([](const laser::Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }), kSigma_um, candidates);
+  const Searching of(measured_line([](const laser::Reading& r) { return p(r) > 512.0 ? 1.5 : 0.0; }), kSigma_um,
+                     candidates);
   const std::vector<Choice> found = of.search.expand(of.search.base());
   REQUIRE_FALSE(found.empty());
   CHECK(of.name_of(found.front()) == "step:X:EX");
@@ -69,12 +61,12 @@ TEST_CASE("of several causes the true one comes first") {
 }
 
 TEST_CASE("an effect that the model has already gains nothing more") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"scale:X:EX", "offset:X:EX", "backlash:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"scale:X:EX", "offset:X:EX", "backlash:X:EX"}));
   for (const Choice& choice : of.search.expand(of.search.base())) CHECK(of.name_of(choice) == "backlash:X:EX");
 }
 
 TEST_CASE("the gain of a choice is the fall of the sum of squares of a least squares fit") {
-  const Searching of(line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um,
+  const Searching of(measured_line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um,
                      candidates_named({"backlash:X:EX"}));
   const Solution solution = of.search.solution({of.search.choice_at(of.search.base(), 0, 0.0)});
   const auto chi2_with = [&](const MatrixXd& columns) {
@@ -90,15 +82,15 @@ TEST_CASE("the gain of a choice is the fall of the sum of squares of a least squ
 }
 
 TEST_CASE("every free coefficient costs the logarithm of the readings that it acts on") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"backlash:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"backlash:X:EX"}));
   CHECK(of.search.choice_at(of.search.base(), 0, 0.0).cost == Approx(std::log(246.0)));
 }
 
 TEST_CASE("more candidates never make noise look worse") {
-  const auto set = line([](const laser::Reading&) { return 0.0; });
+  const auto set = measured_line([](const laser::Reading&) { return 0.0; });
   const Searching few(set, kSigma_um, candidates_named({"backlash:X:EX"}));
   const Searching many(set, kSigma_um, candidates_named({"backlash:X:EX", "cyclic:X:EX", "step:X:EX"}));
-  MatrixXd replicates = normal(246, 40, 3);
+  MatrixXd replicates = normal_matrix(246, 40, 3);
   replicates -= few.search.base().q * (few.search.base().q.transpose() * replicates);
   const auto less = few.search.best_scores(replicates.cast<float>());
   const auto more = many.search.best_scores(replicates.cast<float>());
@@ -108,8 +100,9 @@ TEST_CASE("more candidates never make noise look worse") {
 }
 
 TEST_CASE("the score of noise on one effect is the square of one normal deviate less the price") {
-  const Searching of(line([](const laser::Reading&) { return 0.0; }), kSigma_um, candidates_named({"backlash:X:EX"}));
-  MatrixXd replicates = normal(246, 2000, 4);
+  const Searching of(measured_line([](const laser::Reading&) { return 0.0; }), kSigma_um,
+                     candidates_named({"backlash:X:EX"}));
+  MatrixXd replicates = normal_matrix(246, 2000, 4);
   replicates -= of.search.base().q * (of.search.base().q.transpose() * replicates);
   double mean = 0.0;
   for (const double score : of.search.best_scores(replicates.cast<float>())) mean += score / 2000.0;
@@ -117,7 +110,7 @@ TEST_CASE("the score of noise on one effect is the square of one normal deviate 
 }
 
 TEST_CASE("periods are tried at the pitch of the screw, its parts and its multiples") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   REQUIRE(of.search.families().size() == 1);
   const std::vector<double>& facts = of.search.families().front().facts;
   for (const double period_mm : {10.0, 5.0, 20.0})
@@ -125,7 +118,7 @@ TEST_CASE("periods are tried at the pitch of the screw, its parts and its multip
 }
 
 TEST_CASE("periods tried are no longer than two thirds of the travel and never a whole turn over it apart") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   const std::vector<double>& periods = of.search.families().front().grid;
   REQUIRE(periods.size() > 10);
   const double travel = 1000.0;  // nearly: the targets are a little uneven
@@ -136,7 +129,7 @@ TEST_CASE("periods tried are no longer than two thirds of the travel and never a
 }
 
 TEST_CASE("steps are tried between the targets, never on one") {
-  const Searching of(line(wave), kSigma_um, candidates_named({"step:X:EX"}));
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"step:X:EX"}));
   const std::vector<double>& steps = of.search.families().front().grid;
   CHECK(steps.size() == 40);
   for (const double at : steps)
@@ -145,7 +138,7 @@ TEST_CASE("steps are tried between the targets, never on one") {
 
 TEST_CASE("a search that is cancelled stops") {
   std::atomic<bool> cancelled = false;
-  const Searching of(line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}), &cancelled);
+  const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}), &cancelled);
   CHECK_FALSE(of.search.expand(of.search.base()).empty());
   cancelled = true;
   CHECK_THROWS_AS(static_cast<void>(of.search.expand(of.search.base())), SearchStopped);

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "searching.hpp"
+#include "tests/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -14,10 +14,7 @@ using doctest::Approx;
 
 namespace {
 
-constexpr double kSigma_um = 0.2;
 const StepwiseOptions kOptions{.most_effects = 3, .entry_score = 15.0};
-
-laser::MeasurementSet line(const Truth& truth, unsigned seed = 1) { return measured({}, kSigma_um, truth, seed); }
 
 std::vector<EffectInstance> usual_suspects() {
   return candidates_named({"cyclic:X:EX", "backlash:X:EX", "sag:X:EX", "step:X:EX", "time_drift:X:EX"});
@@ -29,36 +26,36 @@ double step_and_backlash(const laser::Reading& r) { return (p(r) > 512.0 ? 1.5 :
 
 TEST_CASE("to noise nothing is added") {
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
-    const Searching of(line([](const laser::Reading&) { return 0.0; }, seed), kSigma_um, usual_suspects());
+    const Searching of(measured_line([](const laser::Reading&) { return 0.0; }, seed), kSigma_um, usual_suspects());
     CHECK(best_solution(of.search, kOptions).chosen.empty());
   }
 }
 
 TEST_CASE("two causes of different kinds are both found") {
-  const Searching of(line(step_and_backlash), kSigma_um, usual_suspects());
+  const Searching of(measured_line(step_and_backlash), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);
   CHECK(of.names_of(found.chosen) == std::vector<std::string>{"backlash:X:EX", "step:X:EX"});
 }
 
 TEST_CASE("the order of the candidates does not change the answer") {
   auto candidates = usual_suspects();
-  const Searching forward(line(step_and_backlash), kSigma_um, candidates);
+  const Searching forward(measured_line(step_and_backlash), kSigma_um, candidates);
   std::reverse(candidates.begin(), candidates.end());
-  const Searching backward(line(step_and_backlash), kSigma_um, candidates);
+  const Searching backward(measured_line(step_and_backlash), kSigma_um, candidates);
   const Solution one = best_solution(forward.search, kOptions), other = best_solution(backward.search, kOptions);
   CHECK(forward.names_of(one.chosen) == backward.names_of(other.chosen));
   CHECK(one.score() == Approx(other.score()));
 }
 
 TEST_CASE("what is left after two causes were found is noise") {
-  const Searching of(line(step_and_backlash), kSigma_um, usual_suspects());
+  const Searching of(measured_line(step_and_backlash), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);
   const double freedom = 246.0 - 2.0 - 2.0 - 1.0;  // readings, offset and scale, two sizes, the place of the step
   CHECK(found.space.chi2() == Approx(freedom).epsilon(3.0 * std::sqrt(2.0 / freedom)));
 }
 
 TEST_CASE("no more effects are added than allowed, and none that gains less than asked") {
-  const Searching of(line(step_and_backlash), kSigma_um, usual_suspects());
+  const Searching of(measured_line(step_and_backlash), kSigma_um, usual_suspects());
   StepwiseOptions one = kOptions;
   one.most_effects = 1;
   CHECK(best_solution(of.search, one).chosen.size() == 1);
@@ -68,7 +65,7 @@ TEST_CASE("no more effects are added than allowed, and none that gains less than
 }
 
 TEST_CASE("an effect with the same columns is a rival, one that explains less is not") {
-  auto set = line([](const laser::Reading& r) { return 3.0 * (r.sensors_degC.at("t_material_degC") - 20.5); });
+  auto set = measured_line([](const laser::Reading& r) { return 3.0 * (r.sensors_degC.at("t_material_degC") - 20.5); });
   for (auto& r : set.readings) r.sensors_degC["t_copy_degC"] = r.sensors_degC.at("t_material_degC");
   const std::vector<EffectInstance> candidates{candidate("thermal_drift:X:EX", "t_material_degC"),
                                                candidate("thermal_drift:X:EX", "t_copy_degC"),
@@ -84,7 +81,7 @@ TEST_CASE("an effect with the same columns is a rival, one that explains less is
 }
 
 TEST_CASE("a shape that could bend to anything is no rival of a reversal error") {
-  const Searching of(line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um, usual_suspects());
+  const Searching of(measured_line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);
   const std::vector<Group> groups = groups_of(of.search, found, kOptions.entry_score);
   REQUIRE(groups.size() == 1);

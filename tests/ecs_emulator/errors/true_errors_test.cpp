@@ -8,16 +8,13 @@
 
 using namespace ecs;
 using namespace ecs::emulator;
+using namespace ecs::emulator::test;
 
 namespace {
 
-TrueErrors errors_of(const char* text) {
-  auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE_MESSAGE(errors.has_value(), (errors ? "" : to_text(errors.error())));
-  return std::move(*errors);
+double component_of(const TrueErrors& errors, Component c, const MachineState& state) {
+  return errors.at(state)[index_of(c)];
 }
-
-double value(const TrueErrors& errors, Component c, const MachineState& state) { return errors.at(state)[index_of(c)]; }
 
 }  // namespace
 
@@ -32,10 +29,10 @@ formula = "5"
 )");
   MachineState state;
   state.position_mm = {-1000.0, 300.0, 0.0};
-  CHECK(value(errors, Component::EYX, state) == doctest::Approx(-10.0 + 2.0 + 0.3 + 5.0));
+  CHECK(component_of(errors, Component::EYX, state) == doctest::Approx(-10.0 + 2.0 + 0.3 + 5.0));
   state.approach[0] = Approach::reverse;
-  CHECK(value(errors, Component::EYX, state) == doctest::Approx(-10.0 - 2.0 + 0.3 + 5.0));
-  CHECK(value(errors, Component::EYY, state) == 0.0);
+  CHECK(component_of(errors, Component::EYX, state) == doctest::Approx(-10.0 - 2.0 + 0.3 + 5.0));
+  CHECK(component_of(errors, Component::EYY, state) == 0.0);
 }
 
 TEST_CASE("points are linear between, held beyond the ends, and have a value for each approach") {
@@ -46,11 +43,11 @@ points = [[-100, 0, 2], [0, 10, 4]]
 )");
   MachineState state;
   state.position_mm[2] = -25.0;
-  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(7.5));
+  CHECK(component_of(errors, Component::EZZ, state) == doctest::Approx(7.5));
   state.approach[2] = Approach::reverse;
-  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(3.5));
+  CHECK(component_of(errors, Component::EZZ, state) == doctest::Approx(3.5));
   state.position_mm[2] = 50.0;
-  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(4.0));
+  CHECK(component_of(errors, Component::EZZ, state) == doctest::Approx(4.0));
 }
 
 TEST_CASE("squareness is constant and temperatures feed formulas") {
@@ -65,13 +62,13 @@ formula = "2*T_spindle - 40"
 )");
   MachineState state;
   state.time_s = 500.0;
-  CHECK(value(errors, Component::C0Y, state) == 16.0);
-  CHECK(value(errors, Component::EZZ, state) == doctest::Approx(10.0));
+  CHECK(component_of(errors, Component::C0Y, state) == 16.0);
+  CHECK(component_of(errors, Component::EZZ, state) == doctest::Approx(10.0));
   REQUIRE(errors.temperatures(100.0).size() == 1);
   CHECK(errors.temperatures(100.0)[0].second == doctest::Approx(21.0));
 }
 
-TEST_CASE("every problem of an errors file is told with its line") {
+TEST_CASE("every problem of an errors file is reported with its line") {
   const auto errors = TrueErrors::parse(R"([squareness]
 C0X = 1.0
 [[contribution]]

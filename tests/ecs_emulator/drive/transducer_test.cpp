@@ -38,7 +38,7 @@ void move(PositionTransducer& transducer, double from_mm, double to_mm, double s
 
 }  // namespace
 
-TEST_CASE("a count stands for the nearest multiple of the resolution") {
+TEST_CASE("a count is the nearest multiple of the resolution") {
   PositionTransducer transducer = encoder({});
   for (const auto& [place_mm, counts] : {std::pair{0.0014, 1}, {0.0016, 2}, {-0.0014, -1}, {-4100.0, -4'100'000}}) {
     transducer.follow(place_mm, 1e-3);

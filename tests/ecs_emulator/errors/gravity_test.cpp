@@ -121,7 +121,7 @@ TEST_CASE("a workpiece adds to the weight of the carriage that carries it, and o
   CHECK(sag("TXYZ", 500.0) == doctest::Approx(sag("TXYZ", 0.0)));
 }
 
-TEST_CASE("a workpiece sinks the table in proportion and tilts it by where it stands over the saddle") {
+TEST_CASE("a workpiece sinks the table in proportion and tilts it by its place over the saddle") {
   // 400 N/um, ends 600 mm apart, the workpiece's middle under the tool at X = -250.
   GravitySettings gravity{Axis::Z, -1, {}, {}, {{Axis::X, 400.0, 600.0, -250.0, 0.0}}};
   const double load_kg = 4000.0 / kGravity_m_s2;
@@ -177,7 +177,7 @@ tip_kg = 50.0
 }
 
 TEST_CASE("every wrong word about gravity is refused with its line") {
-  const auto told = [](const char* text) {
+  const auto refused = [](const char* text) {
     const auto errors = TrueErrors::parse(text, "errors.toml", ".");
     REQUIRE(!errors.has_value());
     return to_text(errors.error());
@@ -185,9 +185,9 @@ TEST_CASE("every wrong word about gravity is refused with its line") {
   const auto has = [](const std::string& text, const char* what) {
     CHECK_MESSAGE(text.find(what) != std::string::npos, what << " in " << text);
   };
-  has(told("\n[ram.Z]\nstiffness_N_m2 = 1\nmass_kg_m = 1\n"), "errors.toml:2");
-  has(told("[gravity]\ndirection = \"down\"\n"), "errors.toml:2");
-  const std::string wrong = told(R"([gravity]
+  has(refused("\n[ram.Z]\nstiffness_N_m2 = 1\nmass_kg_m = 1\n"), "errors.toml:2");
+  has(refused("[gravity]\ndirection = \"down\"\n"), "errors.toml:2");
+  const std::string wrong = refused_errors(R"([gravity]
 direction = "-Y"
 [ram.Z]
 stiffness_N_m2 = 0
@@ -219,9 +219,9 @@ stiffness_N_um = 100.0
 base_mm = 300.0
 load_at_mm = 0.0
 )");
-  const auto told = errors.checked_for(machine_of(small_machine("TXYZ")).machine);
-  REQUIRE(!told.has_value());
-  const std::string text = to_text(told.error());
+  const auto refused = errors.checked_for(machine_of(small_machine("TXYZ")).machine);
+  REQUIRE(!refused.has_value());
+  const std::string text = to_text(refused.error());
   CHECK_MESSAGE(text.find("errors.toml:3: bed.X: expected supports on both sides") != std::string::npos, text);
   CHECK_MESSAGE(text.find("errors.toml:7: table.Y: expected an axis that carries the workpiece") != std::string::npos,
                 text);

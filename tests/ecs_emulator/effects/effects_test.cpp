@@ -27,13 +27,7 @@ MachineState at_p(double from_datum_mm, Approach approach = Approach::forward) {
   return state;
 }
 
-std::string told(const std::string& text) {
-  const auto errors = TrueErrors::parse(text, "errors.toml", ".");
-  REQUIRE(!errors.has_value());
-  return to_text(errors.error());
-}
-
-void has(const std::string& text, const std::string& what) {
+void check_contains(const std::string& text, const std::string& what) {
   CHECK_MESSAGE(text.find(what) != std::string::npos, what << " in " << text);
 }
 
@@ -138,18 +132,18 @@ parameters = { um_per_degC = -2.0 }
 }
 
 TEST_CASE("effects that do not sit in the machine are refused with where they belong") {
-  has(told("[[effect]]\nid = \"cosine\"\n"),
-      "errors.toml:2:6: cosine: an effect of the instrument: set misalignment_mrad in [emulator.laser]");
-  has(told("[[effect]]\nid = \"dead_path\"\n"), "set dead_path_m in [emulator.laser]");
-  has(told("[[effect]]\nid = \"air_refraction\"\n"), "the air is [air] of this file");
-  has(told("[[effect]]\nid = \"measurement_line\"\n"), "parked_mm of the plan");
+  check_contains(refused_errors("[[effect]]\nid = \"cosine\"\n"),
+                 "errors.toml:2:6: cosine: an effect of the instrument: set misalignment_mrad in [emulator.laser]");
+  check_contains(refused_errors("[[effect]]\nid = \"dead_path\"\n"), "set dead_path_m in [emulator.laser]");
+  check_contains(refused_errors("[[effect]]\nid = \"air_refraction\"\n"), "the air is [air] of this file");
+  check_contains(refused_errors("[[effect]]\nid = \"measurement_line\"\n"), "parked_mm of the plan");
   for (const char* id : {"map_polarity", "map_gain", "map_shift", "map_direction_swap"})
-    has(told(std::string("[[effect]]\nid = \"") + id + "\"\n"), "a fault of the unit's map");
-  has(told("[[effect]]\nid = \"ciclic\"\n"), "did you mean \"cyclic\"?");
+    check_contains(refused_errors(std::string("[[effect]]\nid = \"") + id + "\"\n"), "a fault of the unit's map");
+  check_contains(refused_errors("[[effect]]\nid = \"ciclic\"\n"), "did you mean \"cyclic\"?");
 }
 
 TEST_CASE("every wrong key of an effect is refused with its line") {
-  const std::string text = told(R"([[effect]]
+  const std::string text = refused_errors(R"([[effect]]
 id = "scale"
 sense = "EX"
 parameters = { um_per_m = 1 }
@@ -194,9 +188,9 @@ code = "EXX"
 parameters = { um = 1 }
 )");
   for (const int line : {1, 8, 9, 12, 15, 19, 21, 27, 32, 33, 37, 42})
-    has(text, "errors.toml:" + std::to_string(line) + ":");
-  has(text, "did you mean \"amplitude_um\"");
-  has(text, "did you mean \"parameters\"");
+    check_contains(text, "errors.toml:" + std::to_string(line) + ":");
+  check_contains(text, "did you mean \"amplitude_um\"");
+  check_contains(text, "did you mean \"parameters\"");
 }
 
 TEST_CASE("an effect on an axis that the machine lacks is refused with its line") {
@@ -205,5 +199,5 @@ TEST_CASE("an effect on an axis that the machine lacks is refused with its line"
   machine.erase(machine.find("[axis.Y]"), std::string("[axis.Y]\ntravel_mm = [-400.0, 0.0]\n").size());
   const auto checked = errors.checked_for(machine_of(machine).machine);
   REQUIRE(!checked.has_value());
-  has(to_text(checked.error()), "errors.toml:2: effect scale: this machine has no Y");
+  check_contains(to_text(checked.error()), "errors.toml:2: effect scale: this machine has no Y");
 }

@@ -6,7 +6,7 @@
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/diagnosis/search.hpp"
-#include "synthetic.hpp"
+#include "tests/support/measured_lines.hpp"
 
 namespace ecs::model::test {
 
@@ -22,6 +22,11 @@ inline std::vector<EffectInstance> candidates_named(std::initializer_list<const 
   std::vector<EffectInstance> list;
   for (const char* text : texts) list.push_back(candidate(text));
   return list;
+}
+
+inline constexpr double kSigma_um = 0.2;
+inline laser::MeasurementSet measured_line(const Truth& truth, unsigned seed = 1) {
+  return measured({}, kSigma_um, truth, seed);
 }
 
 /// Everything that a search refers to.

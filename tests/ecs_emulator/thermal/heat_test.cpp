@@ -296,7 +296,7 @@ TEST_CASE("the whole screw follows the air and grows from its fixed bearing") {
   CHECK(values[index_of(Component::EXX)] == 0.0);
 }
 
-TEST_CASE("heat from motion does not depend on the size of the cells, and grows with speed where told to") {
+TEST_CASE("heat from motion does not depend on the cell size, and grows with speed where configured") {
   const auto rise = [](double cell_mm, double viscous, double m_min) {
     ScrewSettings settings = screw();
     settings.cell_mm = cell_mm;

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "searching.hpp"
+#include "tests/support/searching.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -18,8 +18,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kSigma_um = 0.2;
-
 /// Tests of what offset and scale leave of a line, most certain first.
 std::vector<StructureTest> tests_of(const Truth& truth, unsigned seed = 1) {
   const Searching of(measured({}, kSigma_um, truth, seed), kSigma_um, {});
@@ -29,7 +27,7 @@ std::vector<StructureTest> tests_of(const Truth& truth, unsigned seed = 1) {
   return tests;
 }
 
-const Variable& named(const std::vector<Variable>& variables, const std::string& name) {
+const Variable& variable_named(const std::vector<Variable>& variables, const std::string& name) {
   return *std::find_if(variables.begin(), variables.end(), [&](const Variable& v) { return v.name == name; });
 }
 
@@ -78,7 +76,7 @@ TEST_CASE("a variable that never changes is no variable") {
 TEST_CASE("what all runs share is no function of the run") {
   const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
   const auto variables = variables_of(of.data);
-  const MatrixXd& columns = named(variables, "run").columns;
+  const MatrixXd& columns = variable_named(variables, "run").columns;
   for (Index j = 0; j < columns.cols(); ++j) CHECK(std::abs(columns.col(j).sum()) < 1e-9);
 }
 
@@ -90,11 +88,11 @@ TEST_CASE("the share of a variable is all of its own shape, nothing of another, 
     reversal(k) = of.data.approach[static_cast<std::size_t>(k)];
     runs(k) = of.data.run[static_cast<std::size_t>(k)] - 2.0;
   }
-  CHECK(share_of(named(variables, "approach"), reversal, 0.0) == Approx(1.0));
-  CHECK(share_of(named(variables, "approach"), runs, 0.0) == Approx(0.0));
-  CHECK(share_of(named(variables, "run"), runs, 0.0) == Approx(1.0));
-  CHECK(share_of(named(variables, "run"), runs, 100.0) == 0.0);
-  CHECK(share_of(named(variables, "run"), VectorXd::Zero(246), 1.0) == 0.0);
+  CHECK(share_of(variable_named(variables, "approach"), reversal, 0.0) == Approx(1.0));
+  CHECK(share_of(variable_named(variables, "approach"), runs, 0.0) == Approx(0.0));
+  CHECK(share_of(variable_named(variables, "run"), runs, 0.0) == Approx(1.0));
+  CHECK(share_of(variable_named(variables, "run"), runs, 100.0) == 0.0);
+  CHECK(share_of(variable_named(variables, "run"), VectorXd::Zero(246), 1.0) == 0.0);
 }
 
 TEST_CASE("the largest of noise replicates is what the tests of each replicate give") {

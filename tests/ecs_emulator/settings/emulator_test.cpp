@@ -1,6 +1,7 @@
+#include "ecs_emulator/settings/emulator.hpp"
+
 #include <doctest/doctest.h>
 
-#include "ecs_emulator/settings/emulator.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
@@ -28,7 +29,7 @@ reference_direction = -1
   CHECK(machine.settings.axes[0].dac_um_per_count == 0.1);
 }
 
-TEST_CASE("every wrong value of the emulator's table is told at once") {
+TEST_CASE("every wrong value of the emulator's table is reported at once") {
   const auto machine = parse_workshop_machine(small_machine() + R"(
 [emulator]
 seriel_number = "M-17"

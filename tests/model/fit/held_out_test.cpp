@@ -5,7 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include "synthetic.hpp"
+#include "tests/support/measured_lines.hpp"
+#include "tests/support/normal_matrix.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
@@ -17,18 +18,12 @@ using Eigen::VectorXd;
 
 namespace {
 
-Observations line(int runs, bool both_ways = false, int targets = 10) {
+Observations observed_line(int runs, bool both_ways = false, int targets = 10) {
   Plan plan;
   plan.runs = runs;
   plan.targets = targets;
   plan.both_ways = both_ways;
   return observations_of(measured(plan, 0.0, [](const laser::Reading&) { return 0.0; }), straight(), mill());
-}
-
-MatrixXd normal(Index rows, Index columns, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> one;
-  return MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
 }
 
 }  // namespace
@@ -50,7 +45,7 @@ TEST_CASE("columns that do the same share the size, a column of zeros gets none"
 }
 
 TEST_CASE("three runs and more are held out whole") {
-  const Observations data = line(4, true);
+  const Observations data = observed_line(4, true);
   const Parts parts = parts_of(data);
   CHECK(parts.by_run);
   CHECK(parts.count == 4);
@@ -58,13 +53,13 @@ TEST_CASE("three runs and more are held out whole") {
 }
 
 TEST_CASE("of two runs neighbours are held out together, four at a time in five parts") {
-  const Parts parts = parts_of(line(2));
+  const Parts parts = parts_of(observed_line(2));
   CHECK_FALSE(parts.by_run);
   CHECK(parts.of == std::vector<std::size_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4});
 }
 
 TEST_CASE("a target is in one part in every run and both approaches, its neighbours in others") {
-  const Observations data = line(3, true, 11);
+  const Observations data = observed_line(3, true, 11);
   const Parts parts = parts_by_target(data);
   CHECK(parts.count == 5);
   for (std::size_t i = 0; i < data.size(); ++i)
@@ -76,7 +71,7 @@ TEST_CASE("a target is in one part in every run and both approaches, its neighbo
 }
 
 TEST_CASE("the rms of readings predicted from the other runs is that of a hand calculation") {
-  Observations data = line(3);
+  Observations data = observed_line(3);
   const auto n = static_cast<Index>(data.size());
   VectorXd target(n);
   for (Index k = 0; k < n; ++k) target(k) = 3.0 * (data.run[static_cast<std::size_t>(k)] - 1);  // 0, 3 and 6
@@ -90,7 +85,7 @@ TEST_CASE("the rms of readings predicted from the other runs is that of a hand c
 }
 
 TEST_CASE("an outlier takes no part, neither in the fit nor in the rms") {
-  const Observations data = line(3);
+  const Observations data = observed_line(3);
   const auto n = static_cast<Index>(data.size());
   VectorXd target = VectorXd::Ones(n);
   target(7) = 1000.0;
@@ -101,20 +96,20 @@ TEST_CASE("an outlier takes no part, neither in the fit nor in the rms") {
 }
 
 TEST_CASE("a true shape predicts nearly all of what is above noise, at targets it was not fitted to") {
-  const Observations data = line(4, true, 40);
+  const Observations data = observed_line(4, true, 40);
   const auto n = static_cast<Index>(data.size());
   VectorXd shape(n);
   for (Index k = 0; k < n; ++k) shape(k) = 5.0 * std::sin(0.01 * data.p_mm(static_cast<std::size_t>(k), Axis::X));
-  const VectorXd target = shape + normal(n, 1, 5).col(0);
+  const VectorXd target = shape + normal_matrix(n, 1, 5).col(0);
   const double share = cross_validated_part(parts_by_target(data), shape, target, target);
   CHECK(share > 0.9);
   CHECK(share < 1.05);
 }
 
 TEST_CASE("columns of chance predict nothing, however many there are") {
-  const Observations data = line(4, true, 40);
+  const Observations data = observed_line(4, true, 40);
   const auto n = static_cast<Index>(data.size());
-  const VectorXd target = 2.0 * normal(n, 1, 7).col(0);
-  CHECK(cross_validated_part(parts_by_target(data), normal(n, 1, 8), target, target) < 0.05);
-  CHECK(cross_validated_part(parts_by_target(data), normal(n, 60, 9), target, target) < 0.0);
+  const VectorXd target = 2.0 * normal_matrix(n, 1, 7).col(0);
+  CHECK(cross_validated_part(parts_by_target(data), normal_matrix(n, 1, 8), target, target) < 0.05);
+  CHECK(cross_validated_part(parts_by_target(data), normal_matrix(n, 60, 9), target, target) < 0.0);
 }

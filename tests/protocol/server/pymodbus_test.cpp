@@ -1,0 +1,38 @@
+// pymodbus, which shares no code with this project, talks to the server.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include "tests/support/command_output.hpp"
+#include "tests/support/test.hpp"
+#include "tests/support/unit_model.hpp"
+
+using namespace ecs;
+using namespace ecs::protocol;
+
+TEST_CASE("pymodbus reads the identity and writes and reads registers over TCP") {
+  SKIP_UNLESS(installed("/usr/bin/python3 -c 'import pymodbus.client'"), "python3-pymodbus is not installed");
+  auto shop = Workshop::on_tcp();
+  const auto port = std::get<TcpPeer>(shop.address().endpoint).port;
+  const std::string script = fmt::format(R"(
+from pymodbus.client import ModbusTcpClient
+c = ModbusTcpClient("127.0.0.1", port={})
+assert c.connect()
+r = c.read_holding_registers(0x0100, 32, slave=1).registers
+print("serial", b"".join(x.to_bytes(2, "big") for x in r[4:12]).rstrip(b"\0").decode())
+print("write", c.write_registers(0x0010, [7, 0x0010, 0, 240], slave=1).isError())
+print("memory", len(c.read_holding_registers(0x0400, 125, slave=1).registers))
+print("input", c.read_input_registers(0x0400, 1, slave=1).registers)
+print("both", c.readwrite_registers(read_address=0x0100, read_count=2, write_address=0, write_registers=[99], slave=1).registers)
+print("outside", c.read_holding_registers(0x4000, 1, slave=1).exception_code)
+c.close()
+)",
+                                         port);
+  const auto output = output_of("/usr/bin/python3 -c '" + script + "'");
+  CAPTURE(output.text);
+  CHECK(contains(output.text, "serial ECS-0042"));
+  CHECK(contains(output.text, "write False"));
+  CHECK(contains(output.text, "memory 125"));
+  CHECK(contains(output.text, "input [7]"));
+  CHECK(contains(output.text, "both [99, 1]"));
+  CHECK(contains(output.text, "outside 2"));
+}

@@ -1,0 +1,16 @@
+// Matrices of normal noise.
+#pragma once
+
+#include <random>
+
+#include <Eigen/Core>
+
+namespace ecs::model::test {
+
+inline Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> one;
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return one(random); });
+}
+
+}  // namespace ecs::model::test

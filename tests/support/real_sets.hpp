@@ -1,0 +1,92 @@
+// Real measurements as sets of readings, and what the diagnosis says of them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "laser/import/import.hpp"
+#include "tests/support/measured_lines.hpp"
+#include "tests/support/real_data.hpp"
+#include "tests/support/test.hpp"
+
+namespace ecs::model::test {
+
+using Set = laser::MeasurementSet;
+
+/// Text of a file of a real set, which is there.
+inline std::string real_text(const std::string& name) {
+  const auto text = read_file(real_data(name));
+  REQUIRE_MESSAGE(text.has_value(), name);
+  return *text;
+}
+
+/// Numbers of a line, separated by blanks or commas; empty where something else stands among them.
+inline std::vector<double> numbers_in(std::string_view line) {
+  std::string text(line);
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    const auto number = number_in(word);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+inline laser::Reading& added(Set& set, Axis axis, Sense sense, const Vector3& position_mm, double error) {
+  laser::Reading r;
+  r.row = static_cast<int>(set.readings.size()) + 1;
+  r.axis = axis;
+  r.sense = sense;
+  r.position_mm = position_mm;
+  r.error = error;
+  return set.readings.emplace_back(r);
+}
+
+inline Model offsets(const std::vector<std::pair<Axis, Sense>>& places) {
+  Model model;
+  for (const auto& [axis, sense] : places) model.effects.push_back(effect(offset, axis, sense));
+  return model;
+}
+
+inline bool stands_for(const Candidate& candidate, const std::string& place) {
+  const auto& group = candidate.indistinguishable_from;
+  return to_text(candidate.effect) == place || std::find(group.begin(), group.end(), place) != group.end();
+}
+
+inline std::string summary_of(const Diagnosis& found) {
+  std::ostringstream text;
+  text << name_of(found.verdict) << ", rms " << found.rms_um << " -> " << found.rms_after_um << ", noise "
+       << found.noise.noise_um;
+  for (const Candidate& c : found.candidates) {
+    if (&c - found.candidates.data() > 3) break;
+    text << "\n  " << (c.named ? "named " : "      ") << to_text(c.effect) << ' ' << c.effect.sensor << " rms "
+         << c.rms_after_um;
+    for (const ParameterEstimate& parameter : c.parameters) text << ' ' << parameter.name << '=' << parameter.value;
+    for (const std::string& other : c.indistinguishable_from) text << " | " << other;
+  }
+  return text.str();
+}
+
+inline Diagnosis diagnosed_real(const char* what, const Model& model, const Set& set,
+                                const std::optional<params::Machine>& machine = std::nullopt) {
+  const auto result = diagnose(model, observations_of(set, model, machine));
+  REQUIRE(result);
+  const std::string answer = std::string(what) + ": " + summary_of(*result);
+  MESSAGE(answer);
+  return *result;
+}
+
+/// Positioning tests of motion axes, five cycles, absolute positions in mm.
+inline Set positioning_test(const std::string& name) {
+  const auto text = real_text("ecmc-iso230-2/" + name + "_ISO230.dat");
+  laser::ImportOptions options;
+  options.axis = Axis::X;
+  return laser::parse_any(text, name + ".dat", options).value().set;
+}
+
+}  // namespace ecs::model::test
