@@ -7,8 +7,8 @@
 
 #include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/effects/shape.hpp"
-#include "hidden_cases.hpp"
-#include "workshop_machines.hpp"
+#include "tests/support/hidden_cases.hpp"
+#include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;

@@ -5,8 +5,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include "hidden_cases.hpp"
-#include "workshop_machines.hpp"
+#include "tests/support/hidden_cases.hpp"
+#include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
