@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "../laser/controller_case.hpp"
+#include "tests/support/small_machine_map.hpp"
 #include "base/file.hpp"
 #include "controllers/curve.hpp"
 

@@ -5,16 +5,11 @@
 
 #include "laser/import/import.hpp"
 #include "laser/import/registry.hpp"
-#include "made_up.hpp"
+#include "tests/support/import_options.hpp"
+#include "tests/support/readings.hpp"
 
 namespace ecs::laser {
 namespace {
-
-ImportOptions along_x() {
-  ImportOptions options;
-  options.axis = Axis::X;
-  return options;
-}
 
 TEST_CASE("every file format has words, a way to read, and an id of its own") {
   std::set<std::string_view> ids;
