@@ -8,9 +8,9 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "tests/support/small_machine_map.hpp"
 #include "base/file.hpp"
 #include "controllers/curve.hpp"
+#include "tests/support/small_machine_map.hpp"
 
 namespace ecs::controllers {
 namespace {

@@ -26,7 +26,6 @@ std::string hex_of(const Bytes& bytes) {
   return text;
 }
 
-
 /// The one ioctl that hidapi needs to open a device, and what a feature report answers.
 void answer_ioctls(UMockdevTestbed* testbed, const DeviceSpec& spec, int number) {
   const std::filesystem::path ioctl =

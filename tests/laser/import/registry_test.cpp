@@ -1,10 +1,11 @@
 // Every format of measurement files in the registry: its words, its sample, its fuzzer, and what it refuses.
+#include "laser/import/registry.hpp"
+
 #include <set>
 
 #include <doctest/doctest.h>
 
 #include "laser/import/import.hpp"
-#include "laser/import/registry.hpp"
 #include "tests/support/import_options.hpp"
 #include "tests/support/readings.hpp"
 
