@@ -1,3 +1,4 @@
+// Readers of the folders that `ecs-emulator hide` writes.
 #include "diagnose_case.hpp"
 
 #include <algorithm>

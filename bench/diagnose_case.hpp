@@ -26,18 +26,18 @@ struct HiddenEffect {
   std::string approach;  ///< "both", "forward", "reverse"; "" where it does not matter
   std::string sensor;    ///< "" where there is none
   std::map<std::string, double> parameters;
-  double snr = 0.0;  ///< rms beyond what the model absorbs over the noise; 0 where it is not told
+  double snr = 0.0;  ///< rms beyond what the model absorbs over the noise; 0: unknown
 };
 
 struct Truth {
   std::vector<HiddenEffect> effects;        ///< one, two or none
-  std::vector<std::string> group;           ///< of a confounded case: all that cannot be told apart
+  std::vector<std::string> group;           ///< of a confounded case: all that cannot be distinguished
   std::vector<std::string> group_optional;  ///< may stand in it as well
   std::vector<std::string> variables;       ///< of structure outside the library: what it depends on
   std::string text;                         ///< what was hidden, in words
   double snr = 0.0;                         ///< of the weakest hidden effect
   double noise_um = 0.0;                    ///< of one reading
-  double true_model_rms_um = 0.0;           ///< of all readings with the true effects added; 0: not told
+  double true_model_rms_um = 0.0;           ///< of all readings with the true effects added; 0: unknown
 };
 
 struct Case {

@@ -1,3 +1,4 @@
+// Forward selection by the criterion of Schwarz (1978) on ordinary least squares (Efroymson 1960).
 #include "diagnose_rival.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Scoring by the rules of docs/model.md; parameters count within three of their sigmas.
 #include "diagnose_score.hpp"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ double distance(const std::string& name, double value, double truth) {
 
 }  // namespace
 
-bool tells(const model::Candidate& candidate, const HiddenEffect& truth) {
+bool matches(const model::Candidate& candidate, const HiddenEffect& truth) {
   const auto& rivals = candidate.indistinguishable_from;
   return same_effect(candidate, truth) || std::any_of(rivals.begin(), rivals.end(), [&](const std::string& name) {
            return same_name(name, truth.name);
@@ -64,12 +65,12 @@ bool right(const Case& one, const model::Diagnosis& answer) {
       return answer.verdict == model::Verdict::unexplained_structure;
     case CaseKind::single:
       return answer.verdict == model::Verdict::missing_effect && !candidates.empty() &&
-             tells(candidates.front(), one.truth.effects.front());
+             matches(candidates.front(), one.truth.effects.front());
     case CaseKind::pair:
       return answer.verdict == model::Verdict::missing_effect &&
              std::all_of(one.truth.effects.begin(), one.truth.effects.end(), [&](const HiddenEffect& truth) {
                return std::any_of(candidates.begin(), candidates.end(),
-                                  [&](const model::Candidate& c) { return c.named && tells(c, truth); });
+                                  [&](const model::Candidate& c) { return c.named && matches(c, truth); });
              });
     default:
       return answer.verdict == model::Verdict::missing_effect && !candidates.empty() &&
@@ -96,7 +97,7 @@ ParameterCount count_parameters(const Case& one, const model::Diagnosis& answer)
       for (const model::ParameterEstimate& estimate : candidate.parameters) {
         const auto value = truth.parameters.find(estimate.name);
         if (value == truth.parameters.end() || !estimate.sigma || *estimate.sigma <= 0.0) continue;
-        ++count.told;
+        ++count.counted;
         const double sigmas = distance(estimate.name, estimate.value, value->second) / *estimate.sigma;
         if (sigmas < 3.0)
           ++count.within;

@@ -11,8 +11,8 @@
 namespace ecs::bench {
 
 /// The candidate is the hidden effect (approach and sensor included where the truth gives them), or lists it among
-/// those that it cannot be told from.
-[[nodiscard]] bool tells(const model::Candidate& candidate, const HiddenEffect& truth);
+/// those that it cannot be distinguished from.
+[[nodiscard]] bool matches(const model::Candidate& candidate, const HiddenEffect& truth);
 
 [[nodiscard]] bool right(const Case& one, const model::Diagnosis& answer);
 
@@ -21,7 +21,7 @@ namespace ecs::bench {
 
 /// Scalar parameters that have a sigma, of named effects that stand alone; positions of steps excepted.
 struct ParameterCount {
-  unsigned told = 0;
+  unsigned counted = 0;
   unsigned within = 0;              ///< three sigmas
   std::vector<std::string> missed;  /// in words
 };

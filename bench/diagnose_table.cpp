@@ -49,7 +49,7 @@ void score(const std::string& where, const bench::Case& one, const Options& opti
   answer.has_rival = options.rival;
   if (options.rival) answer.rival = bench::stepwise_bic(one.model, data);
   const bool good = bench::count(one, answer, table.tallies[{one.kind, ratio_class(one)}]);
-  if (options.verbose || !good) fmt::print("{}\n", bench::told(where, one, answer));
+  if (options.verbose || !good) fmt::print("{}\n", bench::report_line(where, one, answer));
   std::fflush(stdout);
 }
 
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
                  "score the cases below this folder: machine.toml, model.toml, data.csv and truth.sealed or truth.json")
       ->required();
   app.add_option("--most", most, "of each folder of cases at most so many; 0: all");
-  app.add_flag("--verbose", options.verbose, "tell every case");
+  app.add_flag("--verbose", options.verbose, "print every case");
   app.add_flag("--rival", options.rival, "beside it the stepwise search by BIC");
   CLI11_PARSE(app, argc, argv);
   return score_folders(folder, options, most);

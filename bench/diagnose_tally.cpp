@@ -1,3 +1,4 @@
+// Rates with their exact intervals (Clopper and Pearson 1934).
 #include "diagnose_tally.hpp"
 
 #include <algorithm>
@@ -33,12 +34,12 @@ bool count(const Case& one, const Answer& answer, Tally& tally) {
   if (one.kind == CaseKind::out_of_library && good && !one.truth.variables.empty()) {
     ++tally.variables;
     const auto& list = one.truth.variables;
-    const bool told = !d.where.empty() && std::find(list.begin(), list.end(), d.where.front().variable) != list.end();
-    tally.variables_told += told ? 1U : 0U;
+    const bool named = !d.where.empty() && std::find(list.begin(), list.end(), d.where.front().variable) != list.end();
+    tally.variables_named += named ? 1U : 0U;
   }
   if ((one.kind == CaseKind::single || one.kind == CaseKind::pair) && good) {
     const ParameterCount parameters = count_parameters(one, d);
-    tally.parameters += parameters.told;
+    tally.parameters += parameters.counted;
     tally.within += parameters.within;
     if (one.truth.true_model_rms_um > 0.0) {
       ++tally.added;
@@ -48,7 +49,7 @@ bool count(const Case& one, const Answer& answer, Tally& tally) {
   return good;
 }
 
-std::string told(const std::string& where, const Case& one, const Answer& answer) {
+std::string report_line(const std::string& where, const Case& one, const Answer& answer) {
   const model::Diagnosis& d = answer.diagnosis;
   std::string text = fmt::format("  {} n {} truth {}", where, one.data.readings.size(), one.name);
   for (const HiddenEffect& effect : one.truth.effects)
@@ -79,7 +80,7 @@ void print(const std::string& name, const Tally& tally, bool rival) {
   if (rival) fmt::print("   stepwise BIC −6: {}", rate(tally.rival_hits, tally.cases));
   fmt::print("\n");
   if (tally.variables > 0)
-    fmt::print("    strongest dependence is a right one: {}\n", rate(tally.variables_told, tally.variables));
+    fmt::print("    strongest dependence is a right one: {}\n", rate(tally.variables_named, tally.variables));
   if (tally.added > 0)
     fmt::print("    rms after adding at most 1.05 of the true model's: {}\n", rate(tally.added_well, tally.added));
   if (tally.parameters > 0)

@@ -13,7 +13,7 @@ namespace ecs::bench {
 /// Rates of one kind of case.
 struct Tally {
   unsigned cases = 0, hits = 0, rival_hits = 0;
-  unsigned variables = 0, variables_told = 0;  ///< of structure outside the library
+  unsigned variables = 0, variables_named = 0;  ///< of structure outside the library
   unsigned parameters = 0, within = 0;
   unsigned added = 0, added_well = 0;
   std::map<std::string, std::pair<unsigned, unsigned>> by_effect;  ///< hits, cases
@@ -36,7 +36,7 @@ struct Answer {
 bool count(const Case& one, const Answer& answer, Tally& tally);
 
 /// One line for people who look at single cases.
-[[nodiscard]] std::string told(const std::string& where, const Case& one, const Answer& answer);
+[[nodiscard]] std::string report_line(const std::string& where, const Case& one, const Answer& answer);
 
 void print(const std::string& name, const Tally& tally, bool rival);
 void print(const Times& times);

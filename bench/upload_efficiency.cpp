@@ -1,4 +1,4 @@
-// How much of a serial line an upload uses: payload ÷ (baud/10 × time), everything included (staging, headers,
+// How much of a serial link an upload uses: payload ÷ (baud/10 × time), everything included (staging, headers,
 // acknowledgements, check, commit), on a pseudo-terminal paced like a wire: 10 bits a byte both ways and the silent
 // gaps. The yardstick is plain function 16 with 123 registers: 255 + 8 bytes and two gaps for 246 bytes of payload.
 #include <atomic>
@@ -69,8 +69,8 @@ bool measure(int baud, std::size_t size) {
   std::atomic<bool> ended{false};
   std::thread unit([&] {
     PlainMemory memory;
-    UnitFace face(memory);
-    while (!ended) server->serve_ready(face, std::chrono::milliseconds(20));
+    RegisterServer registers(memory);
+    while (!ended) server->serve_ready(registers, std::chrono::milliseconds(20));
   });
   std::vector<std::uint8_t> image(size);
   std::mt19937 random(1);

@@ -34,7 +34,7 @@ inline constexpr double kFastestApproach = 1.5;
 /// No marker, or no end of the switch, within this travel fails the routine (several turns of any ordinary screw).
 inline constexpr double kMarkerSearch_mm = 100.0;
 
-/// One period of the routine. Total: it waits as long as the axis has not reached its switch, or stands; from the
+/// One period of the routine. Total: it waits as long as the axis has not reached its switch, or is at rest; from the
 /// switch on it ends in done or failed within 2 × kMarkerSearch_mm.
 void step_datum(const DatumParameters& parameters, const DatumSignals& signals, DatumState& state) noexcept;
 

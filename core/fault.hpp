@@ -41,7 +41,7 @@ struct FaultText {
 [[nodiscard]] FaultText text_of(Fault fault) noexcept;
 [[nodiscard]] std::string_view name_of(UnitMode mode) noexcept;
 
-/// Where the datum routine of one axis stands.
+/// Stage of the datum routine of one axis.
 enum class DatumStage : std::uint16_t {
   waiting = 0,         ///< the axis has not moved
   seeking_switch = 1,  ///< moving towards the reference switch
@@ -59,7 +59,7 @@ enum class DatumFailure : std::uint16_t {
   wrong_final_state = 4,    ///< the marker came while the switch was not in its final state
   no_reversal = 5,          ///< the axis was expected to turn back off the switch and did not
   no_marker = 6,            ///< no marker within the distance that one revolution allows
-  stopped_early = 7,        ///< the axis came to its switch and stands on it, where it should go on
+  stopped_early = 7,        ///< the axis stopped on its switch where it should go on
 };
 inline constexpr std::uint16_t kDatumFailureCount = 8;
 [[nodiscard]] std::string_view name_of(DatumStage stage) noexcept;

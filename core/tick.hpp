@@ -31,7 +31,7 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
            const PerAxis<Approach>& approach) noexcept;
 
 /// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
-/// The transducers see what the unit adds: an axis that stands while another moves drifts by its own compensation. The
+/// The transducers see what the unit adds: an axis at rest while another moves drifts by its own compensation. The
 /// approach is therefore sensed on the position less the motion that the output has brought about, which follows the
 /// output as the CNC's position loop does (first order, gain Kv); else a standing axis would seem to turn.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;

@@ -165,8 +165,8 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
     return info_of(e.id).of_approach || e.approach != ApproachMode::both;
   });
-  std::vector<MeasuredLine> lines = measured_lines(data, times);
-  const auto concerns = [&](const MeasuredLine& line) {
+  std::vector<PresentLine> lines = present_lines(data, times);
+  const auto concerns = [&](const PresentLine& line) {
     return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
       return (!e.sense || *e.sense == line.sense) && (!e.axis || *e.axis == line.axis || !e.sense);
     });
@@ -174,7 +174,7 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   std::stable_partition(lines.begin(), lines.end(), concerns);
   if (lines.size() > kMostLines) lines.resize(kMostLines);
   std::vector<MeasurementProposal> options;
-  for (const MeasuredLine& line : lines)
+  for (const PresentLine& line : lines)
     for (MeasurementProposal& option : measuring_options(data, line, times, of_approach, on_the_fly))
       options.push_back(std::move(option));
   return options;
@@ -252,7 +252,7 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
 
 /// The line as it is measured now, once more: whether what is left comes back.
 void take_repetition(NextMeasurement& next, const Setting& in) {
-  std::vector<MeasuredLine> lines = measured_lines(in.data, in.times);
+  std::vector<PresentLine> lines = present_lines(in.data, in.times);
   if (lines.empty()) return;
   MeasurementProposal again = lines.front().now;
   constexpr int kTwice = 2;

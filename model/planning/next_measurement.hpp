@@ -69,7 +69,7 @@ struct MeasuringTimes {
 
 /// Proposals, best separation per minute first; empty where nothing separates (said in `notes`, with the reason).
 struct NextMeasurement {
-  std::vector<std::string> rivals;  ///< what is to be told apart
+  std::vector<std::string> rivals;  ///< what is to be distinguished
   std::vector<MeasurementProposal> proposals;
   std::vector<std::string> notes;
 };

@@ -69,7 +69,7 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t most)
   return kept;
 }
 
-/// Inside the range, with room for the overrun at both ends; no two closer than a micrometre.
+/// Inside the range, the overrun left free at both ends; no two closer than a micrometre.
 std::vector<double> with_room(std::vector<double> targets, const Range& range, double overrun_mm) {
   const double least = range[0] + overrun_mm, greatest = range[1] - overrun_mm;
   if (least > greatest) return {};
@@ -111,15 +111,15 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   return now;
 }
 
-/// How far all these sensors may be moved, up first; 0 where the sensible range has no room.
+/// How far all these sensors may be moved, up first; 0 where the sensible range allows none.
 double temperature_change(const MeasurementProposal& now, const std::vector<std::string>& sensors, double sign,
                           const MeasuringTimes& times) {
-  double room = kWarmer_degC;
+  double margin = kWarmer_degC;
   for (const std::string& sensor : sensors) {
     const double degC = now.temperatures_degC.at(sensor);
-    room = std::min(room, sign > 0.0 ? times.greatest_degC - degC : degC - times.least_degC);
+    margin = std::min(margin, sign > 0.0 ? times.greatest_degC - degC : degC - times.least_degC);
   }
-  return sensors.empty() || room < kLeastWarmer_degC ? 0.0 : sign * room;
+  return sensors.empty() || margin < kLeastWarmer_degC ? 0.0 : sign * margin;
 }
 
 /// The conditions of a line, each as a changed copy of how it is measured now.
@@ -289,30 +289,30 @@ Range range_of(const Observations& data, Axis axis) {
   return range;
 }
 
-std::vector<MeasuredLine> measured_lines(const Observations& data, const MeasuringTimes& times) {
+std::vector<PresentLine> present_lines(const Observations& data, const MeasuringTimes& times) {
   std::map<std::pair<Axis, Sense>, std::map<Vector3, std::vector<std::size_t>>> places;
   for (std::size_t k = 0; k < data.size(); ++k) {
     Vector3 parked = data.position_mm[k];
     parked[index_of(data.axis[k])] = 0.0;
     places[{data.axis[k], data.sense[k]}][parked].push_back(k);
   }
-  std::vector<MeasuredLine> lines;
+  std::vector<PresentLine> lines;
   for (const auto& [pair, parked] : places) {
     const auto most = std::max_element(parked.begin(), parked.end(),
                                        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     std::vector<std::size_t> all;  // of scattered poses no line has readings enough: their axis and sense count
     for (const auto& each : parked) all.insert(all.end(), each.second.begin(), each.second.end());
     const bool scattered = most->second.size() < kFewTargets && parked.size() > 1;
-    MeasuredLine line{pair.first, pair.second,
-                      as_now(data, pair.first, pair.second, scattered ? all : most->second, times), all.size()};
+    PresentLine line{pair.first, pair.second,
+                     as_now(data, pair.first, pair.second, scattered ? all : most->second, times), all.size()};
     if (!line.now.targets_mm.empty()) lines.push_back(std::move(line));
   }
   std::stable_sort(lines.begin(), lines.end(),
-                   [](const MeasuredLine& a, const MeasuredLine& b) { return a.readings > b.readings; });
+                   [](const PresentLine& a, const PresentLine& b) { return a.readings > b.readings; });
   return lines;
 }
 
-std::vector<MeasurementProposal> measuring_options(const Observations& data, const MeasuredLine& line,
+std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
                                                    const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
   std::vector<MeasurementProposal> options;
   for (const MeasurementProposal& condition : Conditions(data, line.now, times).all())

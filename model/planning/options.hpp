@@ -10,14 +10,14 @@
 namespace ecs::model {
 
 /// One line as it is measured now: the most frequent parked place of an axis moved and a sense read.
-struct MeasuredLine {
+struct PresentLine {
   Axis axis = Axis::X;
   Sense sense = Sense::EX;
   MeasurementProposal now;  ///< the line as it is, one run
   std::size_t readings = 0;
 };
 /// Most readings first.
-[[nodiscard]] std::vector<MeasuredLine> measured_lines(const Observations& data, const MeasuringTimes& times);
+[[nodiscard]] std::vector<PresentLine> present_lines(const Observations& data, const MeasuringTimes& times);
 
 /// The way that an axis may take: its travel, else what was measured.
 [[nodiscard]] Range range_of(const Observations& data, Axis axis);
@@ -25,7 +25,7 @@ struct MeasuredLine {
 /// Runs worth weighing, one run of each: every condition with many and with few targets, both ways and one way.
 /// @param of_approach  causes that depend on the approach are in question: both ways only
 /// @param on_the_fly   readings without a dwell, as a following error needs
-[[nodiscard]] std::vector<MeasurementProposal> measuring_options(const Observations& data, const MeasuredLine& line,
+[[nodiscard]] std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
                                                                  const MeasuringTimes& times, bool of_approach,
                                                                  bool on_the_fly);
 

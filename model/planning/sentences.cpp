@@ -25,7 +25,7 @@ std::string listed(const std::vector<std::string>& parts) {
 std::string what_it_tells(const MeasurementProposal& p, Question question) {
   std::vector<std::string> apart, together;
   for (const PairSeparation& pair : p.pairs) {
-    if (question == Question::separate && pair.truth > pair.rival) continue;  // told once
+    if (question == Question::separate && pair.truth > pair.rival) continue;  // reported once
     double sigma = pair.sigma;
     for (const PairSeparation& back : p.pairs)
       if (back.truth == pair.rival && back.rival == pair.truth) sigma = std::min(sigma, back.sigma);

@@ -37,7 +37,7 @@ struct LinkAddress {
 };
 
 /// `rtu:DEVICE:BAUD[:FORMAT[:UNIT]]` or `tcp:HOST:PORT[:UNIT]`, for example `rtu:/dev/ttyUSB0:115200:8N1:1`. DEVICE may
-/// hold colons; an IPv6 HOST stands in brackets. Anything else is a `usage` problem that says what was expected.
+/// hold colons; an IPv6 HOST is written in brackets. Anything else is a `usage` problem that says what was expected.
 [[nodiscard]] Result<LinkAddress> link_address_of(std::string_view text);
 
 /// The full form, as link_address_of reads it.

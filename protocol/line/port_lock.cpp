@@ -17,7 +17,7 @@ namespace ecs::protocol {
 
 namespace {
 
-/// "pid 1234 (name)" of the process that holds a lock on this file, from /proc/locks; empty if it cannot be told.
+/// "pid 1234 (name)" of the process that holds a lock on this file, from /proc/locks; empty if unknown.
 std::string holder_of(int fd) {
   struct stat file {};
   if (::fstat(fd, &file) != 0) return {};

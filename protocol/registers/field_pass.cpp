@@ -26,11 +26,11 @@ void FieldWriter::axes(const PerAxis<bool>& set) {
 }
 
 void FieldWriter::text(const std::string& value, std::size_t bytes, std::string_view) {
-  std::string room = value.substr(0, cut_length(value, bytes));
-  room.resize(bytes, '\0');
+  std::string field_text = value.substr(0, cut_length(value, bytes));
+  field_text.resize(bytes, '\0');
   for (std::size_t i = 0; i + 1 < bytes; i += 2)
-    out_.push_back(static_cast<std::uint16_t>((static_cast<unsigned char>(room[i]) << 8) |
-                                              static_cast<unsigned char>(room[i + 1])));
+    out_.push_back(static_cast<std::uint16_t>((static_cast<unsigned char>(field_text[i]) << 8) |
+                                              static_cast<unsigned char>(field_text[i + 1])));
 }
 
 std::uint16_t FieldReader::next() {
@@ -78,16 +78,16 @@ void FieldReader::letter(bool& present, Axis axis) {
 }
 
 void FieldReader::text(std::string& value, std::size_t bytes, std::string_view name) {
-  std::string room;
+  std::string field_text;
   for (std::size_t i = 0; i + 1 < bytes; i += 2) {
     const std::uint16_t word = next();
-    room.push_back(static_cast<char>(word >> 8));
-    room.push_back(static_cast<char>(word & 0xFF));
+    field_text.push_back(static_cast<char>(word >> 8));
+    field_text.push_back(static_cast<char>(word & 0xFF));
   }
-  room.erase(std::find(room.begin(), room.end(), '\0'), room.end());
-  if (std::any_of(room.begin(), room.end(), is_control))
+  field_text.erase(std::find(field_text.begin(), field_text.end(), '\0'), field_text.end());
+  if (std::any_of(field_text.begin(), field_text.end(), is_control))
     return fail(fmt::format("{}: expected printable characters", name));
-  value = room;
+  value = field_text;
 }
 
 }  // namespace ecs::protocol

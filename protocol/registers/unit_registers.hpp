@@ -10,7 +10,7 @@
 
 namespace ecs::protocol {
 
-// Answer blocks, the echo first; as many registers as the block of register_map.hpp. Text beyond its room is cut.
+// Answer blocks, the echo first; as many registers as the block of register_map.hpp. Text longer than its field is cut.
 [[nodiscard]] Registers registers_of(const Identity& identity, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const UnitStatus& status, std::uint16_t echo);  ///< without the pointers
 [[nodiscard]] Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo);

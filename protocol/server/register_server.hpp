@@ -28,7 +28,7 @@ class UnitPort {
   /// Called once for each new sequence number; while a command is busy only with `stop`. `check_memory` never comes
   /// here. The answer's `sequence` is filled in by the caller.
   [[nodiscard]] virtual CommandResult begin(const Command& command) = 0;
-  /// How the command stands that `begin` left busy.
+  /// State of the command that `begin` left busy.
   [[nodiscard]] virtual CommandResult progress() = 0;
 };
 
