@@ -1,8 +1,12 @@
-// The version of the program.
+// The version of the programs; its number is that of the CMake project, its commit is read when the build is
+// configured.
 #pragma once
 
 namespace ecs {
 
-inline constexpr const char* kVersion = "ecs 0.1.0";
+/// "ecs 0.2.0"
+[[nodiscard]] const char* program_version();
+/// "ecs 0.2.0 (87a4e47)"; "(unknown)" where the sources are no git checkout.
+[[nodiscard]] const char* program_version_and_commit();
 
 }  // namespace ecs

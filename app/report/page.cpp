@@ -96,7 +96,7 @@ std::string report_page(const ReportContent& content, const Judgement& judgement
        map_section(content), parameters_section(content), unit_section(content), sources_section(content)});
   Markup body = head_of(content) + contents_of(sections);
   for (const ReportSection& section : sections) body += laid_out(section);
-  body += element("footer", fmt::format("{} · {} · {}", kVersion, machine_name(content), map_hash(content)));
+  body += element("footer", fmt::format("{} · {} · {}", program_version(), machine_name(content), map_hash(content)));
   const std::string title = fmt::format("Commissioning report: {}", machine_name(content));
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

@@ -16,7 +16,7 @@ namespace {
 
 // --- parameters
 
-/// Four decimals at most; very small and very large numbers as they stand.
+/// Four decimals at most; very small and very large numbers unchanged.
 std::string shown_value(const params::Field& field, const UnitParameters& parameters) {
   const std::string value = params::text_of(field, parameters);
   const auto number = params::number_of(field, parameters);
@@ -148,7 +148,7 @@ Markup declared_zeros(const laser::MapHeader& header) {
 
 Markup against_map(const ReportedMap& map, bool judged) {
   Markup out;
-  if (!map.objections.empty()) out += element("h3", "What stands against sending it") + list_of(map.objections);
+  if (!map.objections.empty()) out += element("h3", "Objections to sending it") + list_of(map.objections);
   if (!map.remarks.empty()) out += element("h3", "Worth knowing") + list_of(map.remarks);
   if (!judged) out += absence("No parameters were given: whether the map is complete for the unit was not judged.");
   return out;
@@ -207,9 +207,9 @@ ReportSection sources_section(const ReportContent& content) {
   TableMarkup table({{"role"}, {"file"}, {"SHA-256"}}, "sources");
   for (const ReportedFile& file : content.files)
     table.row({text(file.role), text(file.name), element("code", file.sha256)});
-  Markup body =
-      paragraph_of(fmt::format("Written by {} from these files, as they were then.", kVersion), "class=\"intro\"") +
-      table.markup();
+  Markup body = paragraph_of(fmt::format("Written by {} from these files, as they were then.", program_version()),
+                             "class=\"intro\"") +
+                table.markup();
   return {"sources", "Files", std::move(body)};
 }
 
