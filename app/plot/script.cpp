@@ -1,6 +1,5 @@
 // A figure as commands for gnuplot. Does not live here: running gnuplot (gnuplot.cpp).
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,31 +9,10 @@
 namespace ecs::app {
 namespace {
 
-struct Range {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
-  void take(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
-  }
-  [[nodiscard]] std::string padded(double share) const {
-    if (least > most) return "[-1:1]";
-    const double pad = most > least ? share * (most - least) : 1.0;
-    return fmt::format("[{:.9g}:{:.9g}]", least - pad, most + pad);
-  }
-};
-
-struct Ranges {
-  Range x;
-  Range y;
-  void take(const PlotPanel& panel) {
-    for (const PlotSeries& series : panel.series)
-      for (const PlotPoint& point : series.points) {
-        x.take(point.x);
-        y.take(point.y);
-      }
-  }
-};
+std::string range_text(PlotRange range, double padding) {
+  range.pad(padding);
+  return fmt::format("[{:.9g}:{:.9g}]", range.from, range.to);
+}
 
 /// As gnuplot takes a text that means only itself: in single quotes, on one line.
 std::string literal(std::string_view text) {
@@ -48,7 +26,7 @@ std::string literal(std::string_view text) {
 
 bool is_line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
 
-/// So many points apart stand the marks on a line, that they do not hide it.
+/// Points from one mark on a line to the next: dense marks would hide it.
 std::size_t mark_spacing(std::size_t points) { return 1 + points / 60; }
 
 std::string_view style_of(Mark mark) {
@@ -67,6 +45,8 @@ std::string_view style_of(Mark mark) {
       return "boxes fc rgb '#b8cfe6' fs solid 1.0 border rgb '#0050a0'";
     case Mark::level:
       return "lines lw 2.5 dt (12,6) lc rgb '#c04000'";
+    case Mark::spread:
+      return "lines lw 3 dt 1 lc rgb '#c8c8c8'";
     case Mark::reading:
       break;
   }
@@ -78,8 +58,11 @@ std::string data_blocks(const PlotFigure& figure) {
   for (std::size_t p = 0; p < figure.panels.size(); ++p)
     for (std::size_t s = 0; s < figure.panels[p].series.size(); ++s) {
       out += fmt::format("$data_{}_{} << END_OF_DATA\n", p, s);
-      for (const PlotPoint& point : figure.panels[p].series[s].points)
-        out += fmt::format("{:.9g} {:.9g}\n", point.x, point.y);
+      const PlotSeries& series = figure.panels[p].series[s];
+      for (std::size_t k = 0; k < series.points.size(); ++k) {
+        if (series.mark == Mark::spread && k > 0 && k % 2 == 0) out += '\n';  // ends a stroke
+        out += fmt::format("{:.9g} {:.9g}\n", series.points[k].x, series.points[k].y);
+      }
       out += "END_OF_DATA\n";
     }
   return out;
@@ -98,7 +81,7 @@ std::string plot_command(const PlotPanel& panel, std::size_t place) {
 }
 
 /// Words in place of the numbers of the abscissa, bars that start at zero; undone for the next panel.
-std::string x_names_commands(const PlotPanel& panel, const Ranges& ranges) {
+std::string x_names_commands(const PlotPanel& panel, const PlotRanges& ranges) {
   if (panel.x_names.empty()) return "set xtics auto\nset mxtics\n";
   constexpr std::size_t kLettersAcross = 110;
   std::vector<std::string> names;
@@ -110,13 +93,13 @@ std::string x_names_commands(const PlotPanel& panel, const Ranges& ranges) {
   const bool crowded = longest * names.size() > kLettersAcross;
   return fmt::format("set xtics {}({})\nunset mxtics\nset boxwidth 0.6\nset xrange [-0.7:{}]\nset yrange [0:{:.9g}]\n",
                      crowded ? "rotate by 20 right " : "", fmt::join(names, ", "),
-                     static_cast<double>(names.size()) - 0.3, ranges.y.most > 0.0 ? 1.1 * ranges.y.most : 1.0);
+                     static_cast<double>(names.size()) - 0.3, ranges.y.to > 0.0 ? 1.1 * ranges.y.to : 1.0);
 }
 
-std::string panel_commands(const PlotPanel& panel, std::size_t place, const Ranges& ranges) {
+std::string panel_commands(const PlotPanel& panel, std::size_t place, const PlotRanges& ranges) {
   return fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nset xrange {}\nset yrange {}\n{}{}",
-                     literal(panel.title), literal(panel.x_label), literal(panel.y_label), ranges.x.padded(0.02),
-                     ranges.y.padded(0.06), x_names_commands(panel, ranges), plot_command(panel, place));
+                     literal(panel.title), literal(panel.x_label), literal(panel.y_label), range_text(ranges.x, 0.02),
+                     range_text(ranges.y, 0.06), x_names_commands(panel, ranges), plot_command(panel, place));
 }
 
 std::string terminal_commands(PlotFormat format, int columns, int rows) {
@@ -133,8 +116,8 @@ std::string terminal_commands(PlotFormat format, int columns, int rows) {
 std::string plot_script(const PlotFigure& figure, PlotFormat format) {
   const int columns = std::max(1, figure.columns);
   const int rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
-  Ranges common;
-  for (const PlotPanel& panel : figure.panels) common.take(panel);
+  PlotRanges common;
+  common.take(figure);
   std::string script = "set encoding utf8\n" + terminal_commands(format, columns, std::max(1, rows));
   script += data_blocks(figure);
   script +=
@@ -144,7 +127,7 @@ std::string plot_script(const PlotFigure& figure, PlotFormat format) {
   script +=
       fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    Ranges own;
+    PlotRanges own;
     own.take(figure.panels[i]);
     script += panel_commands(figure.panels[i], i, figure.same_scale ? common : own);
   }

@@ -144,9 +144,9 @@ Markup details(const ReportedDiagnosis& d) {
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
     if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
     if (!effect.because.empty()) body += paragraph_of(unit_text(effect.because));
-    body +=
-        paragraph_of(effect.rivals.empty() ? "No other effect of the library does the same on these data."
-                                           : fmt::format("Cannot be told from: {}.", fmt::join(effect.rivals, ", ")));
+    body += paragraph_of(effect.rivals.empty()
+                             ? "No other effect of the library does the same on these data."
+                             : fmt::format("Cannot be distinguished from: {}.", fmt::join(effect.rivals, ", ")));
     if (!effect.next_measurement.empty()) body += paragraph_of("To be sure: " + effect.next_measurement);
     out += element("article", body);
   }
@@ -205,7 +205,7 @@ Markup effects_table(const ReportedModel& model) {
   return table.markup();
 }
 
-/// As long as the room beside the bars; characters stay whole.
+/// Cut to the space beside the bars; characters stay whole.
 std::string cut(const std::string& name) {
   constexpr std::size_t kRoom = 34;
   if (name.size() <= kRoom) return name;
@@ -215,10 +215,9 @@ std::string cut(const std::string& name) {
 }
 
 Markup ladder(const std::vector<model::LadderStep>& history) {
-  SvgBars bars{"rms of what is left after each effect",
-               {},
-               history.back().noise_um,
-               fmt::format("noise {}", um(history.back().noise_um))};
+  PlotPanel panel{"", "", "rms [µm]", {}};
+  PlotSeries bars{"rms", Mark::bar, {}};
+  PlotSeries noise{fmt::format("noise {}", um(history.back().noise_um)), Mark::level, {}};
   TableMarkup table({{"step"},
                      {"effect added"},
                      {"rms before [µm]", true},
@@ -229,12 +228,17 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
   for (std::size_t i = 0; i < history.size(); ++i) {
     const model::LadderStep& step = history[i];
     const std::string name = step.effect.empty() ? "start" : step.effect;
-    bars.bars.push_back({cut(name), step.rms_um, um(step.rms_um)});
+    panel.x_names.push_back(cut(name));
+    bars.points.push_back({static_cast<double>(i), step.rms_um});
+    bars.labels.push_back(um(step.rms_um));
+    if (history.back().noise_um > 0.0) noise.points.push_back({static_cast<double>(i), history.back().noise_um});
     table.row({text(fmt::format("{}", i)), element("strong", name), cell(step.rms_before_um, 2), cell(step.rms_um, 2),
                cell(step.peak_um, 2), cell(step.noise_um, 2), cell(step.held_out_rms_um, 2)});
   }
+  panel.series = {std::move(bars), std::move(noise)};
+  const PlotFigure figure{"rms of what is left after each effect", {std::move(panel)}, 1, false};
   return element("article", element("h3", "The ladder: error after every effect added") +
-                                element("figure", svg_of(bars)) + table.markup());
+                                element("figure", inline_svg(figure)) + table.markup());
 }
 
 }  // namespace
@@ -252,11 +256,10 @@ ReportSection prediction_section(const ReportContent& content) {
 
 ReportSection effects_section(const ReportContent& content) {
   if (!content.diagnosis && !content.model)
-    return {
-        "effects",
-        "Effects found",
-        {},
-        "no error model and no diagnosis were given: which physical causes stand behind these errors was not asked"};
+    return {"effects",
+            "Effects found",
+            {},
+            "no error model and no diagnosis were given: the physical causes of these errors were not examined"};
   Markup body;
   if (content.diagnosis) body += diagnosis_part(*content.diagnosis);
   if (content.model) {

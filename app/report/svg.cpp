@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -18,26 +17,10 @@ constexpr double kGap = 4.0;
 constexpr double kFoot = 31.0;  ///< numbers and name of the abscissa
 constexpr std::size_t kMarksAcross = 26;
 
-struct Range {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
-  void take(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
-  }
-  void pad(double share) {
-    if (least > most) least = 0.0, most = 0.0;
-    const double by = most > least ? share * (most - least) : 1.0;
-    least -= by;
-    most += by;
-  }
-  [[nodiscard]] double part(double value) const { return (value - least) / (most - least); }
-};
-
 /// From numbers to the places of one panel.
 struct Frame {
-  Range x;
-  Range y;
+  PlotRange x;
+  PlotRange y;
   double top = 0.0;
   [[nodiscard]] double at_x(double value) const { return kLeft + (kWidth - kLeft - kRight) * x.part(value); }
   [[nodiscard]] double at_y(double value) const { return top + kPanel * (1.0 - y.part(value)); }
@@ -50,17 +33,17 @@ std::string line_path(const Frame& frame, const std::vector<PlotPoint>& points) 
   return d;
 }
 
-std::string one_mark(SvgMark mark, double x, double y) {
-  if (mark == SvgMark::forward) return fmt::format("M{:.1f} {:.1f}l3.4 5.9h-6.8z", x, y - 3.9);
-  if (mark == SvgMark::reverse) return fmt::format("M{:.1f} {:.1f}l3.4-5.9h-6.8z", x, y + 3.9);
+std::string one_mark(Mark mark, double x, double y) {
+  if (mark == Mark::forward) return fmt::format("M{:.1f} {:.1f}l3.4 5.9h-6.8z", x, y - 3.9);
+  if (mark == Mark::reverse) return fmt::format("M{:.1f} {:.1f}l3.4-5.9h-6.8z", x, y + 3.9);
   return fmt::format("M{:.1f} {:.1f}a2 2 0 1 0 4 0a2 2 0 1 0-4 0z", x - 2.0, y);
 }
 
-/// Marks so far apart that they do not hide the line; those of reverse stand between those of forward.
-std::string mark_path(const Frame& frame, const SvgSeries& series) {
+/// Marks so far apart that they do not hide the line; those of reverse lie between those of forward.
+std::string mark_path(const Frame& frame, const PlotSeries& series) {
   const std::size_t step = 1 + series.points.size() / kMarksAcross;
   std::string d;
-  for (std::size_t i = series.mark == SvgMark::reverse ? step / 2 : 0; i < series.points.size(); i += step)
+  for (std::size_t i = series.mark == Mark::reverse ? step / 2 : 0; i < series.points.size(); i += step)
     d += one_mark(series.mark, frame.at_x(series.points[i].x), frame.at_y(series.points[i].y));
   return d;
 }
@@ -73,14 +56,14 @@ std::string spread_path(const Frame& frame, const std::vector<PlotPoint>& points
   return d;
 }
 
-std::string_view style_of(SvgMark mark) {
-  if (mark == SvgMark::forward) return "fwd";
-  return mark == SvgMark::reverse ? "rev" : "bid";
+std::string_view style_of(Mark mark) {
+  if (mark == Mark::forward) return "fwd";
+  return mark == Mark::reverse ? "rev" : "bid";
 }
 
-std::string series_svg(const Frame& frame, const SvgSeries& series) {
+std::string series_svg(const Frame& frame, const PlotSeries& series) {
   if (series.points.empty()) return {};
-  if (series.mark == SvgMark::spread)
+  if (series.mark == Mark::spread)
     return fmt::format("<path class=\"spread\" d=\"{}\"/>\n", spread_path(frame, series.points));
   const auto style = style_of(series.mark);
   return fmt::format("<path class=\"line {}\" d=\"{}\"/>\n<path class=\"mark {}\" d=\"{}\"/>\n", style,
@@ -93,12 +76,12 @@ std::string label_svg(double x, double y, std::string_view style, std::string_vi
 
 std::string grid_svg(const Frame& frame, bool numbers_below) {
   std::string d, zero, svg;
-  for (const double tick : round_ticks(frame.y.least, frame.y.most, 4)) {
+  for (const double tick : round_ticks(frame.y.from, frame.y.to, 4)) {
     const double y = frame.at_y(tick);
     (std::abs(tick) < 1e-9 ? zero : d) += fmt::format("M{:.1f} {:.1f}H{:.1f}", kLeft, y, kWidth - kRight);
     svg += label_svg(kLeft - 5.0, y + 3.5, "tick end", plain_number(tick));
   }
-  for (const double tick : round_ticks(frame.x.least, frame.x.most, 9)) {
+  for (const double tick : round_ticks(frame.x.from, frame.x.to, 9)) {
     const double x = frame.at_x(tick);
     d += fmt::format("M{:.1f} {:.1f}v{:.1f}", x, frame.top, kPanel);
     if (numbers_below) svg += label_svg(x, frame.top + kPanel + 13.0, "tick mid", plain_number(tick));
@@ -114,52 +97,99 @@ std::string open_svg(double height, std::string_view label) {
                      text(label).html());
 }
 
-bool has(const SvgCurves& figure, SvgMark mark) {
-  for (const SvgPanel& panel : figure.panels)
-    for (const SvgSeries& series : panel.series)
+bool has(const PlotFigure& figure, Mark mark) {
+  for (const PlotPanel& panel : figure.panels)
+    for (const PlotSeries& series : panel.series)
       if (series.mark == mark && !series.points.empty()) return true;
   return false;
 }
 
 /// At the right end of the first line.
-std::string key_svg(const SvgCurves& figure) {
+std::string key_svg(const PlotFigure& figure) {
   struct Entry {
-    SvgMark mark;
+    Mark mark;
     std::string_view words;
     double width;
   };
-  constexpr Entry kEntries[] = {{SvgMark::spread, "all readings", 86.0},
-                                {SvgMark::both, "mean", 64.0},
-                                {SvgMark::reverse, "reverse, mean", 106.0},
-                                {SvgMark::forward, "forward, mean", 106.0}};
+  constexpr Entry kEntries[] = {{Mark::spread, "all readings", 86.0},
+                                {Mark::both, "mean", 64.0},
+                                {Mark::reverse, "reverse, mean", 106.0},
+                                {Mark::forward, "forward, mean", 106.0}};
   std::string svg;
   double x = kWidth - kRight;
   for (const Entry& entry : kEntries) {
     if (!has(figure, entry.mark)) continue;
     x -= entry.width;
-    if (entry.mark == SvgMark::spread) {
+    if (entry.mark == Mark::spread) {
       svg += fmt::format("<path class=\"spread\" d=\"M{0:.1f} 2v10M{1:.1f} 4v8M{2:.1f} 3v7\"/>\n", x + 6.0, x + 11.0,
                          x + 16.0);
     } else {
       svg += fmt::format("<path class=\"line {}\" d=\"M{:.1f} 7h26\"/><path class=\"mark {}\" d=\"{}\"/>\n",
                          style_of(entry.mark), x, style_of(entry.mark), one_mark(entry.mark, x + 13.0, 7.0));
     }
-    svg += label_svg(x + (entry.mark == SvgMark::spread ? 21.0 : 30.0), 10.5, "tick", entry.words);
+    svg += label_svg(x + (entry.mark == Mark::spread ? 21.0 : 30.0), 10.5, "tick", entry.words);
   }
   return svg;
 }
 
-Frame common_frame(const SvgCurves& figure) {
-  Frame frame;
-  for (const SvgPanel& panel : figure.panels)
-    for (const SvgSeries& series : panel.series)
-      for (const PlotPoint& point : series.points) {
-        frame.x.take(point.x);
-        frame.y.take(point.y);
-      }
+Frame common_frame(const PlotFigure& figure) {
+  PlotRanges ranges;
+  ranges.take(figure);
+  Frame frame{ranges.x, ranges.y};
   frame.x.pad(0.012);
   frame.y.pad(0.06);
   return frame;
+}
+
+std::string curves_svg(const PlotFigure& figure) {
+  Frame frame = common_frame(figure);
+  const auto panels = static_cast<double>(figure.panels.size());
+  const double height = panels * (kPanelTitleHeight + kPanel + kGap) - kGap + kFoot;
+  std::string svg = open_svg(height, figure.title) + key_svg(figure);
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const double top = static_cast<double>(i) * (kPanelTitleHeight + kPanel + kGap);
+    frame.top = top + kPanelTitleHeight;
+    svg += label_svg(kLeft, top + 11.0, "name", figure.panels[i].title);
+    svg += grid_svg(frame, i + 1 == figure.panels.size());
+    for (const PlotSeries& series : figure.panels[i].series) svg += series_svg(frame, series);
+  }
+  if (figure.panels.empty()) return svg;
+  svg += label_svg(kLeft + (kWidth - kLeft - kRight) / 2.0, height - 3.0, "tick mid", figure.panels.back().x_label);
+  const double middle = (height - kFoot) / 2.0 + kPanelTitleHeight / 2.0;
+  return svg + fmt::format("<text transform=\"translate(11 {:.1f}) rotate(-90)\" class=\"tick mid\">{}</text>\n",
+                           middle, text(figure.panels.back().y_label).html());
+}
+
+constexpr double kBarRow = 19.0, kBarNames = 190.0, kBarValues = 86.0;
+
+std::string one_bar(std::size_t row, double width, const std::string& name, const std::string& label) {
+  const double y = kBarRow * static_cast<double>(row) + 2.0;
+  return label_svg(kBarNames - 6.0, y + 11.5, "tick end", name) +
+         fmt::format("<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", kBarNames,
+                     y, std::max(0.5, width), kBarRow - 4.0) +
+         label_svg(kBarNames + width + 5.0, y + 11.5, "tick", label);
+}
+
+std::string level_svg(double x, double height, const std::string& name) {
+  return fmt::format("<path class=\"level\" d=\"M{:.1f} 0V{:.1f}\"/>\n", x, height - 14.0) +
+         label_svg(x + 4.0, height - 4.0, "tick", name);
+}
+
+std::string bars_svg(const PlotFigure& figure) {
+  const PlotPanel& panel = figure.panels.front();
+  PlotRanges ranges;
+  ranges.take(panel);
+  const double scale = ranges.y.to > 0.0 ? (kWidth - kBarNames - kBarValues) / ranges.y.to : 0.0;
+  const bool has_level = has(figure, Mark::level);
+  const double height = kBarRow * static_cast<double>(panel.x_names.size()) + (has_level ? 20.0 : 4.0);
+  std::string svg = open_svg(height, figure.title);
+  for (const PlotSeries& series : panel.series) {
+    for (std::size_t i = 0; series.mark == Mark::bar && i < series.points.size(); ++i)
+      svg += one_bar(i, scale * series.points[i].y, panel.x_names[i], i < series.labels.size() ? series.labels[i] : "");
+    if (series.mark == Mark::level && !series.points.empty())
+      svg += level_svg(kBarNames + scale * series.points.front().y, height, series.name);
+  }
+  return svg;
 }
 
 }  // namespace
@@ -180,46 +210,9 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
   return ticks;
 }
 
-Markup svg_of(const SvgCurves& figure) {
-  Frame frame = common_frame(figure);
-  const auto panels = static_cast<double>(figure.panels.size());
-  const double height = panels * (kPanelTitleHeight + kPanel + kGap) - kGap + kFoot;
-  std::string svg = open_svg(height, figure.label) + key_svg(figure);
-  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const double top = static_cast<double>(i) * (kPanelTitleHeight + kPanel + kGap);
-    frame.top = top + kPanelTitleHeight;
-    svg += label_svg(kLeft, top + 11.0, "name", figure.panels[i].title);
-    svg += grid_svg(frame, i + 1 == figure.panels.size());
-    for (const SvgSeries& series : figure.panels[i].series) svg += series_svg(frame, series);
-  }
-  svg += label_svg(kLeft + (kWidth - kLeft - kRight) / 2.0, height - 3.0, "tick mid", figure.x_label);
-  const double middle = (height - kFoot) / 2.0 + kPanelTitleHeight / 2.0;
-  svg += fmt::format("<text transform=\"translate(11 {:.1f}) rotate(-90)\" class=\"tick mid\">{}</text>\n", middle,
-                     text(figure.y_label).html());
-  return Markup::literal(svg + "</svg>\n");
-}
-
-Markup svg_of(const SvgBars& figure) {
-  constexpr double kRow = 19.0, kNames = 190.0, kValues = 86.0;
-  double most = figure.level;
-  for (const SvgBar& bar : figure.bars) most = std::max(most, bar.value);
-  const double scale = most > 0.0 ? (kWidth - kNames - kValues) / most : 0.0;
-  const double height = kRow * static_cast<double>(figure.bars.size()) + (figure.level > 0.0 ? 20.0 : 4.0);
-  std::string svg = open_svg(height, figure.label);
-  for (std::size_t i = 0; i < figure.bars.size(); ++i) {
-    const SvgBar& bar = figure.bars[i];
-    const double y = kRow * static_cast<double>(i) + 2.0;
-    svg += label_svg(kNames - 6.0, y + 11.5, "tick end", bar.name);
-    svg += fmt::format("<rect class=\"bar\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", kNames,
-                       y, std::max(0.5, scale * bar.value), kRow - 4.0);
-    svg += label_svg(kNames + scale * bar.value + 5.0, y + 11.5, "tick", bar.value_text);
-  }
-  if (figure.level > 0.0) {
-    const double x = kNames + scale * figure.level;
-    svg += fmt::format("<path class=\"level\" d=\"M{:.1f} 0V{:.1f}\"/>\n", x, height - 14.0);
-    svg += label_svg(x + 4.0, height - 4.0, "tick", figure.level_name);
-  }
-  return Markup::literal(svg + "</svg>\n");
+Markup inline_svg(const PlotFigure& figure) {
+  const bool bars = !figure.panels.empty() && !figure.panels.front().x_names.empty();
+  return Markup::literal((bars ? bars_svg(figure) : curves_svg(figure)) + "</svg>\n");
 }
 
 }  // namespace ecs::app

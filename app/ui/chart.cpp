@@ -13,22 +13,21 @@
 namespace ecs::app {
 namespace {
 
-Range x_range(const PlotPanel& panel) {
-  Range range;
-  for (const PlotSeries& series : panel.series)
-    for (const PlotPoint& p : series.points) range.take(p.x);
-  return range;
+PlotRange x_range(const PlotPanel& panel) {
+  PlotRanges ranges;
+  ranges.take(panel);
+  return ranges.x;
 }
 
-Range seen_x(const PlotPanel& panel, const ChartView& view) {
-  Range range = x_range(panel);
+PlotRange seen_x(const PlotPanel& panel, const ChartView& view) {
+  PlotRange range = x_range(panel);
   if (view.x_from) range.from = *view.x_from;
   if (view.x_to) range.to = *view.x_to;
   return range;
 }
 
-Range seen_y(const PlotPanel& panel, const ChartView& view, const Range& x) {
-  Range range;
+PlotRange seen_y(const PlotPanel& panel, const ChartView& view, const PlotRange& x) {
+  PlotRange range;
   for (const PlotSeries& series : panel.series)
     for (const PlotPoint& p : series.points)
       if (p.x >= x.from && p.x <= x.to) range.take(p.y);
@@ -37,7 +36,7 @@ Range seen_y(const PlotPanel& panel, const ChartView& view, const Range& x) {
   return range;
 }
 
-void widen(Range& range, double share) {
+void widen(PlotRange& range, double share) {
   if (range.empty()) range = {0.0, 1.0};
   const double pad = range.width() > 0.0 ? share * range.width() : std::max(1.0, std::abs(range.from) * 0.1);
   range.from -= pad;
@@ -106,7 +105,7 @@ class Dots {
 
 /// From numbers to dots of the plot area.
 struct Scale {
-  Range x, y;
+  PlotRange x, y;
   double width = 1.0, height = 1.0;
   [[nodiscard]] double across(double value) const { return (value - x.from) / x.width() * (width - 1.0); }
   [[nodiscard]] double down(double value) const { return (y.to - value) / y.width() * (height - 1.0); }
@@ -129,6 +128,13 @@ void draw_line(const PlotSeries& series, const Scale& scale, Dots& dots) {
     const PlotPoint &a = series.points[k - 1], &b = series.points[k];
     if (std::max(a.x, b.x) < scale.x.from || std::min(a.x, b.x) > scale.x.to) continue;
     dots.line(scale.across(a.x), scale.down(a.y), scale.across(b.x), scale.down(b.y), tone, reverse(series.mark));
+  }
+}
+
+void draw_spread(const PlotSeries& series, const Scale& scale, Dots& dots) {
+  for (std::size_t k = 1; k < series.points.size(); k += 2) {
+    const PlotPoint &a = series.points[k - 1], &b = series.points[k];
+    dots.line(scale.across(a.x), scale.down(a.y), scale.across(b.x), scale.down(b.y), Tone::faint, false);
   }
 }
 
@@ -253,12 +259,13 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
     for (int r = 0; r < plot.rows; ++r) canvas.put(plot.row + r, plot.column + c, U'│', Tone::strong);
   }
   for (const PlotSeries& series : panel.series) {
-    if (as_dots(series, plot.columns)) draw_dots(series, scale, dots);
+    if (series.mark != Mark::spread && as_dots(series, plot.columns)) draw_dots(series, scale, dots);
     if (line(series.mark)) draw_line(series, scale, dots);
+    if (series.mark == Mark::spread) draw_spread(series, scale, dots);
   }
   dots.draw(canvas);
   for (const PlotSeries& series : panel.series)
-    if (!as_dots(series, plot.columns)) draw_signs(canvas, plot, series, scale);
+    if (series.mark != Mark::spread && !as_dots(series, plot.columns)) draw_signs(canvas, plot, series, scale);
   draw_y_axis(canvas, {area.row + 1, area.column, plot.rows, kYAxisColumns}, scale, plot.rows);
   const Area below = area.below(1 + plot.rows);
   draw_x_axis(canvas, {below.row, plot.column, 2, plot.columns}, scale);
@@ -287,8 +294,8 @@ std::string read_out(const PlotPanel& panel, double x) {
 }
 
 ChartView zoomed(const PlotPanel& panel, const ChartView& view, double factor) {
-  const Range all = x_range(panel);
-  Range seen = seen_x(panel, view);
+  const PlotRange all = x_range(panel);
+  PlotRange seen = seen_x(panel, view);
   if (all.empty() || all.width() <= 0.0) return view;
   const double centre = view.cursor_x.value_or(0.5 * (seen.from + seen.to));
   const double width = std::min(all.width(), seen.width() * factor);
@@ -319,7 +326,7 @@ ChartView stepped(const PlotPanel& panel, const ChartView& view, int direction) 
     const auto at = places.lower_bound(*view.cursor_x);
     next.cursor_x = at == places.begin() ? *places.begin() : *std::prev(at);
   }
-  const Range seen = seen_x(panel, view);
+  const PlotRange seen = seen_x(panel, view);
   if (view.x_from && (*next.cursor_x < seen.from || *next.cursor_x > seen.to)) return zoomed(panel, next, 1.0);
   return next;
 }

@@ -24,15 +24,6 @@ PlotSeries readings_of(const laser::MeasurementSet& set, const laser::Curve& cur
   return series;
 }
 
-PlotSeries means_of(const laser::Curve& curve, bool forward) {
-  PlotSeries series{forward ? "forward, mean" : "reverse, mean", forward ? Mark::forward : Mark::reverse, {}};
-  if (!curve.approach_known) series = {"mean", Mark::both, {}};
-  for (const laser::CurvePoint& point : curve.points)
-    if (const auto& value = forward ? point.forward : point.reverse)
-      series.points.push_back({point.position_mm, *value});
-  return series;
-}
-
 void add_unless_empty(PlotPanel& panel, PlotSeries series) {
   if (!series.points.empty()) panel.series.push_back(std::move(series));
 }
@@ -63,13 +54,40 @@ PlotPanel panel_for(Component component) {
 
 }  // namespace
 
+PlotSeries mean_series(const laser::Curve& curve, Approach approach) {
+  const bool forward = approach != Approach::reverse;
+  PlotSeries series{forward ? "forward, mean" : "reverse, mean", forward ? Mark::forward : Mark::reverse, {}};
+  if (!curve.approach_known) series = {"mean", Mark::both, {}};
+  for (const laser::CurvePoint& point : curve.points)
+    if (const auto& value = forward ? point.forward : point.reverse)
+      series.points.push_back({point.position_mm, *value});
+  return series;
+}
+
+PlotSeries spread_series(const laser::MeasurementSet& set) {
+  PlotSeries series{"all readings", Mark::spread, {}};
+  const auto groups = laser::groups_of(set);
+  if (groups.empty()) return series;
+  for (const auto& target : laser::targets_of(set, groups.front(), laser::target_tolerance_mm(set, groups.front()))) {
+    PlotRange range;
+    for (const auto* readings : {&target.forward, &target.reverse})
+      for (const double reading : *readings) range.take(reading);
+    if (range.empty())
+      for (const double reading : target.undirected) range.take(reading);
+    if (range.empty()) continue;
+    series.points.push_back({target.position_mm, range.from});
+    series.points.push_back({target.position_mm, range.to});
+  }
+  return series;
+}
+
 PlotPanel panel_of(const laser::MeasurementSet& set, const laser::Curve& curve, const std::string& title) {
   PlotPanel panel{title, x_label_of(curve.axis), fmt::format("error [{}]", plot_unit_of(curve.sense)), {}};
   const auto approaches =
       curve.approach_known ? std::vector{Approach::forward, Approach::reverse} : std::vector{Approach::unknown};
   for (const Approach approach : approaches) add_unless_empty(panel, readings_of(set, curve, approach));
-  add_unless_empty(panel, means_of(curve, true));
-  if (curve.approach_known) add_unless_empty(panel, means_of(curve, false));
+  add_unless_empty(panel, mean_series(curve, Approach::forward));
+  if (curve.approach_known) add_unless_empty(panel, mean_series(curve, Approach::reverse));
   return panel;
 }
 

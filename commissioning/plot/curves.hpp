@@ -12,6 +12,12 @@
 
 namespace ecs::app {
 
+/// The means of one approach as a line; of both where the curve knows no approach.
+[[nodiscard]] PlotSeries mean_series(const laser::Curve& curve, Approach approach);
+
+/// From the least to the greatest reading at each target of the first line in the set.
+[[nodiscard]] PlotSeries spread_series(const laser::MeasurementSet& set);
+
 /// Means of the curve as lines, the readings of its group in `set` as thin points behind them.
 [[nodiscard]] PlotPanel panel_of(const laser::MeasurementSet& set, const laser::Curve& curve, const std::string& title);
 

@@ -1,7 +1,10 @@
-// A figure as data: panels with series of points and what each series stands for.
-// Does not live here: drawing it (gnuplot.hpp), what is shown (curves.hpp).
+// A figure as data: panels with series of points and what each series shows. gnuplot (gnuplot.hpp), the report's inline
+// SVG (app/report/svg.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
+// Does not live here: figures of measurements and maps (curves.hpp).
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,7 @@ enum class Mark {
   forward_reading,  ///< small open triangles upward, no line
   reverse_reading,  ///< small open triangles downward, no line
   reading,          ///< small open circles, no line
+  spread,           ///< points in pairs of equal x: a grey bar from the lower to the upper
   bar,              ///< a filled bar from zero
   level,            ///< a thick dashed line without marks, such as a limit
 };
@@ -27,7 +31,8 @@ struct PlotPoint {
 struct PlotSeries {
   std::string name;  ///< in the key
   Mark mark = Mark::both;
-  std::vector<PlotPoint> points;  ///< finite
+  std::vector<PlotPoint> points;      ///< finite
+  std::vector<std::string> labels{};  ///< beside the bars of a report; empty: none
 };
 
 struct PlotPanel {
@@ -43,6 +48,44 @@ struct PlotFigure {
   std::vector<PlotPanel> panels;  ///< row by row
   int columns = 1;
   bool same_scale = true;  ///< every panel has the same axes, so that they can be compared by eye
+};
+
+/// The range of numbers that points span along one axis; empty until it takes the first.
+struct PlotRange {
+  double from = std::numeric_limits<double>::infinity();
+  double to = -std::numeric_limits<double>::infinity();
+
+  void take(double value) {
+    from = std::min(from, value);
+    to = std::max(to, value);
+  }
+  /// Wider at both ends by a share of its width; by 1 where all numbers are the same, and [-1, 1] where there are none.
+  void pad(double share) {
+    if (empty()) from = to = 0.0;
+    const double by = to > from ? share * width() : 1.0;
+    from -= by;
+    to += by;
+  }
+  [[nodiscard]] bool empty() const { return from > to; }
+  [[nodiscard]] double width() const { return to - from; }
+  [[nodiscard]] bool has(double value) const { return value >= from && value <= to; }
+  /// Where it lies, 0 … 1.
+  [[nodiscard]] double part(double value) const { return (value - from) / width(); }
+};
+
+struct PlotRanges {
+  PlotRange x;
+  PlotRange y;
+  void take(const PlotPanel& panel) {
+    for (const PlotSeries& series : panel.series)
+      for (const PlotPoint& point : series.points) {
+        x.take(point.x);
+        y.take(point.y);
+      }
+  }
+  void take(const PlotFigure& figure) {
+    for (const PlotPanel& panel : figure.panels) take(panel);
+  }
 };
 
 }  // namespace ecs::app

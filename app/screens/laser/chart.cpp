@@ -16,8 +16,8 @@ constexpr double kReach = 1.0;
 constexpr std::size_t kMostToldOneByOne = 3;
 constexpr double kSamePlace_mm = 1e-6;
 
-Range x_range(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, const ChartView& view) {
-  Range x;
+PlotRange x_range(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, const ChartView& view) {
+  PlotRange x;
   for (const PlotSeries& series : panel.series)
     for (const PlotPoint& p : series.points) x.take(p.x);
   for (const PlotPoint& p : left_out) x.take(p.x);
@@ -27,21 +27,21 @@ Range x_range(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, co
 }
 
 /// Of the readings that count, inside `x`.
-Range y_range(const PlotPanel& panel, const Range& x) {
-  Range y;
+PlotRange y_range(const PlotPanel& panel, const PlotRange& x) {
+  PlotRange y;
   for (const PlotSeries& series : panel.series)
     for (const PlotPoint& p : series.points)
       if (x.has(p.x)) y.take(p.y);
   return y;
 }
 
-Range reach_of(const Range& counting) {
+PlotRange reach_of(const PlotRange& counting) {
   if (counting.empty()) return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   const double width = counting.width() > 0.0 ? counting.width() : std::max(1.0, 0.1 * std::abs(counting.from));
   return {counting.from - kReach * width, counting.to + kReach * width};
 }
 
-Place cell_of(const Canvas& canvas, const Area& plot, const Range& x, const Range& y, const PlotPoint& p) {
+Place cell_of(const Canvas& canvas, const Area& plot, const PlotRange& x, const PlotRange& y, const PlotPoint& p) {
   const bool ascii = canvas.glyphs() == Glyphs::ascii;  // else 2 × 4 dots in a cell
   const double across = plot.columns - (ascii ? 1.0 : 0.5);
   const double down = plot.rows - (ascii ? 1.0 : 0.25);
@@ -51,7 +51,7 @@ Place cell_of(const Canvas& canvas, const Area& plot, const Range& x, const Rang
 }
 
 /// Marks at the upper or lower edge; the value beside each as long as they are few.
-void draw_beyond(Canvas& canvas, const Area& plot, int row, const std::vector<PlotPoint>& points, const Range& x,
+void draw_beyond(Canvas& canvas, const Area& plot, int row, const std::vector<PlotPoint>& points, const PlotRange& x,
                  bool with_values) {
   for (const PlotPoint& p : points) {
     const int column = std::min(static_cast<int>(x.part(p.x) * (plot.columns - 0.5)), plot.columns - 1);
@@ -109,8 +109,8 @@ void draw_means_at(Canvas& canvas, const Area& area, const PlotPanel& panel, con
 }
 
 /// Over a curve a crowd of marks stands only every so many columns, so that the curve stays seen; beside it all do.
-void draw_inside(Canvas& canvas, const Area& plot, const std::vector<PlotPoint>& points, const Range& x,
-                 const Range& y) {
+void draw_inside(Canvas& canvas, const Area& plot, const std::vector<PlotPoint>& points, const PlotRange& x,
+                 const PlotRange& y) {
   constexpr int kApart = 6;
   const bool crowd = static_cast<int>(points.size()) > plot.columns / 4;
   std::vector<Place> places;
@@ -133,10 +133,10 @@ LeftOutSeen left_out_seen(const PlotPanel& panel, const std::vector<PlotPoint>& 
   constexpr double kMargin = 0.05;
   constexpr double kMarginForMarks = 0.25;
   LeftOutSeen seen;
-  const Range x = x_range(panel, left_out, view);
-  const Range counting = y_range(panel, x);
-  const Range reach = reach_of(counting);
-  Range y = counting;
+  const PlotRange x = x_range(panel, left_out, view);
+  const PlotRange counting = y_range(panel, x);
+  const PlotRange reach = reach_of(counting);
+  PlotRange y = counting;
   for (const PlotPoint& p : left_out) {
     if (!x.has(p.x)) continue;
     if (p.y > reach.to) {
@@ -189,7 +189,7 @@ void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, 
   draw_chart(canvas, area, panel, seen.view);
   draw_means_at(canvas, area, panel, left_out, view);
   const Area plot = plot_area(area);
-  const Range x{*seen.view.x_from, *seen.view.x_to}, y{*seen.view.y_from, *seen.view.y_to};
+  const PlotRange x{*seen.view.x_from, *seen.view.x_to}, y{*seen.view.y_from, *seen.view.y_to};
   if (plot.rows < 2 || plot.columns < 8 || !(x.width() > 0.0)) return;
   draw_inside(canvas, plot, seen.inside, x, y);
   const bool few = seen.above.size() + seen.below.size() <= kMostToldOneByOne;

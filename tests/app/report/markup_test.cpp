@@ -97,10 +97,10 @@ TEST_CASE("ticks are round, evenly spaced and inside the range") {
 }
 
 TEST_CASE("panels share one scale: the same error stands at the same distance from zero in both") {
-  SvgCurves figure{"two", "X [mm]", "error", {}};
+  PlotFigure figure{"two", {}, 1, true};
   for (const double last : {100.0, 10.0})
-    figure.panels.push_back({"p", {{SvgMark::forward, {{0.0, 0.0}, {1000.0, last}}}}});
-  const std::string svg = svg_of(figure).html();
+    figure.panels.push_back({"p", "X [mm]", "error", {{"forward", Mark::forward, {{0.0, 0.0}, {1000.0, last}}}}});
+  const std::string svg = inline_svg(figure).html();
   // The first line rises by 100 um, the second by 10: a tenth of its height on paper.
   std::vector<double> rises;
   for (std::size_t at = 0; (at = svg.find("class=\"line fwd\" d=\"M", at)) != std::string::npos; ++at) {

@@ -58,7 +58,7 @@ TEST_CASE("a model that knows all that the map compensates predicts instead, and
   CHECK(volume["predicted_after"]["X"]["largest_um"].get<double>() == Approx(2.0).epsilon(0.01));
   (void)c.folder.with("model.toml", fmt::format(fmt::runtime(effect), "EY", "EY"));
   CHECK(c.report({"--json"}).json()["volume"]["from"] == "the map");
-  CHECK(contains(c.html(), "The error model was left aside: it has no effect for EXX, which is compensated."));
+  CHECK(contains(c.html(), "The error model was not used: it has no effect for EXX, which is compensated."));
 }
 
 TEST_CASE("a report that was there is replaced, and the answer says so") {
