@@ -12,13 +12,13 @@ Json text_or_null(std::string_view text) { return text.empty() ? Json(nullptr) :
 
 std::string one_line(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-Json json_of(const Problem& problem) {
+Json problem_json(const Problem& problem) {
   Json out;
   out["message"] = problem.message;
   out["file"] = text_or_null(problem.file);
   out["line"] = problem.line > 0 ? Json(problem.line) : Json(nullptr);
   out["column"] = problem.column > 0 ? Json(problem.column) : Json(nullptr);
-  for (const Problem& other : problem.also) out["also"].push_back(json_of(other));
+  for (const Problem& other : problem.also) out["also"].push_back(problem_json(other));
   return out;
 }
 

@@ -7,12 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_fwd.hpp"
 #include "base/result.hpp"
 
 namespace ecs {
-
-/// Keys stay in the order in which they are written.
-using Json = nlohmann::ordered_json;
 
 /// A finite number, else null.
 [[nodiscard]] Json number_or_null(double value);
@@ -22,7 +20,7 @@ using Json = nlohmann::ordered_json;
 /// On one line; bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string one_line(const Json& value);
 /// {"message", "file", "line", "column"}, and "also" with the other problems if there are any.
-[[nodiscard]] Json json_of(const Problem& problem);
+[[nodiscard]] Json problem_json(const Problem& problem);
 /// "0x100000"
 [[nodiscard]] std::string hex_address(std::uint32_t address);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 

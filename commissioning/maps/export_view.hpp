@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_source.hpp"
 

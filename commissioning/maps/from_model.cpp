@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"

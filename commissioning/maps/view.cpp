@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
+
 namespace ecs::app {
 namespace {
 

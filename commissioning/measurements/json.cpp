@@ -4,6 +4,8 @@
 #include <set>
 #include <string>
 
+#include "base/json.hpp"
+
 namespace ecs::app {
 namespace {
 

@@ -1,7 +1,7 @@
 // Measurements as JSON. Only for .cpp files (heavy header).
 #pragma once
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "commissioning/measurements/summary.hpp"
 
 namespace ecs::app {

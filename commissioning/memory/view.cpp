@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/unit/parameters_view.hpp"

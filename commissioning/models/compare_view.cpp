@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "model/fit/compare.hpp"
 
 namespace ecs::app {

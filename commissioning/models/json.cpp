@@ -1,5 +1,7 @@
 #include "commissioning/models/json.hpp"
 
+#include "base/json.hpp"
+
 namespace ecs::app {
 namespace {
 

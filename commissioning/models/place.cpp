@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/json.hpp"

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/sealed.hpp"
 #include "commissioning/models/json.hpp"
 

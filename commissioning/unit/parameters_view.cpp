@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "params/fields.hpp"
 
 namespace ecs::app {

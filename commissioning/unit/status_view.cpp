@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "core/fault.hpp"
 #include "laser/map/error_map.hpp"
 
