@@ -1,8 +1,8 @@
 // The program `ecs`.
 #include <iostream>
 
-#include "app/cli/program.hpp"
 #include "app/screens/start.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
 
 int main(int argc, char** argv) {

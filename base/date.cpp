@@ -9,7 +9,7 @@
 namespace ecs {
 namespace {
 
-/// The digits at `from` as a number; nothing if another character stands among them.
+/// The digits at `from` as a number; nothing if there is another character among them.
 std::optional<int> digits(std::string_view text, std::size_t from, std::size_t count) {
   if (text.size() < from + count) return std::nullopt;
   int value = 0;

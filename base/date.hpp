@@ -11,7 +11,7 @@ namespace ecs {
 /// "2026-03-12T09:10", "2026-03-12 09:10:11Z". Blanks around it do not matter.
 [[nodiscard]] bool is_iso_date(std::string_view text);
 
-/// Why `text` cannot stand as the date of a header, with what is expected; nothing if it can. No text at all can.
+/// Why `text` cannot be the date of a header, with what is expected; nothing if it can. No text at all can.
 [[nodiscard]] std::optional<std::string> wrong_date(std::string_view text);
 
 }  // namespace ecs

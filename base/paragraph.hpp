@@ -1,5 +1,5 @@
 // Sentences broken into lines that fit a terminal.
-// Does not live here: what a terminal must not be told (shown.hpp).
+// Does not live here: characters that a terminal must not receive (shown.hpp).
 #pragma once
 
 #include <cstddef>

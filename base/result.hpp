@@ -1,4 +1,4 @@
-// The one error type of the house: a Problem that says where, what was expected, what was found and what to do.
+// The one error type of the project: a Problem that says where, what was expected, what was found and what to do.
 // Does not live here: how a problem is shown (app/).
 #pragma once
 
@@ -19,7 +19,7 @@ enum class ProblemKind {
   output,     ///< cannot write, or an internal failure (exit 5)
 };
 
-/// One thing that went wrong, in words for the person who must mend it.
+/// One thing that went wrong, in words for the person who must correct it.
 struct Problem {
   ProblemKind kind = ProblemKind::bad_input;
   std::string message;        ///< what was expected, what was found, what to do

@@ -34,7 +34,7 @@ std::string sealed(std::string_view text, std::string_view heading) {
 
 Result<std::string> unsealed(std::string_view sealed_text, const std::string& file) {
   const auto refused = [&file](int line, const std::string& why) {
-    return problem_at(file, line, 0, "expected a sealed text as it was written, " + why + "; take the file anew");
+    return problem_at(file, line, 0, "expected a sealed text as it was written, " + why + "; copy the file again");
   };
   const std::size_t size_line = sealed_text.find('\n') + 1;
   if (!sealed_text.starts_with("# ") || size_line == 0) return refused(1, "its heading is missing");

@@ -7,8 +7,8 @@
 
 namespace ecs {
 
-/// The same text, with nothing in it that a terminal would obey: control characters (C0 without line feed and tab, DEL,
-/// C1), marks that turn the direction of writing, and bytes that are no UTF-8 each become '?'. Valid UTF-8 stays.
+/// The same text, with nothing in it that a terminal would act on: control characters (C0 without line feed and tab,
+/// DEL, C1), marks that turn the direction of writing, and bytes that are no UTF-8 each become '?'. Valid UTF-8 stays.
 [[nodiscard]] std::string shown(std::string_view text);
 
 }  // namespace ecs

@@ -1,5 +1,5 @@
 // Reading of TOML tables that collects every problem with its place. Include it in .cpp files only: it is heavy.
-// Does not live here: which keys a file has (the readers of each room).
+// Does not live here: which keys a file has (the readers of each library).
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace ecs {
 
-/// One TOML file being read; problems pile up and are told at once.
+/// One TOML file being read; problems are collected and reported together.
 class TomlReader {
  public:
   explicit TomlReader(std::string file) : file_(std::move(file)) {}

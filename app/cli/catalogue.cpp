@@ -1,64 +1,38 @@
 #include "app/cli/catalogue.hpp"
 
-#include <sstream>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include "app/cli/menus.hpp"
-#include "base/text.hpp"
+#include <algorithm>
+#include <utility>
 
 namespace ecs::app {
 namespace {
 
-std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
+/// "--output" of "-o,--output".
+std::string long_name(const std::string& name) {
+  const std::size_t at = name.find("--");
+  return at == std::string::npos ? name : name.substr(at);
 }
 
-std::vector<std::string> words_between_bars(const std::string& type) {
-  std::vector<std::string> words;
-  if (type.find('|') == std::string::npos) return words;
-  std::istringstream in(type);
-  for (std::string word; std::getline(in, word, '|');) words.push_back(word);
-  return words;
-}
-
-VerbOption option_of(const CLI::Option& option) {
+VerbOption option_of(const VerbArgument& argument) {
   VerbOption one;
-  one.by_place = option.nonpositional() == false && option.get_positional();
-  one.name = one.by_place ? option.get_name(true, false) : option.get_name(false, false);
-  if (!one.by_place && !option.get_lnames().empty()) one.name = "--" + option.get_lnames().front();
-  one.help = option.get_description();
-  one.value = option.get_default_str();
-  one.choices = words_between_bars(option.get_type_name());
-  one.required = option.get_required();
-  one.flag = option.get_expected_max() == 0;
-  one.many = option.get_expected_max() > 1;
+  one.by_place = argument.by_place();
+  one.name = one.by_place ? argument.name : long_name(argument.name);
+  one.help = argument.help;
+  one.value = argument.preset();
+  one.choices = argument.choices;
+  one.required = argument.need == Need::required;
+  one.flag = argument.is_flag();
+  one.many = argument.takes_many();
   return one;
 }
 
-bool of_every_verb(const CLI::Option& option) {
-  const std::string name = option.get_name(false, false);
-  return name == "--json" || name == "--quiet" || name.find("help") != std::string::npos;
-}
-
-VerbEntry entry_of(const CLI::App& verb, std::vector<std::string> words) {
-  VerbEntry entry{std::move(words), verb.get_description(), verb.get_footer(), {}};
-  for (const CLI::Option* option : verb.get_options())
-    if (!of_every_verb(*option)) entry.options.push_back(option_of(*option));
+VerbEntry entry_of(const VerbDefinition& definition) {
+  std::string link;
+  Verb verb(link);
+  const Action holds_the_arguments = definition.declare(verb);
+  VerbEntry entry{definition.words(), definition.help, "Example:\n  " + definition.example, {}};
+  for (const VerbArgument& argument : verb.arguments()) entry.options.push_back(option_of(argument));
   std::stable_partition(entry.options.begin(), entry.options.end(), [](const VerbOption& o) { return o.required; });
   return entry;
-}
-
-void add_verbs(const CLI::App& menu, const std::vector<std::string>& words, std::vector<VerbEntry>& out) {
-  for (const CLI::App* sub : subcommands_of(menu)) {
-    std::vector<std::string> path = words;
-    path.push_back(sub->get_name());
-    if (subcommands_of(*sub).empty())
-      out.push_back(entry_of(*sub, std::move(path)));
-    else
-      add_verbs(*sub, path, out);
-  }
 }
 
 }  // namespace
@@ -69,21 +43,16 @@ std::string VerbEntry::name() const {
   return name;
 }
 
-std::vector<MenuEntry> verb_catalogue() {
-  CommonOptions common;
-  Action chosen;
-  CLI::App root("", "ecs");
-  Menu menu(root, common, chosen);
-  add_all_menus(menu);
+std::vector<MenuEntry> verb_catalogue(const VerbRegistry& registry) {
   std::vector<MenuEntry> menus;
   MenuEntry other{"OTHER", {}};
-  for (const CLI::App* sub : subcommands_of(root)) {
-    if (subcommands_of(*sub).empty()) {
-      other.verbs.push_back(entry_of(*sub, {sub->get_name()}));
-      continue;
-    }
-    menus.push_back({sub->get_description(), {}});
-    add_verbs(*sub, {sub->get_name()}, menus.back().verbs);
+  std::string menu;
+  for (const VerbDefinition* verb : registry.verbs) {
+    const std::string first = verb->words().front();
+    const std::string title = registry.menu_help(first);
+    if (!title.empty() && first != menu) menus.push_back({title, {}});
+    menu = first;
+    (title.empty() ? other : menus.back()).verbs.push_back(entry_of(*verb));
   }
   menus.push_back(std::move(other));
   return menus;

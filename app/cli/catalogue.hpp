@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "app/cli/verb.hpp"
+
 namespace ecs::app {
 
 struct VerbOption {
@@ -33,7 +35,7 @@ struct MenuEntry {
 };
 
 /// In the order of the menus; verbs outside any menu come last, under "OTHER".
-[[nodiscard]] std::vector<MenuEntry> verb_catalogue();
+[[nodiscard]] std::vector<MenuEntry> verb_catalogue(const VerbRegistry& registry);
 
 /// The words to give to run_program(): what was filled in; empty options are left out.
 [[nodiscard]] std::vector<std::string> command_line(const VerbEntry& verb, const std::vector<std::string>& values);

@@ -42,7 +42,7 @@ class Console final : public MessageSink {
   void print(std::string_view text);
   /// A JSON object on a line of its own, at once. Nothing without --json.
   void print_json(std::string_view object);
-  /// The answer of a verb as it stands: text or JSON.
+  /// The whole answer of a verb: text or JSON.
   void answer(std::string_view text, std::string_view json_object);
 
   /// Draws the bar on a terminal, at most ten times a second, and takes it away at the end.

@@ -1,6 +1,5 @@
 #include "app/cli/overview.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "base/json.hpp"
@@ -9,21 +8,16 @@
 namespace ecs::app {
 namespace {
 
-std::vector<const CLI::App*> subs_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
-void add_tree(const CLI::App& app, const std::string& path, std::string& text, Json& verbs) {
-  for (const CLI::App* sub : subs_of(app)) {
-    const std::string name = path.empty() ? sub->get_name() : path + " " + sub->get_name();
-    if (!subs_of(*sub).empty()) {
-      if (path.empty()) text += fmt::format("\n{}\n", sub->get_description());
-      add_tree(*sub, name, text, verbs);
-      continue;
-    }
-    if (path.empty()) text += '\n';
-    text += fmt::format("  {:<26} {}\n", name, sub->get_description());
-    verbs.push_back({{"verb", name}, {"help", sub->get_description()}});
+/// One line per verb, under the help of its menu; a verb outside any menu has its own paragraph.
+void add_verbs(const VerbRegistry& registry, std::string& text, Json& verbs) {
+  std::string menu;
+  for (const VerbDefinition* verb : registry.verbs) {
+    const std::string first = verb->words().front();
+    if (first != menu)
+      text += registry.menu_help(first).empty() ? "\n" : fmt::format("\n{}\n", registry.menu_help(first));
+    menu = first;
+    text += fmt::format("  {:<26} {}\n", verb->path, verb->help);
+    verbs.push_back({{"verb", verb->path}, {"help", verb->help}});
   }
 }
 
@@ -37,11 +31,11 @@ std::string state_of_link(const Result<LinkChoice>& choice) {
 
 }  // namespace
 
-Result<Outcome> overview(const CLI::App& root, VerbContext& context) {
+Result<Outcome> overview(const VerbRegistry& registry, VerbContext& context) {
   const auto choice = chosen_link(context.link_option);
-  std::string text = root.get_description() + "\n";
+  std::string text = std::string(kProgramHelp) + "\n";
   Json verbs = Json::array();
-  add_tree(root, "", text, verbs);
+  add_verbs(registry, text, verbs);
   text +=
       fmt::format("\nLink: {}\n`ecs VERB --help` explains a verb; `ecs doctor` finds out why a link does not work.\n",
                   state_of_link(choice));

@@ -1,16 +1,11 @@
-// What `ecs` alone says: what it can do, and how the link stands.
+// The answer of `ecs` alone: every verb with its help, and the link that would be used.
 #pragma once
 
-#include "app/cli/verb_context.hpp"
-#include "base/outcome.hpp"
-
-namespace CLI {
-class App;
-}
+#include "app/cli/verb.hpp"
 
 namespace ecs::app {
 
 /// The tree of menus with one line per verb, and which link would be used. Opens nothing.
-[[nodiscard]] Result<Outcome> overview(const CLI::App& root, VerbContext& context);
+[[nodiscard]] Result<Outcome> overview(const VerbRegistry& registry, VerbContext& context);
 
 }  // namespace ecs::app

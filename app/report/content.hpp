@@ -1,4 +1,4 @@
-// What a report tells, read and computed, before any of it is laid out.
+// The content of a report, read and computed, before any of it is laid out.
 // Does not live here: which files (files.hpp), what follows from it (judgement.hpp), pages
 // (page.hpp). Only for .cpp files (heavy headers).
 #pragma once
@@ -57,12 +57,12 @@ struct ReportedModel {
 
 struct ReportContent {
   std::vector<std::pair<std::string, std::string>> header;  ///< "customer", "Huddersfield …"; what is not empty
-  std::string date;                                         ///< of the report; empty: nobody said
+  std::string date;                                         ///< of the report; empty: not given
   std::vector<TableRow> rows;
   bool has_before = false;  ///< a folder was given
   bool has_after = false;
   bool planned = false;           ///< a plan was given
-  std::vector<Problem> problems;  ///< files that fit no row; those of rows stand in the rows
+  std::vector<Problem> problems;  ///< files that fit no row; those of rows are in the rows
   std::optional<params::Machine> machine;
   std::optional<ReportedMap> map;
   std::optional<ReportedParameters> parameters;

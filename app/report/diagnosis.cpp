@@ -7,6 +7,7 @@
 
 #include "app/report/markup.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/plain_text.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"

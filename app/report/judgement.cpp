@@ -39,7 +39,7 @@ std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
   if (*iso.R >= kMostlyScatter * band_after(row))
-    return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map takes away.",
+    return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map removes.",
                        quantity(row, *iso.R));
   return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
                      quantity(row, *iso.R));

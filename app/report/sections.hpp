@@ -11,7 +11,7 @@
 
 namespace ecs::app {
 
-/// A heading with an anchor, then what stands under it.
+/// A heading with an anchor, then its content.
 struct ReportSection {
   std::string id;
   std::string title;
@@ -38,7 +38,7 @@ struct ReportSection {
 
 /// <p>plain text</p>
 [[nodiscard]] Markup paragraph_of(std::string_view plain, std::string_view attributes = {});
-/// What is not there, said plainly.
+/// A plain statement that something is absent.
 [[nodiscard]] Markup absence(std::string_view plain);
 /// <ul> of texts; nothing for none.
 [[nodiscard]] Markup list_of(const std::vector<std::string>& items);

@@ -5,7 +5,7 @@
 
 namespace ecs::app {
 
-/// What stands at the edge of every printed page.
+/// The text at the edge of every printed page.
 struct PageEdges {
   std::string top_left;
   std::string top_right;

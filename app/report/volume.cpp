@@ -56,10 +56,10 @@ Result<PredictedVolume> predicted_volume(const laser::ErrorMap& map, const UnitP
   out.travels_of_machine = machine.has_value();
   controllers::ErrorsAt errors = controllers::errors_of_map(source);
   if (model != nullptr && !machine) {
-    out.remark = "The error model was left aside: it counts from the datum of the axes, and no machine file was given.";
+    out.remark = "The error model was not used: it counts from the datum of the axes, and no machine file was given.";
   } else if (model != nullptr) {
     if (const auto lacking = unknown_to(*model, source); !lacking.empty()) {
-      out.remark = fmt::format("The error model was left aside: it has no effect for {}, which {} compensated.",
+      out.remark = fmt::format("The error model was not used: it has no effect for {}, which {} compensated.",
                                fmt::join(lacking, ", "), lacking.size() == 1 ? "is" : "are");
     } else {
       out.from = "the error model";

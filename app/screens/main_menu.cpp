@@ -12,6 +12,7 @@
 #include "app/screens/utility/choices.hpp"
 #include "app/screens/verbs/verb_screen.hpp"
 #include "app/ui/menu_screen.hpp"
+#include "app/verbs/registry.hpp"
 
 namespace ecs::app {
 namespace {
@@ -76,7 +77,8 @@ std::vector<VerbEntry> verbs_of(const std::string& name, const std::vector<MenuE
 
 std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Connection& connection) {
   Choices choices = menu.screens(connection);
-  for (const VerbEntry& verb : verbs_of(menu.name, verb_catalogue())) choices.push_back(choice_of(verb, connection));
+  for (const VerbEntry& verb : verbs_of(menu.name, verb_catalogue(all_verbs())))
+    choices.push_back(choice_of(verb, connection));
   return std::make_unique<MenuScreen>(
       menu.name,
       std::string(menu.name) + ": " + menu.help +
@@ -89,7 +91,7 @@ void add_sought(Choices& choices, const Connection& connection) {
   const std::size_t shown = choices.size();
   for (const TopMenu& menu : top_menus())
     for (MenuChoice& screen : menu.screens(connection)) choices.push_back(std::move(screen));
-  for (const MenuEntry& menu : verb_catalogue())
+  for (const MenuEntry& menu : verb_catalogue(all_verbs()))
     for (const VerbEntry& verb : menu.verbs) choices.push_back(choice_of(verb, connection));
   for (std::size_t k = shown; k < choices.size(); ++k) choices[k].only_sought = true;
 }

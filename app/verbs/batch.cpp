@@ -1,11 +1,10 @@
 // `ecs batch`: a plan of many units, with a table at the end.
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "app/cli/menus.hpp"
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/batch/run.hpp"
 
 namespace ecs::app {
@@ -16,23 +15,42 @@ struct BatchArguments {
   bool dry_run = false;
 };
 
-Json json_of(const BatchReport& report) {
-  return Json{{"name", report.name},
-              {"link", report.link},
-              {"emulator", report.is_emulator},
-              {"serial_number", text_or_null(report.serial_number)},
-              {"state", name_of(report.state)},
-              {"bytes", report.bytes > 0 ? Json(report.bytes) : Json(nullptr)},
-              {"notes", report.notes},
-              {"error", report.problem ? ecs::json_of(*report.problem) : Json(nullptr)}};
+const AnswerTable<BatchReport>& reports_table() {
+  using Row = BatchReport;
+  static const AnswerTable<Row> table(
+      "{name:<20} {serial_number:<14} {state:<14} {link}",
+      {{"name", "unit", [](const Row& r) { return word_cell(r.name); }},
+       {"link", "link",
+        [](const Row& r) {
+          return Cell{r.link, (r.is_emulator ? "EMULATOR " : "") + r.link};
+        }},
+       {"emulator", "",
+        [](const Row& r) {
+          return Cell{r.is_emulator, {}};
+        }},
+       {"serial_number", "serial number",
+        [](const Row& r) {
+          return Cell{text_or_null(r.serial_number), r.serial_number.empty() ? "unknown" : r.serial_number};
+        }},
+       {"state", "result", [](const Row& r) { return word_cell(name_of(r.state)); }},
+       {"bytes", "",
+        [](const Row& r) {
+          return Cell{r.bytes > 0 ? Json(r.bytes) : Json(nullptr), {}};
+        }},
+       {"notes", "",
+        [](const Row& r) {
+          return Cell{r.notes, {}};
+        }},
+       {"error", "", [](const Row& r) {
+          return Cell{r.problem ? problem_json(*r.problem) : Json(nullptr), {}};
+        }}});
+  return table;
 }
 
-std::string table_of(const std::vector<BatchReport>& reports) {
-  std::string text = fmt::format("{:<20} {:<14} {:<14} {}\n", "unit", "serial number", "result", "link");
+std::string reports_text(const std::vector<BatchReport>& reports) {
+  std::string text = reports_table().heading();
   for (const BatchReport& report : reports) {
-    text += fmt::format("{:<20} {:<14} {:<14} {}{}\n", report.name,
-                        report.serial_number.empty() ? "unknown" : report.serial_number, name_of(report.state),
-                        report.is_emulator ? "EMULATOR " : "", report.link);
+    text += reports_table().line(report);
     if (report.problem) text += fmt::format("    {}\n", to_text(*report.problem));
     for (const std::string& note : report.notes) text += fmt::format("    note: {}\n", note);
   }
@@ -63,13 +81,14 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
       });
   context.console.end_progress();
   context.console.message_prefix.clear();
-  Json units = Json::array();
-  for (const BatchReport& report : reports) units.push_back(json_of(report));
   const int exit_code = exit_code_of(reports);
-  Json object{{"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units}};
+  Json object{{"plan", arguments.plan},
+              {"dry_run", arguments.dry_run},
+              {"ok", exit_code == kDone},
+              {"units", reports_table().array(reports)}};
   if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
-    object["error"] = ecs::json_of(*problem);
-  std::string text = table_of(reports);
+    object["error"] = problem_json(*problem);
+  std::string text = reports_text(reports);
   if (arguments.dry_run)
     text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";
   return Outcome{text, one_line(object), exit_code};
@@ -77,15 +96,15 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
 
 }  // namespace
 
-void add_batch_verb(Menu& root) {
-  const auto arguments = std::make_shared<BatchArguments>();
-  root.verb("batch", "parameters and maps for many units, by a plan",
-            "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
-            "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
-            "\"mill3.toml\"\n              map = \"mill3_map.csv\"")
-      .text("PLAN", arguments->plan, "plan file (TOML)", Need::required)
-      .flag("--dry-run", arguments->dry_run, "check everything, write nothing")
-      .runs([arguments](VerbContext& context) { return batch(context, *arguments); });
-}
+extern const VerbDefinition kBatch = verb<BatchArguments>(
+    "batch", "parameters and maps for many units, by a plan",
+    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
+    "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
+    "\"mill3.toml\"\n              map = \"mill3_map.csv\"",
+    [](Verb& verb, BatchArguments& arguments) {
+      verb.text("PLAN", arguments.plan, "plan file (TOML)", Need::required)
+          .flag("--dry-run", arguments.dry_run, "check everything, write nothing");
+    },
+    batch);
 
 }  // namespace ecs::app

@@ -1,11 +1,9 @@
 // `ecs doctor`: the findings as a list, and storing a link that works.
 #include "commissioning/link/doctor.hpp"
 
-#include <memory>
-
 #include <fmt/format.h>
 
-#include "app/cli/menus.hpp"
+#include "app/cli/verb.hpp"
 #include "base/json.hpp"
 
 namespace ecs::app {
@@ -15,14 +13,14 @@ struct DoctorArguments {
   bool save = false;
 };
 
-Json json_of(const DoctorFinding& finding) {
+Json finding_json(const DoctorFinding& finding) {
   return Json{{"check", finding.check},
               {"state", name_of(finding.state)},
               {"message", finding.message},
               {"action", text_or_null(finding.action)}};
 }
 
-std::string text_of(const DoctorFinding& finding) {
+std::string finding_text(const DoctorFinding& finding) {
   const std::string action = finding.action.empty() ? "" : fmt::format("\n         -> {}", finding.action);
   return fmt::format("{:<8} {}: {}{}\n", name_of(finding.state), finding.check, finding.message, action);
 }
@@ -64,8 +62,8 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
   Json findings = Json::array();
   for (const auto& list : {diagnosis.findings, surroundings()}) {
     for (const DoctorFinding& finding : list) {
-      findings.push_back(json_of(finding));
-      text += text_of(finding);
+      findings.push_back(finding_json(finding));
+      text += finding_text(finding);
     }
   }
   text += diagnosis.works ? "the link works\n" : "the link does not work\n";
@@ -76,19 +74,18 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
               {"serial_number", diagnosis.identity ? text_or_null(diagnosis.identity->serial_number) : Json(nullptr)},
               {"statistics", statistics_json(diagnosis.statistics)},
               {"findings", findings}};
-  if (!diagnosis.works) object["error"] = ecs::json_of(why_not(diagnosis));
+  if (!diagnosis.works) object["error"] = problem_json(why_not(diagnosis));
   return Outcome{text, one_line(object), diagnosis.works ? kDone : exit_code_of(ProblemKind::link)};
 }
 
 }  // namespace
 
-void add_doctor_verb(Menu& root) {
-  const auto arguments = std::make_shared<DoctorArguments>();
-  root.verb("doctor", "why a link does not work, and what to do; reads only",
-            "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save")
-      .flag("--save", arguments->save, "store the link, if it works, as the one to use without --link")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return examine(context, *arguments); });
-}
+extern const VerbDefinition kDoctor = verb<DoctorArguments>(
+    "doctor", "why a link does not work, and what to do; reads only",
+    "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save",
+    [](Verb& verb, DoctorArguments& arguments) {
+      verb.flag("--save", arguments.save, "store the link, if it works, as the one to use without --link").uses_link();
+    },
+    examine);
 
 }  // namespace ecs::app

@@ -1,11 +1,10 @@
 // `ecs report`: one self-contained HTML page of a commissioning.
 #include <filesystem>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "app/cli/menus.hpp"
+#include "app/cli/verb.hpp"
 #include "app/report/page.hpp"
 #include "app/report/sections.hpp"
 #include "base/file.hpp"
@@ -21,10 +20,10 @@ Json band_of(const std::optional<MeasuredPhase>& phase) {
   return phase ? number_or_null(phase->readings.band) : Json(nullptr);
 }
 
-Json json_of(const ReportContent& content, std::size_t i) {
+Json row_json(const ReportContent& content, std::size_t i) {
   const TableRow& row = content.rows[i];
   Json problems = Json::array();
-  for (const Problem& one : row.problems) problems.push_back(ecs::json_of(one));
+  for (const Problem& one : row.problems) problems.push_back(problem_json(one));
   return {{"name", row.planned.name},
           {"title", row.planned.title},
           {"unit", laser::unit_of(row.planned.sense)},
@@ -61,7 +60,7 @@ std::optional<Problem> unfit_files(const ReportContent& content) {
 }
 
 /// By direction and for the vector; null: not predicted.
-Json json_of(const std::optional<PredictedVolume>& volume) {
+Json volume_json(const std::optional<PredictedVolume>& volume) {
   if (!volume) return nullptr;
   Json before = Json::object(), after = Json::object();
   const auto add = [&](const std::string& name, std::size_t d) {
@@ -83,9 +82,9 @@ struct Page {
   bool replaced = false;  ///< another file of that name was there
 };
 
-Json answer_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+Json report_json(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   Json rows = Json::array();
-  for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(json_of(content, i));
+  for (std::size_t i = 0; i < content.rows.size(); ++i) rows.push_back(row_json(content, i));
   Json object{{"report", output},
               {"bytes", page.html.size()},
               {"sha256", sha256_hex(page.html)},
@@ -103,15 +102,15 @@ Json answer_of(const ReportContent& content, const Judgement& j, const std::stri
               {"missing", j.missing},
               {"worst", j.worst != nullptr ? Json(j.worst->planned.name) : Json(nullptr)},
               {"diagnosis", content.diagnosis ? Json(content.diagnosis->verdict) : Json(nullptr)},
-              {"volume", json_of(content.volume)},
+              {"volume", volume_json(content.volume)},
               {"next", j.next},
               {"absent", absent_from(content)},
               {"rows", std::move(rows)}};
-  if (const auto unfit = unfit_files(content)) object["error"] = ecs::json_of(*unfit);
+  if (const auto unfit = unfit_files(content)) object["error"] = problem_json(*unfit);
   return object;
 }
 
-std::string text_of(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
+std::string report_text(const ReportContent& content, const Judgement& j, const std::string& output, const Page& page) {
   std::string text = fmt::format("{}\n", j.sentence);
   if (!j.worst_sentence.empty()) text += j.worst_sentence + "\n";
   if (content.volume) text += volume_sentence(*content.volume) + "\n";
@@ -147,35 +146,35 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
   const Judgement judgement = judgement_of(*content);
   const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
   if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());
-  return Outcome{text_of(*content, judgement, arguments.output, page),
-                 one_line(answer_of(*content, judgement, arguments.output, page)),
+  return Outcome{report_text(*content, judgement, arguments.output, page),
+                 one_line(report_json(*content, judgement, arguments.output, page)),
                  unfit_files(*content) ? kUnfitFile : kDone};
 }
 
 }  // namespace
 
-void add_report_verb(Menu& root) {
-  const auto arguments = std::make_shared<ReportArguments>();
-  Verb verb = root.verb("report", "one self-contained HTML page of a commissioning, to read, print and keep",
-                        "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
-                        "-o report.html\n  ecs report commissioning/ -o report.html");
-  verb.texts("PLACE", arguments->places,
-             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
-             "model.toml, diagnosis.json, status.json")
-      .text("-o,--output", arguments->output, "the page", Need::required)
-      .text("--before", arguments->before, "folder of NAME.csv, measured without compensation")
-      .text("--after", arguments->after, "folder of NAME.csv, measured with compensation")
-      .text("--machine", arguments->machine, "the machine (.toml)")
-      .text("--map", arguments->map, "the error map (.csv)")
-      .text("--params", arguments->params, "the unit's parameters (.toml)")
-      .text("--model", arguments->model, "error model (.toml): fitted, diagnosed, predicted against achieved")
-      .texts("--data", arguments->data, "readings for the model; without: those of its senses in --before")
-      .text("--diagnosis", arguments->diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here")
-      .text("--status", arguments->status, "state of the unit, as `ecs utility status --save` keeps it")
-      .texts("--header", arguments->header, "key=value of the head of the page, such as customer=…; wins over files")
-      .text("--date", arguments->date, "of the report; without: the last date in the files")
-      .integer("--blanks", arguments->blanks, "simulated data sets of noise alone for the diagnosis", 50, 20'000)
-      .runs([arguments](VerbContext& context) { return report(context, *arguments); });
-}
+extern const VerbDefinition kReport = verb<ReportArguments>(
+    "report", "one self-contained HTML page of a commissioning, to read, print and keep",
+    "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
+    "-o report.html\n  ecs report commissioning/ -o report.html",
+    [](Verb& verb, ReportArguments& arguments) {
+      verb.texts("PLACE", arguments.places,
+                 "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+                 "model.toml, diagnosis.json, status.json")
+          .text("-o,--output", arguments.output, "the page", Need::required)
+          .text("--before", arguments.before, "folder of NAME.csv, measured without compensation")
+          .text("--after", arguments.after, "folder of NAME.csv, measured with compensation")
+          .text("--machine", arguments.machine, "the machine (.toml)")
+          .text("--map", arguments.map, "the error map (.csv)")
+          .text("--params", arguments.params, "the unit's parameters (.toml)")
+          .text("--model", arguments.model, "error model (.toml): fitted, diagnosed, predicted against achieved")
+          .texts("--data", arguments.data, "readings for the model; without: those of its senses in --before")
+          .text("--diagnosis", arguments.diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here")
+          .text("--status", arguments.status, "state of the unit, as `ecs utility status --save` keeps it")
+          .texts("--header", arguments.header, "key=value of the head of the page, such as customer=…; wins over files")
+          .text("--date", arguments.date, "of the report; without: the last date in the files")
+          .integer("--blanks", arguments.blanks, "simulated data sets of noise alone for the diagnosis", 50, 20'000);
+    },
+    report);
 
 }  // namespace ecs::app

@@ -25,5 +25,5 @@ TEST_CASE("what is cut or changed is refused with the file and the reason") {
   const auto refused = ecs::unsealed(changed, "truth.sealed");
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().file == "truth.sealed");
-  CHECK(refused.error().message.find("take the file anew") != std::string::npos);
+  CHECK(refused.error().message.find("copy the file again") != std::string::npos);
 }

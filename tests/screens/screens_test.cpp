@@ -12,6 +12,7 @@
 #include "app/screens/verbs/verb_screen.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/screen_driver.hpp"
@@ -82,7 +83,7 @@ TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an ac
 }
 
 TEST_CASE("every verb is in the catalogue with its options, and its form becomes its command line") {
-  const auto menus = verb_catalogue();
+  const auto menus = verb_catalogue(all_verbs());
   const VerbEntry& stats = entry(menus, "laser stats");
   REQUIRE_FALSE(stats.options.empty());
   CHECK(stats.options.front().by_place);
@@ -93,7 +94,7 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 }
 
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), no_link());
+  VerbScreen form(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   (void)press(form, Key::Name::enter);
   CHECK(contains(picture(form), "is needed"));
   type(form, "samples/laser/x_axis.csv");
@@ -105,7 +106,7 @@ TEST_CASE("a form refuses to run without what is needed, then shows the answer o
 }
 
 TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
-  VerbScreen form(entry(verb_catalogue(), "laser stats"), no_link());
+  VerbScreen form(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
@@ -273,7 +274,7 @@ TEST_CASE("measurements that cannot be read leave no new model file behind") {
 }
 
 TEST_CASE("the answer of a verb moves sideways with its headings, and marks where it goes on") {
-  VerbScreen form(entry(verb_catalogue(), "model effects"), no_link());
+  VerbScreen form(entry(verb_catalogue(all_verbs()), "model effects"), no_link());
   (void)press(form, Key::Name::enter);
   finish(form);
   const auto at = [&form](int columns) {

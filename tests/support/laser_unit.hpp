@@ -2,7 +2,7 @@
 // screen.
 #pragma once
 
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/laser_screen.hpp"

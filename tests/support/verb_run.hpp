@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 

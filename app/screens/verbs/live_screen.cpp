@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/keyboard.hpp"
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "app/screens/verbs/live_screen.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"

@@ -1,14 +1,14 @@
 // `ecs export read`: a control's compensation tables back into a map CSV.
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/export/format_arguments.hpp"
-#include "app/verbs/export/menu.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/export_files.hpp"
@@ -115,9 +115,8 @@ Result<bool> levers_from_lines(const ReadArguments& arguments, const ReadFiles& 
   if (given.empty()) return said.value_or(false);
   const bool lines = given == "lines";
   if (said && *said != lines)
-    return problem(ProblemKind::usage,
-                   fmt::format("--levers {}: the file says of itself that its lever arms count from the {}", given,
-                               *said ? "measurement lines" : "machine zero"));
+    return problem(ProblemKind::usage, fmt::format("--levers {}: the file states that its lever arms count from the {}",
+                                                   given, *said ? "measurement lines" : "machine zero"));
   return lines;
 }
 
@@ -125,9 +124,10 @@ Result<bool> levers_from_lines(const ReadArguments& arguments, const ReadFiles& 
 Result<void> bring_to_lines(const ReadArguments& arguments, const ReadFiles& files, Taken& made) {
   const auto lines = levers_from_lines(arguments, files);
   if (!lines) return tl::unexpected(lines.error());
-  const std::string by = !levers_given(arguments).empty() ? "as --levers says"
-                         : files.tables.levers_from_lines ? "as the head of the file says"
-                                                          : "the file does not say it: --levers lines if it is not so";
+  const std::string by = !levers_given(arguments).empty() ? "as --levers gives it"
+                         : files.tables.levers_from_lines
+                             ? "as the head of the file states"
+                             : "the file does not state it: give --levers lines if it is wrong";
   made.levers_from = *lines ? "measurement lines" : "machine zero";
   made.moved = !*lines && made.parameters.has_value();
   std::string done;
@@ -187,28 +187,28 @@ std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& 
   return files;
 }
 
-std::string text_of(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
+std::string read_text(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
   std::string text = fmt::format("{}\n\n", files.format->id) + tables_text(made.read.map.tables);
   for (const Component square : made.read.squareness_found)
     text += fmt::format("compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(square),
                         made.read.squareness[index_of(square)]);
   if (!made.read.squareness_found.empty())
     text += arguments.params_out.empty()
-                ? "squareness lives in the parameters: put these there, or give --params and --params-out\n"
+                ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
                 : fmt::format("squareness is in {}\n", arguments.params_out);
   for (const std::string& note : made.notes) text += paragraph("note: " + note, 0, 6);
   return text + (arguments.output.empty() ? "no map written: give -o map.csv to keep it\n" : "");
 }
 
-Json json_of_read(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
-                  const std::vector<WrittenFile>& written) {
+Json read_json(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
+               const std::vector<WrittenFile>& written) {
   Json tables = Json::array(), squareness = Json::object(), warnings = Json::array(), replaced = Json::array();
   for (const WrittenFile& file : written)
     if (file.replaced) replaced.push_back(file.path);
   for (const laser::MapTable& table : made.read.map.tables) tables.push_back(json_of(table, false));
   for (const Component square : made.read.squareness_found)
     squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
-  for (const Problem& warning : files.tables.warnings) warnings.push_back(json_of(warning));
+  for (const Problem& warning : files.tables.warnings) warnings.push_back(problem_json(warning));
   return {{"format", files.format->id},
           {"map", text_or_null(arguments.output)},
           {"tables", std::move(tables)},
@@ -222,7 +222,7 @@ Json json_of_read(const ReadArguments& arguments, const ReadFiles& files, const 
 
 Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   if (!arguments.params_out.empty() && arguments.params.empty())
-    return problem(ProblemKind::usage, "--params-out needs --params: the rest of the parameters is taken from there");
+    return problem(ProblemKind::usage, "--params-out needs --params: the other parameters are taken from it");
   std::vector<std::string> inputs = arguments.files;
   inputs.push_back(arguments.params);
   for (const std::string& output : {arguments.output, arguments.params_out})
@@ -238,8 +238,8 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   for (const Problem& warning : warnings) context.console.warn(to_text(warning));
   const auto written = write_together(outputs_of(arguments, *made));
   if (!written) return tl::unexpected(written.error());
-  return Outcome{text_of(arguments, *files, *made) + to_text(*written),
-                 one_line(json_of_read(arguments, *files, *made, *written)), kDone};
+  return Outcome{read_text(arguments, *files, *made) + to_text(*written),
+                 one_line(read_json(arguments, *files, *made, *written)), kDone};
 }
 
 std::vector<std::string> format_names() {
@@ -263,18 +263,18 @@ void take_read_options(Verb& verb, FormatArguments& arguments) {
 
 }  // namespace
 
-void add_export_read(Menu& menu) {
-  const auto arguments = std::make_shared<ReadArguments>();
-  Verb verb = menu.verb("read", "the compensation tables of a control as a map CSV",
-                        "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
-                        "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv");
-  verb.texts("FILE", arguments->files, "files of one control", Need::required)
-      .text("-o,--output", arguments->output, "map CSV to write")
-      .choice("--format", arguments->format, format_names(), "default: by its content");
-  take_read_options(verb, arguments->options);
-  verb.text("--params", arguments->params, "parameters of the machine: identity, measurement lines")
-      .text("--params-out", arguments->params_out, "the same with the squareness that was read");
-  verb.runs([arguments](VerbContext& context) { return read(context, *arguments); });
-}
+extern const VerbDefinition kExportRead = verb<ReadArguments>(
+    "export read", "the compensation tables of a control as a map CSV",
+    "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
+    "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
+    [](Verb& verb, ReadArguments& arguments) {
+      verb.texts("FILE", arguments.files, "files of one control", Need::required)
+          .text("-o,--output", arguments.output, "map CSV to write")
+          .choice("--format", arguments.format, format_names(), "default: by its content");
+      take_read_options(verb, arguments.options);
+      verb.text("--params", arguments.params, "parameters of the machine: identity, measurement lines")
+          .text("--params-out", arguments.params_out, "the same with the squareness that was read");
+    },
+    read);
 
 }  // namespace ecs::app

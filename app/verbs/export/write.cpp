@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/export/export_arguments.hpp"
 #include "app/verbs/export/format_arguments.hpp"
-#include "app/verbs/export/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_view.hpp"
 #include "commissioning/measurements/files.hpp"
@@ -39,7 +40,7 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   return write_together(files);
 }
 
-/// Directions of which a model says nothing: what stands there is what the compensation adds by itself.
+/// Directions that a model does not predict: the values there are what the compensation adds by itself.
 void note_silent_directions(ExportWork& work, const std::vector<controllers::ResidualRow>& residuals) {
   for (const Axis axis : kAllAxes) {
     const std::size_t d = index_of(axis);
@@ -84,24 +85,33 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   return Outcome{export_text(told), one_line(json_of(told)), kDone};
 }
 
-void add_writer(Menu& menu, const controllers::ControllerFormat& format) {
-  struct WriteArguments : ExportArguments {
-    FormatArguments format;
+struct WriteArguments : ExportArguments {
+  FormatArguments format;
+};
+
+VerbDefinition writer_of(const controllers::ControllerFormat& format) {
+  const auto declare = [&format](Verb& verb) -> Action {
+    const auto arguments = std::make_shared<WriteArguments>();
+    take_export_arguments(verb, *arguments, std::string(format.output_help));
+    for (const controllers::FormatOption& option : format.write_options)
+      arguments->format.take(verb, option, std::string(option.help));
+    return [arguments, &format](VerbContext& context) {
+      return exported(context, *arguments, format, arguments->format.values());
+    };
   };
-  const auto arguments = std::make_shared<WriteArguments>();
-  Verb verb = menu.verb(std::string(format.id), std::string(format.summary), std::string(format.example));
-  take_export_arguments(verb, *arguments, std::string(format.output_help));
-  for (const controllers::FormatOption& option : format.write_options)
-    arguments->format.take(verb, option, std::string(option.help));
-  verb.runs([arguments, &format](VerbContext& context) {
-    return exported(context, *arguments, format, arguments->format.values());
-  });
+  return {fmt::format("export {}", format.id), std::string(format.summary), std::string(format.example), declare};
 }
 
 }  // namespace
 
-void add_export_writers(Menu& menu) {
-  for (const controllers::ControllerFormat* format : controllers::controller_formats()) add_writer(menu, *format);
+const std::vector<VerbDefinition>& export_writers() {
+  static const std::vector<VerbDefinition> writers = [] {
+    std::vector<VerbDefinition> all;
+    for (const controllers::ControllerFormat* format : controllers::controller_formats())
+      all.push_back(writer_of(*format));
+    return all;
+  }();
+  return writers;
 }
 
 }  // namespace ecs::app

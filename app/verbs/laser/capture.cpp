@@ -1,4 +1,4 @@
-// `ecs laser capture`: leads through the targets of a measurement and takes its readings.
+// `ecs laser capture`: guides through the targets of a measurement and takes its readings.
 #include <algorithm>
 #include <chrono>
 #include <ctime>
@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/capture_targets.hpp"
-#include "app/verbs/laser/menu.hpp"
 #include "base/clock.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
@@ -93,8 +93,7 @@ Result<devices::CaptureRules> rules_of(const CaptureArguments& arguments, bool e
 }
 
 Result<Begun> begun_anew(const CaptureArguments& arguments, bool each) {
-  if (arguments.output.empty())
-    return problem(ProblemKind::usage, "-o OUT.csv is missing: where the readings are kept");
+  if (arguments.output.empty()) return problem(ProblemKind::usage, "-o OUT.csv is missing: the file for the readings");
   auto plan = capture_plan(arguments.target);
   if (!plan) return tl::unexpected(plan.error());
   const auto rules = rules_of(arguments, each);
@@ -114,7 +113,7 @@ Result<Begun> resumed(const CaptureArguments& arguments) {
   const TargetArguments& target = arguments.target;
   if (!target.axis.empty() || !target.sense.empty() || target.from_mm || target.to_mm || target.step_mm ||
       !target.targets.empty() || !target.plan.empty())
-    return problem(ProblemKind::usage, "--resume goes on with the targets of its file: give no others beside it");
+    return problem(ProblemKind::usage, "--resume continues with the targets of its file: give no others");
   const auto part = laser::read_measurement_set(arguments.resume);
   if (!part) return tl::unexpected(part.error());
   auto record = devices::CaptureRecord::from_part(*part);
@@ -156,7 +155,7 @@ TriggerKind trigger_kind(const CaptureArguments& arguments, bool typed) {
 Result<void> check_keyboard(const VerbContext& context, TriggerKind kind, bool typed) {
   if (typed && kind != TriggerKind::typed)
     return problem(ProblemKind::usage,
-                   "a trigger says when: say where the reading comes from as well (--gauge, --readings, "
+                   "--trigger sets only the time of a reading: give its source as well (--gauge, --readings, "
                    "--follow or --display); without a trigger, values are typed");
   if (context.console.keyboard() == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
     return problem(ProblemKind::usage,
@@ -300,33 +299,34 @@ Result<Outcome> capture(VerbContext& context, const CaptureArguments& arguments)
 
 }  // namespace
 
-void add_laser_capture(Menu& menu) {
-  const auto arguments = std::make_shared<CaptureArguments>();
-  Verb verb =
-      menu.verb("capture", "leads through the targets of a measurement, forward and back, and takes its readings",
-                "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
-                "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml "
-                "--environment temper -o EXX.csv\n"
-                "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml");
-  verb.text("-o,--output", arguments->output, "the measurement CSV to write; OUT.csv.part until it is complete")
-      .text("--resume", arguments->resume, "goes on with an unfinished FILE.part");
-  take_target_options(verb, arguments->target);
-  verb.text("--trigger", arguments->trigger,
-            "what takes a reading: DEVICE.toml[@SERIAL], enter, or each (all that come)")
-      .text("--gauge", arguments->gauge, "readings from an indicator gauge: DEVICE.toml[@SERIAL]")
-      .text("--readings", arguments->readings, "readings from a file or FIFO: each trigger takes the next line")
-      .text("--follow", arguments->follow, "readings from a file or FIFO that a display writes: the last line counts")
-      .text("--display", arguments->display, "readings from a shell command that prints what the display shows")
-      .choice("--shows", arguments->shows, {"error", "position"},
-              "what is read: the error, or where the axis stands [mm]")
-      .number("--scale", arguments->scale, "times the reading makes um (um/m), or mm of a position (1)")
-      .text("--environment", arguments->environment, "temper, or DEVICE.toml[@SERIAL]: temperatures into every reading")
-      .number("--environment-every", arguments->environment_every_s, "seconds between its values", Need::optional, 0.1,
-              3600.0)
-      .number("--min-interval", arguments->min_interval_s,
-              "a trigger sooner after a reading is a doubled one [s] (0.5)")
-      .flag("--force", arguments->force, "replaces an output file that is there")
-      .runs([arguments](VerbContext& context) { return capture(context, *arguments); });
-}
+extern const VerbDefinition kLaserCapture = verb<CaptureArguments>(
+    "laser capture", "guides through the targets of a measurement, forward and back, and takes its readings",
+    "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
+    "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml "
+    "--environment temper -o EXX.csv\n"
+    "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
+    [](Verb& verb, CaptureArguments& arguments) {
+      verb.text("-o,--output", arguments.output, "the measurement CSV to write; OUT.csv.part until it is complete")
+          .text("--resume", arguments.resume, "goes on with an unfinished FILE.part");
+      take_target_options(verb, arguments.target);
+      verb.text("--trigger", arguments.trigger,
+                "what takes a reading: DEVICE.toml[@SERIAL], enter, or each (all that come)")
+          .text("--gauge", arguments.gauge, "readings from an indicator gauge: DEVICE.toml[@SERIAL]")
+          .text("--readings", arguments.readings, "readings from a file or FIFO: each trigger takes the next line")
+          .text("--follow", arguments.follow,
+                "readings from a file or FIFO that a display writes: the last line counts")
+          .text("--display", arguments.display, "readings from a shell command that prints what the display shows")
+          .choice("--shows", arguments.shows, {"error", "position"},
+                  "what is read: the error, or the position of the axis [mm]")
+          .number("--scale", arguments.scale, "times the reading makes um (um/m), or mm of a position (1)")
+          .text("--environment", arguments.environment,
+                "temper, or DEVICE.toml[@SERIAL]: temperatures into every reading")
+          .number("--environment-every", arguments.environment_every_s, "seconds between its values", Need::optional,
+                  0.1, 3600.0)
+          .number("--min-interval", arguments.min_interval_s,
+                  "a trigger sooner after a reading is a doubled one [s] (0.5)")
+          .flag("--force", arguments.force, "replaces an output file that is there");
+    },
+    capture);
 
 }  // namespace ecs::app

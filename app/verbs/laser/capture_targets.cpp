@@ -109,7 +109,7 @@ std::string lacking(const TargetArguments& arguments) {
 
 Result<devices::CapturePlan> plan_of_list(const TargetArguments& arguments) {
   if (arguments.from_mm || arguments.to_mm || arguments.step_mm || arguments.runs > 0 || !arguments.plan.empty())
-    return wrong_usage("--targets says all of it: give neither --plan nor --from, --to, --step or --runs beside it");
+    return wrong_usage("--targets gives the whole list: leave out --plan, --from, --to, --step and --runs");
   const auto targets = laser::read_measurement_set(arguments.targets);
   if (!targets) return tl::unexpected(targets.error());
   auto stops = devices::stops_of_targets(*targets);
@@ -154,7 +154,7 @@ void take_target_options(Verb& verb, TargetArguments& arguments) {
       .number("--step", arguments.step_mm, "from target to target [mm]")
       .integer("--runs", arguments.runs, "forward and back so many times (3)", 0, kMostRuns)
       .flag("--one-way", arguments.one_way, "no readings on the way back")
-      .text("--parked", arguments.parked, "where the other axes stand, as in y=-1400,z=0 [mm]")
+      .text("--parked", arguments.parked, "positions of the other axes, as in y=-1400,z=0 [mm]")
       .number("--feed", arguments.feed_mm_min, "feed between the targets [mm/min], for the record")
       .text("--targets", arguments.targets, "a target list (CSV), as `ecs model next --targets` writes it")
       .text("--plan", arguments.plan, "plan with [[measure]] rows, as `laser table` reads it")

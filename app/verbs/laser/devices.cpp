@@ -1,13 +1,12 @@
 // `ecs laser devices`: which HID devices are plugged in, udev rules for them, learning a trigger, trying a description.
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/devices_learn.hpp"
-#include "app/verbs/laser/menu.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
@@ -68,7 +67,7 @@ Json device_json(const devices::HidIdentity& one) {
               {"hindrance", opened ? Json(nullptr) : Json(opened.error().message)}};
 }
 
-std::string text_of(const devices::HidIdentity& one) {
+std::string device_text(const devices::HidIdentity& one) {
   std::string text =
       fmt::format("{}\n  usage page 0x{:04x}, usage 0x{:04x}", devices::to_text(one), one.usage_page, one.usage);
   for (const auto& [number, bytes] : one.reports.input)
@@ -88,7 +87,7 @@ Result<Outcome> list() {
   std::string text;
   for (const devices::HidIdentity& one : *present) {
     devices.push_back(device_json(one));
-    text += text_of(one);
+    text += device_text(one);
   }
   if (text.empty()) text = "no HID device is plugged in (or the kernel has no hidraw)\n";
   return Outcome{text, one_line(Json{{"devices", devices}}), kDone};
@@ -107,7 +106,7 @@ Result<Outcome> rules(const DevicesArguments& arguments) {
 
 Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (arguments.output.empty())
-    return problem(ProblemKind::usage, "-o FILE.toml is missing: where the description goes");
+    return problem(ProblemKind::usage, "-o FILE.toml is missing: the file for the description");
   std::error_code error;
   if (std::filesystem::exists(arguments.output, error) && !arguments.force)
     return problem(ProblemKind::usage,
@@ -222,24 +221,25 @@ Result<Outcome> devices(VerbContext& context, const DevicesArguments& arguments)
 
 }  // namespace
 
-void add_laser_devices(Menu& menu) {
-  const auto arguments = std::make_shared<DevicesArguments>();
-  menu.verb("devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
-            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
-            "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml")
-      .texts("DESCRIPTION", arguments->descriptions, "with --udev: device descriptions to make rules for as well")
-      .flag("--learn", arguments->learn, "finds the bit that changes while a trigger is pressed")
-      .text("-o,--output", arguments->output, "with --learn: the description to write")
-      .text("--device", arguments->choice.device, "with --learn: only this path, serial number or vendor:product")
-      .text("--name", arguments->choice.name, "with --learn: what the device is called")
-      .integer("--presses", arguments->choice.presses, "with --learn: presses to learn from", 2, 20)
-      .text("--try", arguments->trying, "shows what a device says: DEVICE.toml[@SERIAL], or temper")
-      .integer("--count", arguments->count, "with --try: values or presses", 1, 1'000'000)
-      .number("--timeout", arguments->choice.timeout_s, "with --learn and --try: seconds", Need::optional, 0.1, 86400.0)
-      .text("--describe", arguments->describe, "a description that comes with the program, as TOML")
-      .flag("--udev", arguments->udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules")
-      .flag("--force", arguments->force, "replaces an output file that is there")
-      .runs([arguments](VerbContext& context) { return devices(context, *arguments); });
-}
+extern const VerbDefinition kLaserDevices = verb<DevicesArguments>(
+    "laser devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
+    "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
+    "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml",
+    [](Verb& verb, DevicesArguments& arguments) {
+      verb.texts("DESCRIPTION", arguments.descriptions, "with --udev: device descriptions to make rules for as well")
+          .flag("--learn", arguments.learn, "finds the bit that changes while a trigger is pressed")
+          .text("-o,--output", arguments.output, "with --learn: the description to write")
+          .text("--device", arguments.choice.device, "with --learn: only this path, serial number or vendor:product")
+          .text("--name", arguments.choice.name, "with --learn: what the device is called")
+          .integer("--presses", arguments.choice.presses, "with --learn: presses to learn from", 2, 20)
+          .text("--try", arguments.trying, "shows what a device sends: DEVICE.toml[@SERIAL], or temper")
+          .integer("--count", arguments.count, "with --try: values or presses", 1, 1'000'000)
+          .number("--timeout", arguments.choice.timeout_s, "with --learn and --try: seconds", Need::optional, 0.1,
+                  86400.0)
+          .text("--describe", arguments.describe, "a description that comes with the program, as TOML")
+          .flag("--udev", arguments.udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules")
+          .flag("--force", arguments.force, "replaces an output file that is there");
+    },
+    devices);
 
 }  // namespace ecs::app

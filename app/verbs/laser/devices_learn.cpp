@@ -118,7 +118,7 @@ Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
   for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + devices::to_text(one->identity);
   return problem(
       ProblemKind::refused,
-      fmt::format("several devices sent something: {}. Touch only the trigger, or say which with --device", names));
+      fmt::format("several devices sent something: {}. Touch only the trigger, or choose one with --device", names));
 }
 
 bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {

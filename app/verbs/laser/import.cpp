@@ -1,14 +1,14 @@
 // `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/menu.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 #include "commissioning/measurements/json.hpp"
@@ -110,17 +110,17 @@ Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
 
 }  // namespace
 
-void add_laser_import(Menu& menu) {
-  const auto arguments = std::make_shared<FileImportArguments>();
-  Verb verb = menu.verb("import", "any instrument's file as a measurement set (CSV); says what it took it for",
-                        "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
-                        "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
-                        "--skip 3 --save-profile gauge -o table.csv");
-  verb.texts("FILE", arguments->files, "measurement files; several are joined", Need::required)
-      .text("-o,--output", arguments->output, output_help())
-      .text("--save-profile", arguments->save_profile, "keep the import options given, under this name or path");
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return import(context, *arguments); });
-}
+extern const VerbDefinition kLaserImport = verb<FileImportArguments>(
+    "laser import", "any instrument's file as a measurement set (CSV); names the format it recognised",
+    "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
+    "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
+    "--skip 3 --save-profile gauge -o table.csv",
+    [](Verb& verb, FileImportArguments& arguments) {
+      verb.texts("FILE", arguments.files, "measurement files; several are joined", Need::required)
+          .text("-o,--output", arguments.output, output_help())
+          .text("--save-profile", arguments.save_profile, "keep the import options given, under this name or path");
+      take_import_options(verb, arguments.import);
+    },
+    import);
 
 }  // namespace ecs::app

@@ -1,12 +1,11 @@
 // `ecs laser normalise`: errors referred to 20 degC by a coefficient, and back; `ecs laser air`: the index of air.
 #include "laser/analysis/normalise.hpp"
 
-#include <memory>
-
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "laser/analysis/refraction.hpp"
 #include "laser/writers/measurement_writer.hpp"
@@ -110,34 +109,34 @@ Result<Outcome> air(const AirArguments& arguments) {
 
 }  // namespace
 
-void add_laser_normalise(Menu& menu) {
-  const auto arguments = std::make_shared<NormaliseArguments>();
-  Verb verb = menu.verb("normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
-                        "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
-                        "  ecs laser normalise exx20.csv --back -o exx.csv");
-  verb.text("FILE", arguments->file, "measurement file", Need::required)
-      .number("--coefficient", arguments->coefficient, "expansion of the result [um per metre and degC]; 0: none")
-      .number("--instrument", arguments->instrument,
-              "what the instrument applied already; as the file says if not given (Renishaw Exp coeff)")
-      .text("--material-sensor", arguments->sensor, "column with the temperature of the material")
-      .number("--material", arguments->material_degC, "one material temperature for all readings [degC]")
-      .number("--fixed", arguments->fixed_mm, "position that expansion leaves where it is [mm]")
-      .flag("--back", arguments->back, "take it back, to the last digit")
-      .text("-o,--output", arguments->output, "the CSV to write");
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return normalise(context, *arguments); });
-}
+extern const VerbDefinition kLaserNormalise = verb<NormaliseArguments>(
+    "laser normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
+    "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
+    "  ecs laser normalise exx20.csv --back -o exx.csv",
+    [](Verb& verb, NormaliseArguments& arguments) {
+      verb.text("FILE", arguments.file, "measurement file", Need::required)
+          .number("--coefficient", arguments.coefficient, "expansion of the result [um per metre and degC]; 0: none")
+          .number("--instrument", arguments.instrument,
+                  "what the instrument applied already; from the file if not given (Renishaw Exp coeff)")
+          .text("--material-sensor", arguments.sensor, "column with the temperature of the material")
+          .number("--material", arguments.material_degC, "one material temperature for all readings [degC]")
+          .number("--fixed", arguments.fixed_mm, "position that expansion leaves where it is [mm]")
+          .flag("--back", arguments.back, "take it back, to the last digit")
+          .text("-o,--output", arguments.output, "the CSV to write");
+      take_import_options(verb, arguments.import);
+    },
+    normalise);
 
-void add_laser_air(Menu& menu) {
-  const auto arguments = std::make_shared<AirArguments>();
-  Verb verb = menu.verb("air", "refractive index of air by Ciddor and modified Edlen",
-                        "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42");
-  verb.number("--temperature", arguments->air.temperature_degC, "[degC]")
-      .number("--pressure", arguments->air.pressure_hPa, "[hPa]")
-      .number("--humidity", arguments->air.humidity_pct, "relative [%]")
-      .number("--co2", arguments->air.co2_ppm, "carbon dioxide [ppm]")
-      .number("--wavelength", arguments->wavelength_nm, "in vacuum [nm]");
-  verb.runs([arguments](VerbContext&) { return air(*arguments); });
-}
+extern const VerbDefinition kLaserAir = verb<AirArguments>(
+    "laser air", "refractive index of air by Ciddor and modified Edlen",
+    "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42",
+    [](Verb& verb, AirArguments& arguments) {
+      verb.number("--temperature", arguments.air.temperature_degC, "[degC]")
+          .number("--pressure", arguments.air.pressure_hPa, "[hPa]")
+          .number("--humidity", arguments.air.humidity_pct, "relative [%]")
+          .number("--co2", arguments.air.co2_ppm, "carbon dioxide [ppm]")
+          .number("--wavelength", arguments.wavelength_nm, "in vacuum [nm]");
+    },
+    [](VerbContext&, const AirArguments& arguments) { return air(arguments); });
 
 }  // namespace ecs::app

@@ -1,13 +1,13 @@
 // `ecs laser process`: runs left out, slope removed, curve smoothed; what that changed, as numbers, CSV and plot.
 #include <algorithm>
-#include <memory>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/menu.hpp"
+#include "base/json.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/plot/curves.hpp"
@@ -57,18 +57,18 @@ std::string_view word_for(laser::Taken taken) {
 // --- as text
 
 std::string smoothing_text(const laser::Smoothed& smooth, std::string_view unit) {
-  std::string text = fmt::format("  smoothing took away {:.3f} {} rms, at most {:.3f} at {:.6g} mm", smooth.removed_rms,
+  std::string text = fmt::format("  smoothing removed {:.3f} {} rms, at most {:.3f} at {:.6g} mm", smooth.removed_rms,
                                  unit, smooth.removed_peak, smooth.removed_peak_position_mm);
   if (smooth.taken == laser::Taken::noise) return text + ":\n  no more than the repeats explain as noise\n";
   if (smooth.taken == laser::Taken::signal)
     return text + fmt::format(
-                      ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): form of the curve went too, use a "
-                      "narrower window\n",
+                      ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): the form of the curve was removed too; "
+                      "use a narrower window\n",
                       smooth.F.value_or(0.0), smooth.F_99.value_or(0.0));
-  return text + ";\n  without repeats nobody can tell whether that is noise\n";
+  return text + ";\n  without repeats it is unknown whether that is noise\n";
 }
 
-std::string text_of(const Processed& p) {
+std::string processed_text(const Processed& p) {
   const auto unit = laser::unit_of(p.group.sense);
   std::string text = fmt::format("{} ({} along {}), parked at {} mm\n", name_of(curve_of(p.group.sense, p.group.axis)),
                                  name_of(p.group.sense), letter_of(p.group.axis), parked_text(p.group));
@@ -191,7 +191,7 @@ Result<std::string> write_files(const std::vector<Processed>& lines, const laser
   return text;
 }
 
-/// An exclusion that fits no reading is a slip of the pen, not a wish.
+/// An exclusion that matches no reading is probably a typing error.
 Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const laser::Selection& selection,
                      const laser::MeasurementSet& set, const std::string& file) {
   std::set<int> runs;
@@ -243,7 +243,7 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
   Json object{{"file", arguments.file}, {"lines", Json::array()}};
   std::string text;
   for (const Processed& line : lines) {
-    text += text_of(line);
+    text += processed_text(line);
     object["lines"].push_back(processed_json(line, arguments.smooth_mm));
   }
   object["readings"] = imported->set.readings.size();
@@ -257,20 +257,21 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
 
 }  // namespace
 
-void add_laser_process(Menu& menu) {
-  const auto arguments = std::make_shared<ProcessArguments>();
-  Verb verb = menu.verb("process", "slope removal, smoothing and exclusion of runs; before and after",
-                        "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg");
-  verb.text("FILE", arguments->file, "measurement file", Need::required)
-      .choice("--slope", arguments->slope, {"none", "end_points", "least_squares"},
-              "slope to remove; least_squares for straightness, else none")
-      .number("--smooth", arguments->smooth_mm, "window of the local quadratic [mm]; 0: none", Need::optional, 0.0, 1e6)
-      .texts("--exclude-run", arguments->exclude_runs, "runs to leave out: 3 or 3,5")
-      .texts("--exclude-row", arguments->exclude_rows, "data rows to leave out, from 1")
-      .text("-o,--output", arguments->output, "CSV of the processed means")
-      .text("--plot", arguments->plot, "before and after on the same scale: OUT.svg or OUT.png");
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return process(context, *arguments); });
-}
+extern const VerbDefinition kLaserProcess = verb<ProcessArguments>(
+    "laser process", "slope removal, smoothing and exclusion of runs; before and after",
+    "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg",
+    [](Verb& verb, ProcessArguments& arguments) {
+      verb.text("FILE", arguments.file, "measurement file", Need::required)
+          .choice("--slope", arguments.slope, {"none", "end_points", "least_squares"},
+                  "slope to remove; least_squares for straightness, else none")
+          .number("--smooth", arguments.smooth_mm, "window of the local quadratic [mm]; 0: none", Need::optional, 0.0,
+                  1e6)
+          .texts("--exclude-run", arguments.exclude_runs, "runs to leave out: 3 or 3,5")
+          .texts("--exclude-row", arguments.exclude_rows, "data rows to leave out, from 1")
+          .text("-o,--output", arguments.output, "CSV of the processed means")
+          .text("--plot", arguments.plot, "before and after on the same scale: OUT.svg or OUT.png");
+      take_import_options(verb, arguments.import);
+    },
+    process);
 
 }  // namespace ecs::app

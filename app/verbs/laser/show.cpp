@@ -1,11 +1,10 @@
 // `ecs laser show`: conditions, measurement lines, and the means at every target.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/menu.hpp"
-#include "base/numbers.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/measurements/json.hpp"
 
 namespace ecs::app {
@@ -22,31 +21,45 @@ std::optional<double> reversal(const laser::TargetReadings& target) {
   return *forward - *reverse;
 }
 
-std::string targets_text(const laser::MeasurementSet& set, const laser::Group& group) {
-  std::string text = fmt::format(
-      "\n{} ({} along {}), parked at {} mm, in {}\n{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} "
-      "{:>4} {:>12}\n",
-      name_of(curve_of(group.sense, group.axis)), name_of(group.sense), letter_of(group.axis), parked_text(group),
-      laser::unit_of(group.sense), "target [mm]", "forward", "n", "reverse", "n", "unknown", "n", "reversal");
-  for (const laser::TargetReadings& t : laser::targets_of(set, group, laser::target_tolerance_mm(set, group)))
-    text += fmt::format("{:>12.4f} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n", t.position_mm,
-                        cell_text(laser::mean_of(t.forward)), t.forward.size(), cell_text(laser::mean_of(t.reverse)),
-                        t.reverse.size(), cell_text(laser::mean_of(t.undirected)), t.undirected.size(),
-                        cell_text(reversal(t)));
-  return text;
+Cell mean_cell(const std::vector<double>& readings) { return number_cell(laser::mean_of(readings), 3); }
+/// All of them in JSON, how many in the text.
+Cell readings_cell(const std::vector<double>& readings) { return {readings, fmt::format("{}", readings.size())}; }
+
+const AnswerTable<laser::TargetReadings>& targets_table() {
+  using Target = laser::TargetReadings;
+  static const AnswerTable<Target> table(
+      "{position_mm:>12} {mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
+      "{undirected:>4} {reversal:>12}",
+      {{"position_mm", "target [mm]", [](const Target& t) { return number_cell(t.position_mm, 4); }},
+       {"mean_forward", "forward", [](const Target& t) { return mean_cell(t.forward); }},
+       {"forward", "n", [](const Target& t) { return readings_cell(t.forward); }},
+       {"mean_reverse", "reverse", [](const Target& t) { return mean_cell(t.reverse); }},
+       {"reverse", "n", [](const Target& t) { return readings_cell(t.reverse); }},
+       {"mean_undirected", "unknown", [](const Target& t) { return mean_cell(t.undirected); }},
+       {"undirected", "n", [](const Target& t) { return readings_cell(t.undirected); }},
+       {"reversal", "reversal", [](const Target& t) { return shown_cell(number_cell(reversal(t), 3).text); }}});
+  return table;
 }
 
-Json targets_json(const laser::MeasurementSet& set, const laser::Group& group) {
-  Json targets = Json::array();
-  for (const laser::TargetReadings& t : laser::targets_of(set, group, laser::target_tolerance_mm(set, group)))
-    targets.push_back({{"position_mm", number_or_null(t.position_mm)},
-                       {"mean_forward", number_or_null(laser::mean_of(t.forward))},
-                       {"forward", t.forward},
-                       {"mean_reverse", number_or_null(laser::mean_of(t.reverse))},
-                       {"reverse", t.reverse},
-                       {"mean_undirected", number_or_null(laser::mean_of(t.undirected))},
-                       {"undirected", t.undirected}});
-  return targets;
+const AnswerTable<ConditionSummary>& conditions_table() {
+  using Condition = ConditionSummary;
+  static const AnswerTable<Condition> table(
+      "  {name:<28} {least:>10} ... {most:<10} in {readings} readings",
+      {{"name", "", [](const Condition& c) { return word_cell(c.name); }},
+       {"readings", "", [](const Condition& c) { return count_cell(c.readings); }},
+       {"least", "",
+        [](const Condition& c) {
+          return Cell{number_or_null(c.least), fmt::format("{:.6g}", c.least)};
+        }},
+       {"most", "", [](const Condition& c) {
+          return Cell{number_or_null(c.most), fmt::format("{:.6g}", c.most)};
+        }}});
+  return table;
+}
+
+std::string group_title(const laser::Group& group) {
+  return fmt::format("\n{} ({} along {}), parked at {} mm, in {}\n", name_of(curve_of(group.sense, group.axis)),
+                     name_of(group.sense), letter_of(group.axis), parked_text(group), laser::unit_of(group.sense));
 }
 
 std::string heading(const laser::MeasurementSet& set, const std::string& file, std::string_view format) {
@@ -54,8 +67,7 @@ std::string heading(const laser::MeasurementSet& set, const std::string& file, s
   for (const laser::MetadataEntry& entry : set.metadata)
     text += entry.key.empty() ? fmt::format("  {}\n", entry.value) : fmt::format("  {}: {}\n", entry.key, entry.value);
   for (const std::string& note : set.notes) text += fmt::format("  assumed: {}\n", note);
-  for (const ConditionSummary& c : conditions_in(set))
-    text += fmt::format("  {:<28} {:>10.6g} ... {:<10.6g} in {} readings\n", c.name, c.least, c.most, c.readings);
+  for (const ConditionSummary& condition : conditions_in(set)) text += conditions_table().line(condition);
   return text + "\n";
 }
 
@@ -69,26 +81,24 @@ Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   text += lines_table(lines_in(set));
   const auto groups = laser::groups_of(set);
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    text += targets_text(set, groups[i]);
-    object["lines"][i]["by_target"] = targets_json(set, groups[i]);
+    const auto targets = laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i]));
+    text += group_title(groups[i]) + targets_table().text(targets);
+    object["lines"][i]["by_target"] = targets_table().array(targets);
   }
-  for (const ConditionSummary& c : conditions_in(set))
-    object["conditions"].push_back({{"name", c.name},
-                                    {"readings", c.readings},
-                                    {"least", number_or_null(c.least)},
-                                    {"most", number_or_null(c.most)}});
+  const auto conditions = conditions_in(set);
+  if (!conditions.empty()) object["conditions"] = conditions_table().array(conditions);
   return Outcome{text, one_line(object), kDone};
 }
 
 }  // namespace
 
-void add_laser_show(Menu& menu) {
-  const auto arguments = std::make_shared<ShowArguments>();
-  Verb verb = menu.verb("show", "conditions, lines, sensors and the means at every target of a measurement file",
-                        "ecs laser show x_axis.csv");
-  verb.text("FILE", arguments->file, "measurement file", Need::required);
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return show(context, *arguments); });
-}
+extern const VerbDefinition kLaserShow = verb<ShowArguments>(
+    "laser show", "conditions, lines, sensors and the means at every target of a measurement file",
+    "ecs laser show x_axis.csv",
+    [](Verb& verb, ShowArguments& arguments) {
+      verb.text("FILE", arguments.file, "measurement file", Need::required);
+      take_import_options(verb, arguments.import);
+    },
+    show);
 
 }  // namespace ecs::app

@@ -1,10 +1,10 @@
 // `ecs laser stats`: accuracy and repeatability by ISO 230-2 of every measurement line in the files.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/laser/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/iso230.hpp"
@@ -17,7 +17,7 @@ struct StatsArguments {
   ImportArguments import;
 };
 
-std::string text_of(const laser::Iso230& iso, const std::string& file) {
+std::string iso230_text(const laser::Iso230& iso, const std::string& file) {
   const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
   std::string text = fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
                                  name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
@@ -33,7 +33,7 @@ std::string text_of(const laser::Iso230& iso, const std::string& file) {
   return text;
 }
 
-Json json_of(const laser::Iso230Target& t) {
+Json target_json(const laser::Iso230Target& t) {
   return {{"position_mm", number_or_null(t.position_mm)},
           {"n_forward", t.n_forward},
           {"n_reverse", t.n_reverse},
@@ -49,14 +49,14 @@ Json json_of(const laser::Iso230Target& t) {
           {"R", number_or_null(t.R)}};
 }
 
-Json json_of(const laser::Iso230& iso, const std::string& file) {
+Json iso230_json(const laser::Iso230& iso, const std::string& file) {
   Json object{{"file", file}};
   object.update(json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated));
   for (const LaserQuantity& q : kLaserQuantities) object[q.key] = number_or_null(iso.*q.value);
   object["range"] = number_or_null(iso.range);
   object["merge_tolerance_mm"] = number_or_null(iso.merge_tolerance_mm);
   object["targets"] = Json::array();
-  for (const laser::Iso230Target& target : iso.targets) object["targets"].push_back(json_of(target));
+  for (const laser::Iso230Target& target : iso.targets) object["targets"].push_back(target_json(target));
   object["notes"] = iso.notes;
   return object;
 }
@@ -72,8 +72,8 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
     const auto all = laser::iso230_of(imported->set);
     if (!all) return tl::unexpected(all.error());
     for (const laser::Iso230& iso : *all) {
-      text += (text.empty() ? "" : "\n") + text_of(iso, file);
-      lines.push_back(json_of(iso, file));
+      text += (text.empty() ? "" : "\n") + iso230_text(iso, file);
+      lines.push_back(iso230_json(iso, file));
     }
   }
   return Outcome{text, one_line(Json{{"lines", std::move(lines)}}), kDone};
@@ -81,13 +81,13 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
 
 }  // namespace
 
-void add_laser_stats(Menu& menu) {
-  const auto arguments = std::make_shared<StatsArguments>();
-  Verb verb = menu.verb("stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
-                        "ecs laser stats x_axis.csv y_axis.rtl --json");
-  verb.texts("FILE", arguments->files, "measurement files", Need::required);
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return stats(context, *arguments); });
-}
+extern const VerbDefinition kLaserStats = verb<StatsArguments>(
+    "laser stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
+    "ecs laser stats x_axis.csv y_axis.rtl --json",
+    [](Verb& verb, StatsArguments& arguments) {
+      verb.texts("FILE", arguments.files, "measurement files", Need::required);
+      take_import_options(verb, arguments.import);
+    },
+    stats);
 
 }  // namespace ecs::app

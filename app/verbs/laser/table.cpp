@@ -2,12 +2,11 @@
 #include "commissioning/measurements/table.hpp"
 
 #include <filesystem>
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/laser/menu.hpp"
 #include "base/json.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/map/recipe.hpp"
@@ -25,7 +24,7 @@ struct TableArguments {
   bool png = false;
 };
 
-Json json_of(const std::optional<MeasuredPhase>& phase) {
+Json phase_json(const std::optional<MeasuredPhase>& phase) {
   if (!phase) return nullptr;
   return {{"file", phase->file.string()},
           {"readings", phase->readings.before.readings.size()},
@@ -38,10 +37,10 @@ Json json_of(const std::optional<MeasuredPhase>& phase) {
           {"B", number_or_null(phase->iso.B)}};
 }
 
-Json json_of(const TableRow& row) {
+Json row_json(const TableRow& row) {
   const PlannedMeasurement& p = row.planned;
   Json problems = Json::array();
-  for (const Problem& one : row.problems) problems.push_back(ecs::json_of(one));
+  for (const Problem& one : row.problems) problems.push_back(problem_json(one));
   return {{"name", p.name},
           {"title", p.title},
           {"axis", std::string(1, letter_of(p.axis))},
@@ -50,8 +49,8 @@ Json json_of(const TableRow& row) {
           {"slope", laser::name_of(p.slope)},
           {"published_before", number_or_null(p.published_before)},
           {"published_after", number_or_null(p.published_after)},
-          {"before", json_of(row.before)},
-          {"after", json_of(row.after)},
+          {"before", phase_json(row.before)},
+          {"after", phase_json(row.after)},
           {"ratio", number_or_null(row.ratio())},
           {"exceeds_published", row.exceeds_published()},
           {"problems", std::move(problems)}};
@@ -117,24 +116,24 @@ Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
   if (!plots->empty()) text += "\nplots:\n";
   for (const std::string& path : *plots) text += "  " + path + "\n";
   Json object{{"plan", arguments.plan}, {"band", laser::kBandDefinition}, {"rows", Json::array()}};
-  for (const TableRow& row : rows) object["rows"].push_back(json_of(row));
+  for (const TableRow& row : rows) object["rows"].push_back(row_json(row));
   object["plots"] = *plots;
-  if (const auto unfit = unfit_files(rows)) object["error"] = ecs::json_of(*unfit);
+  if (const auto unfit = unfit_files(rows)) object["error"] = problem_json(*unfit);
   return Outcome{text, one_line(object), exit_code_of(rows)};
 }
 
 }  // namespace
 
-void add_laser_table(Menu& menu) {
-  const auto arguments = std::make_shared<TableArguments>();
-  menu.verb("table", "a commissioning: error bands before and after beside the published ones",
-            "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/")
-      .text("PLAN", arguments->plan, "plan with a [[measure]] for each measurement", Need::required)
-      .text("--before", arguments->before, "folder of NAME.csv, measured without compensation", Need::required)
-      .text("--after", arguments->after, "folder of NAME.csv, measured with compensation", Need::required)
-      .text("--plots", arguments->plots, "folder for a plot NAME.svg of each row")
-      .flag("--png", arguments->png, "with --plots: NAME.png as well")
-      .runs([arguments](VerbContext& context) { return table(context, *arguments); });
-}
+extern const VerbDefinition kLaserTable = verb<TableArguments>(
+    "laser table", "a commissioning: error bands before and after beside the published ones",
+    "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/",
+    [](Verb& verb, TableArguments& arguments) {
+      verb.text("PLAN", arguments.plan, "plan with a [[measure]] for each measurement", Need::required)
+          .text("--before", arguments.before, "folder of NAME.csv, measured without compensation", Need::required)
+          .text("--after", arguments.after, "folder of NAME.csv, measured with compensation", Need::required)
+          .text("--plots", arguments.plots, "folder for a plot NAME.svg of each row")
+          .flag("--png", arguments.png, "with --plots: NAME.png as well");
+    },
+    table);
 
 }  // namespace ecs::app

@@ -2,14 +2,14 @@
 #include "laser/map/build.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "app/verbs/map/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -86,7 +86,7 @@ std::vector<std::string> files_for(const Recipe& recipe, Component component) {
   return names;
 }
 
-/// Everything the answer tells.
+/// All that the answer contains.
 struct Built {
   Recipe recipe;
   laser::BuiltMap map;
@@ -106,7 +106,7 @@ struct Built {
 /// A file that does not say its axis or sense can be made to, by importing it.
 Problem with_hint(Problem why) {
   if (why.kind == ProblemKind::usage && !why.file.empty())
-    why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+    why.message += "; make a CSV that states it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
   for (Problem& other : why.also) other = with_hint(std::move(other));
   return why;
 }
@@ -158,14 +158,14 @@ std::string squareness_text(const Built& b, const BuildArguments& arguments) {
   return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
 }
 
-std::string text_of(const Built& b, const BuildArguments& arguments) {
+std::string built_text(const Built& b, const BuildArguments& arguments) {
   std::string text = outcomes_text(b);
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
     text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
                         z.reason);
   text +=
       "band: range of the readings as measured; most: largest compensation; slope:\n"
-      "taken away, per m; smth: rms that smoothing took away; n: points per table\n";
+      "taken away, per m; smth: rms that smoothing removed; n: points per table\n";
   for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
   for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
   text += squareness_text(b, arguments) + findings_text(b.findings) + verdict_text(b.findings);
@@ -194,7 +194,7 @@ Json outcomes_json(const Built& b) {
   return out;
 }
 
-Json json_of_built(const Built& b, const BuildArguments& arguments) {
+Json built_json(const Built& b, const BuildArguments& arguments) {
   Json squareness = Json::object();
   for (const Component c : b.squares())
     squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_um_per_m(b.map.parameters, c));
@@ -253,7 +253,8 @@ Result<void> enough_given(const BuildArguments& arguments) {
   if (arguments.params.empty())
     return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
   if (arguments.increment_mm)
-    return problem(ProblemKind::usage, "--increment goes with --from-model; a recipe says increment_mm by component");
+    return problem(ProblemKind::usage,
+                   "--increment needs --from-model; a recipe gives increment_mm for each component");
   return {};
 }
 
@@ -269,30 +270,31 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
   if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
   warn_about_header(context, *b);
-  return Outcome{text_of(*b, arguments), one_line(json_of_built(*b, arguments)), kDone};
+  return Outcome{built_text(*b, arguments), one_line(built_json(*b, arguments)), kDone};
 }
 
 }  // namespace
 
-void add_map_build(Menu& menu) {
-  const auto arguments = std::make_shared<BuildArguments>();
-  menu.verb("build", "the error map from measured files, by a recipe or as the files suggest",
-            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
-            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv")
-      .texts("FILE", arguments->files, "a recipe (.toml), or measurement files")
-      .text("--params", arguments->params, "parameters of the unit; with --from-model those of the machine by default")
-      .text("--from-model", arguments->from_model, "a fitted model (.toml) in place of measured files")
-      .text("--machine", arguments->machine,
-            "the machine (.toml): for --from-model, else for the travels to cover; "
-            "by default machine.toml beside the parameters")
-      .number("--increment", arguments->increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
-      .text("-o,--output", arguments->output, "map CSV to write")
-      .text("--params-out", arguments->params_out, "parameters to write, with the squareness that was measured")
-      .texts("--zero", arguments->zero, "declare a component zero: EBY=\"too small to measure\"")
-      .text("--customer", arguments->customer, "for the header")
-      .text("--engineer", arguments->engineer, "for the header")
-      .text("--date", arguments->date, "for the header, as in 2026-03-12")
-      .runs([arguments](VerbContext& context) { return build(context, *arguments); });
-}
+extern const VerbDefinition kMapBuild = verb<BuildArguments>(
+    "map build", "the error map from measured files, by a recipe or as the files suggest",
+    "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+    "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv",
+    [](Verb& verb, BuildArguments& arguments) {
+      verb.texts("FILE", arguments.files, "a recipe (.toml), or measurement files")
+          .text("--params", arguments.params,
+                "parameters of the unit; with --from-model those of the machine by default")
+          .text("--from-model", arguments.from_model, "a fitted model (.toml) in place of measured files")
+          .text("--machine", arguments.machine,
+                "the machine (.toml): for --from-model, else for the travels to cover; "
+                "by default machine.toml beside the parameters")
+          .number("--increment", arguments.increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
+          .text("-o,--output", arguments.output, "map CSV to write")
+          .text("--params-out", arguments.params_out, "parameters to write, with the squareness that was measured")
+          .texts("--zero", arguments.zero, "declare a component zero: EBY=\"too small to measure\"")
+          .text("--customer", arguments.customer, "for the header")
+          .text("--engineer", arguments.engineer, "for the header")
+          .text("--date", arguments.date, "for the header, as in 2026-03-12");
+    },
+    build);
 
 }  // namespace ecs::app

@@ -1,10 +1,9 @@
 // `ecs map send`: a complete map of this machine, with its parameters, into the unit; read back and compared.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/map/menu.hpp"
 #include "base/json.hpp"
 #include "commissioning/maps/prepared_map.hpp"
 #include "commissioning/maps/sent.hpp"
@@ -51,15 +50,16 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
 
 }  // namespace
 
-void add_map_send(Menu& menu) {
-  const auto arguments = std::make_shared<SendArguments>();
-  menu.verb("send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
-            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200")
-      .text("FILE", arguments->file, "map CSV", Need::required)
-      .text("--params", arguments->params, "parameters of the unit, sent with the map", Need::required)
-      .flag("--other-machine", arguments->other_machine, "send although map, parameters and unit name other machines")
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return send(context, *arguments); });
-}
+extern const VerbDefinition kMapSend = verb<SendArguments>(
+    "map send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
+    "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200",
+    [](Verb& verb, SendArguments& arguments) {
+      verb.text("FILE", arguments.file, "map CSV", Need::required)
+          .text("--params", arguments.params, "parameters of the unit, sent with the map", Need::required)
+          .flag("--other-machine", arguments.other_machine,
+                "send although map, parameters and unit name other machines")
+          .writes_to_unit();
+    },
+    send);
 
 }  // namespace ecs::app

@@ -1,11 +1,11 @@
 // `ecs map show` and `ecs map header`: a map from a file or from the unit, as text, JSON or plot.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/map/map_source.hpp"
-#include "app/verbs/map/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/plot/curves.hpp"
@@ -29,7 +29,7 @@ Result<std::optional<Component>> chosen(const std::string& name) {
   if (!component || is_squareness(*component))
     return problem(ProblemKind::usage,
                    fmt::format("--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
-                               component ? "; squareness lives in the parameters" : ""));
+                               component ? "; squareness is held in the parameters" : ""));
   return component;
 }
 
@@ -75,7 +75,7 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
     object["findings"] = json_of(**findings);
     text += (*findings)->empty() ? "no findings\n" : findings_text(**findings);
   } else {
-    text += "not judged: give --params to see what stands against sending it\n";
+    text += "not checked: give --params for the objections to sending it\n";
   }
   if (!arguments.plot.empty()) {
     const std::string title = fmt::format("Error map of {}: compensation",
@@ -98,28 +98,28 @@ Result<Outcome> header(VerbContext& context, const ShowArguments& arguments) {
 
 }  // namespace
 
-void add_map_show(Menu& menu) {
-  const auto arguments = std::make_shared<ShowArguments>();
-  menu.verb("show", "header, tables and findings of a map file or of the map in the unit",
-            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg")
-      .text("FILE", arguments->file, "map CSV; or give --unit")
-      .flag("--unit", arguments->unit, "the map in the unit")
-      .text("--component", arguments->component, "one of the 18 curves, with its values in --json")
-      .text("--params", arguments->params, "parameters to judge the map by; with --unit the unit's own")
-      .text("--machine", arguments->machine,
-            "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
-      .text("--plot", arguments->plot, "OUT.svg or OUT.png")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return show(context, *arguments); });
-}
+extern const VerbDefinition kMapShow = verb<ShowArguments>(
+    "map show", "header, tables and findings of a map file or of the map in the unit",
+    "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg",
+    [](Verb& verb, ShowArguments& arguments) {
+      verb.text("FILE", arguments.file, "map CSV; or give --unit")
+          .flag("--unit", arguments.unit, "the map in the unit")
+          .text("--component", arguments.component, "one of the 18 curves, with its values in --json")
+          .text("--params", arguments.params, "parameters to judge the map by; with --unit the unit's own")
+          .text("--machine", arguments.machine,
+                "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
+          .text("--plot", arguments.plot, "OUT.svg or OUT.png")
+          .uses_link();
+    },
+    show);
 
-void add_map_header(Menu& menu) {
-  const auto arguments = std::make_shared<ShowArguments>();
-  menu.verb("header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit")
-      .text("FILE", arguments->file, "map CSV; or give --unit")
-      .flag("--unit", arguments->unit, "the map in the unit")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return header(context, *arguments); });
-}
+extern const VerbDefinition kMapHeader = verb<ShowArguments>(
+    "map header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit",
+    [](Verb& verb, ShowArguments& arguments) {
+      verb.text("FILE", arguments.file, "map CSV; or give --unit")
+          .flag("--unit", arguments.unit, "the map in the unit")
+          .uses_link();
+    },
+    header);
 
 }  // namespace ecs::app

@@ -1,11 +1,11 @@
 // `ecs map receive` and `ecs map verify`: the map in the unit as a file, and against a file.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/map/map_source.hpp"
-#include "app/verbs/map/menu.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/maps/view.hpp"
 #include "laser/map/csv.hpp"
@@ -50,7 +50,7 @@ Json difference_json(const MapDifference& d) {
           {"message", d.message}};
 }
 
-std::string text_of(const std::vector<MapDifference>& differences) {
+std::string differences_text(const std::vector<MapDifference>& differences) {
   std::string text;
   for (std::size_t i = 0; i < std::min(differences.size(), kMostShown); ++i) text += differences[i].message + "\n";
   if (differences.size() > kMostShown) text += fmt::format("… and {} more\n", differences.size() - kMostShown);
@@ -70,7 +70,7 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
   for (const MapDifference& d : differences) object["differences"].push_back(difference_json(d));
   for (const params::Difference& d : of_parameters)
     object["parameters"].push_back({{"key", d.key}, {"unit", text_or_null(d.unit)}, {"expected", d.a}, {"found", d.b}});
-  std::string text = text_of(differences) + params::to_text(of_parameters, "file", "unit");
+  std::string text = differences_text(differences) + params::to_text(of_parameters, "file", "unit");
   text += same ? fmt::format("the unit holds {}", arguments.file)
                : fmt::format("the unit does not hold {}: {} differences", arguments.file,
                              differences.size() + of_parameters.size());
@@ -79,23 +79,21 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
 
 }  // namespace
 
-void add_map_receive(Menu& menu) {
-  const auto arguments = std::make_shared<ReceiveArguments>();
-  menu.verb("receive", "the map in the unit as a map CSV",
-            "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502")
-      .text("-o,--output", arguments->output, "file to write; without it the CSV goes to stdout")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return receive(context, *arguments); });
-}
+extern const VerbDefinition kMapReceive = verb<ReceiveArguments>(
+    "map receive", "the map in the unit as a map CSV", "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502",
+    [](Verb& verb, ReceiveArguments& arguments) {
+      verb.text("-o,--output", arguments.output, "file to write; without it the CSV goes to stdout").uses_link();
+    },
+    receive);
 
-void add_map_verify(Menu& menu) {
-  const auto arguments = std::make_shared<VerifyArguments>();
-  menu.verb("verify", "whether the unit holds this map, to the resolution of its memory",
-            "ecs map verify map.csv --params mill.toml")
-      .text("FILE", arguments->file, "map CSV", Need::required)
-      .text("--params", arguments->params, "parameter file to compare as well")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return verify(context, *arguments); });
-}
+extern const VerbDefinition kMapVerify = verb<VerifyArguments>(
+    "map verify", "whether the unit holds this map, to the resolution of its memory",
+    "ecs map verify map.csv --params mill.toml",
+    [](Verb& verb, VerifyArguments& arguments) {
+      verb.text("FILE", arguments.file, "map CSV", Need::required)
+          .text("--params", arguments.params, "parameter file to compare as well")
+          .uses_link();
+    },
+    verify);
 
 }  // namespace ecs::app

@@ -1,10 +1,10 @@
 // `ecs memory show, compare`: decoding dumps, without a unit.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/memory/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/view.hpp"
 
@@ -84,22 +84,25 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
 
 }  // namespace
 
-void add_memory_decoding(Menu& menu) {
-  const auto shown = std::make_shared<ShowArguments>();
-  menu.verb("show", "what a dump holds: parameters, tables, header, checks, faults",
-            "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit")
-      .text("FILE", shown->file, "dump or memory image")
-      .flag("--unit", shown->unit, "the active image of the unit")
-      .flag("--bytes", shown->bytes, "names and meaning beside the bytes")
-      .uses_link()
-      .runs([shown](VerbContext& context) { return show(context, *shown); });
-  const auto compared = std::make_shared<CompareArguments>();
-  menu.verb("compare", "the fields that differ between two dumps; `unit` stands for the unit",
-            "ecs memory compare before.ecsdump after.ecsdump")
-      .text("A", compared->a, "dump, memory image, or `unit`", Need::required)
-      .text("B", compared->b, "dump, memory image, or `unit`", Need::required)
-      .uses_link()
-      .runs([compared](VerbContext& context) { return compare(context, *compared); });
-}
+extern const VerbDefinition kMemoryShow = verb<ShowArguments>(
+    "memory show", "what a dump holds: parameters, tables, header, checks, faults",
+    "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit",
+    [](Verb& verb, ShowArguments& arguments) {
+      verb.text("FILE", arguments.file, "dump or memory image")
+          .flag("--unit", arguments.unit, "the active image of the unit")
+          .flag("--bytes", arguments.bytes, "names and meaning beside the bytes")
+          .uses_link();
+    },
+    show);
+
+extern const VerbDefinition kMemoryCompare = verb<CompareArguments>(
+    "memory compare", "the fields that differ between two dumps; `unit` means the connected unit",
+    "ecs memory compare before.ecsdump after.ecsdump",
+    [](Verb& verb, CompareArguments& arguments) {
+      verb.text("A", arguments.a, "dump, memory image, or `unit`", Need::required)
+          .text("B", arguments.b, "dump, memory image, or `unit`", Need::required)
+          .uses_link();
+    },
+    compare);
 
 }  // namespace ecs::app

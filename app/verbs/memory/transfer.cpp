@@ -1,12 +1,10 @@
 // `ecs memory read, write, dump, load`: bytes between unit and file.
 #include "commissioning/unit/transfer.hpp"
 
-#include <memory>
-
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/memory/menu.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/numbers.hpp"
@@ -186,37 +184,46 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
 
 }  // namespace
 
-void add_memory_transfer(Menu& menu) {
-  const auto read = std::make_shared<ReadArguments>();
-  menu.verb("read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64")
-      .text("ADDRESS", read->address, "first address, decimal or 0x…", Need::required)
-      .text("LENGTH", read->length, "bytes, decimal or 0x…", Need::required)
-      .text("-o,--output", read->output, "file for the bytes as they are")
-      .flag("--hex", read->hex, "hexadecimal digits only")
-      .uses_link()
-      .runs([read](VerbContext& context) { return read_bytes(context, *read); });
-  const auto write = std::make_shared<WriteArguments>();
-  menu.verb("write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes")
-      .text("ADDRESS", write->address, "first address, decimal or 0x…", Need::required)
-      .texts("BYTES", write->words, "hexadecimal digits, two a byte")
-      .text("--file", write->file, "write the bytes of this file")
-      .flag("--yes", write->yes, "overwrite")
-      .writes_to_unit()
-      .runs([write](VerbContext& context) { return write_bytes(context, *write); });
-  const auto dump = std::make_shared<DumpArguments>();
-  menu.verb("dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump")
-      .text("-o,--output", dump->output, "file to write", Need::required)
-      .flag("--active", dump->active, "only the commit records and the active image")
-      .uses_link()
-      .runs([dump](VerbContext& context) { return dump_memory(context, *dump); });
-  const auto loaded = std::make_shared<LoadArguments>();
-  menu.verb("load", "restore parameters and map of a dump into the unit (needs --yes)",
-            "ecs memory load unit.ecsdump --yes")
-      .text("FILE", loaded->file, "dump or memory image", Need::required)
-      .flag("--yes", loaded->yes, "replace what the unit holds")
-      .flag("--other-machine", loaded->other_machine, "load although dump or map name another unit")
-      .writes_to_unit()
-      .runs([loaded](VerbContext& context) { return load(context, *loaded); });
-}
+extern const VerbDefinition kMemoryRead = verb<ReadArguments>(
+    "memory read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64",
+    [](Verb& verb, ReadArguments& arguments) {
+      verb.text("ADDRESS", arguments.address, "first address, decimal or 0x…", Need::required)
+          .text("LENGTH", arguments.length, "bytes, decimal or 0x…", Need::required)
+          .text("-o,--output", arguments.output, "file for the bytes as they are")
+          .flag("--hex", arguments.hex, "hexadecimal digits only")
+          .uses_link();
+    },
+    read_bytes);
+
+extern const VerbDefinition kMemoryWrite = verb<WriteArguments>(
+    "memory write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes",
+    [](Verb& verb, WriteArguments& arguments) {
+      verb.text("ADDRESS", arguments.address, "first address, decimal or 0x…", Need::required)
+          .texts("BYTES", arguments.words, "hexadecimal digits, two a byte")
+          .text("--file", arguments.file, "write the bytes of this file")
+          .flag("--yes", arguments.yes, "overwrite")
+          .writes_to_unit();
+    },
+    write_bytes);
+
+extern const VerbDefinition kMemoryDump = verb<DumpArguments>(
+    "memory dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump",
+    [](Verb& verb, DumpArguments& arguments) {
+      verb.text("-o,--output", arguments.output, "file to write", Need::required)
+          .flag("--active", arguments.active, "only the commit records and the active image")
+          .uses_link();
+    },
+    dump_memory);
+
+extern const VerbDefinition kMemoryLoad = verb<LoadArguments>(
+    "memory load", "restore parameters and map of a dump into the unit (needs --yes)",
+    "ecs memory load unit.ecsdump --yes",
+    [](Verb& verb, LoadArguments& arguments) {
+      verb.text("FILE", arguments.file, "dump or memory image", Need::required)
+          .flag("--yes", arguments.yes, "replace what the unit holds")
+          .flag("--other-machine", arguments.other_machine, "load although dump or map name another unit")
+          .writes_to_unit();
+    },
+    load);
 
 }  // namespace ecs::app

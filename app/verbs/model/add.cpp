@@ -1,11 +1,11 @@
 // `ecs model add` and `ecs model undo`: one effect more or less, and how far the error falls.
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -42,11 +42,11 @@ Result<model::AddRequest> request_of(const AddArguments& arguments) {
 /// A measurement that does not say its axis or sense is made to with `laser import`: --sense means the effect's here.
 Problem with_hint(Problem why) {
   if (why.kind == ProblemKind::usage && !why.file.empty())
-    why.message += "; make a CSV that says it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
+    why.message += "; make a CSV that states it with `ecs laser import FILE --axis … --sense … -o OUT.csv`";
   return why;
 }
 
-std::string text_of(const model::Added& added, const std::string& output) {
+std::string added_text(const model::Added& added, const std::string& output) {
   std::string text =
       paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
                             place_text(added.effect.effect), added.rms_before_um, added.rms_after_um, added.noise_um));
@@ -56,7 +56,7 @@ std::string text_of(const model::Added& added, const std::string& output) {
                                 : fmt::format("model written to {}\n", output));
 }
 
-Json json_of_added(const model::Added& added, const std::string& output) {
+Json added_json(const model::Added& added, const std::string& output) {
   Json effect = json_of(added.effect.effect);
   effect["parameters"] = json_of(added.effect.parameters);
   return {{"rms_before_um", number_or_null(added.rms_before_um)},
@@ -79,7 +79,7 @@ Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto kept = keep_model(arguments.output, added->model, arguments.common.model); !kept)
       return tl::unexpected(kept.error());
-  return Outcome{text_of(*added, arguments.output), one_line(json_of_added(*added, arguments.output)), kDone};
+  return Outcome{added_text(*added, arguments.output), one_line(added_json(*added, arguments.output)), kDone};
 }
 
 struct UndoArguments {
@@ -111,30 +111,30 @@ Result<Outcome> undo(const UndoArguments& arguments) {
 
 }  // namespace
 
-void add_model_add(Menu& menu) {
-  const auto arguments = std::make_shared<AddArguments>();
-  Verb verb = menu.verb("add", "an effect more, in the place that fits best; shows how far the error falls",
-                        "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml");
-  verb.text("MODEL", arguments->common.model, "model file (.toml)", Need::required)
-      .text("EFFECT", arguments->effect,
-            "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required)
-      .texts("--data", arguments->common.data, "measurement files to fit to", Need::required)
-      .text("-o,--output", arguments->output, "the model with the effect; may be MODEL itself")
-      .choice("--approach", arguments->approach, {"both", "forward", "reverse"}, "on which approach it acts")
-      .text("--sensor", arguments->sensor, "column of the sensor that it follows")
-      .choice("--sense", arguments->sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
-      .text("--code", arguments->code, "component of angular, squareness or map faults, such as ECX");
-  take_machine(verb, arguments->common.machine);
-  verb.runs([arguments](VerbContext& context) { return add(context, *arguments); });
-}
+extern const VerbDefinition kModelAdd = verb<AddArguments>(
+    "model add", "an effect more, in the place that fits best; shows how far the error falls",
+    "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml",
+    [](Verb& verb, AddArguments& arguments) {
+      verb.text("MODEL", arguments.common.model, "model file (.toml)", Need::required)
+          .text("EFFECT", arguments.effect,
+                "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required)
+          .texts("--data", arguments.common.data, "measurement files to fit to", Need::required)
+          .text("-o,--output", arguments.output, "the model with the effect; may be MODEL itself")
+          .choice("--approach", arguments.approach, {"both", "forward", "reverse"}, "on which approach it acts")
+          .text("--sensor", arguments.sensor, "column of the sensor that it follows")
+          .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
+          .text("--code", arguments.code, "component of angular, squareness or map faults, such as ECX");
+      take_machine(verb, arguments.common.machine);
+    },
+    add);
 
-void add_model_undo(Menu& menu) {
-  const auto arguments = std::make_shared<UndoArguments>();
-  Verb verb = menu.verb("undo", "a model without the effect that was added last", "ecs model undo model.toml");
-  verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
-      .text("-o,--output", arguments->output, "the model to write; MODEL itself if not given");
-  take_machine(verb, arguments->machine);
-  verb.runs([arguments](VerbContext&) { return undo(*arguments); });
-}
+extern const VerbDefinition kModelUndo = verb<UndoArguments>(
+    "model undo", "a model without the effect that was added last", "ecs model undo model.toml",
+    [](Verb& verb, UndoArguments& arguments) {
+      verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
+          .text("-o,--output", arguments.output, "the model to write; MODEL itself if not given");
+      take_machine(verb, arguments.machine);
+    },
+    [](VerbContext&, const UndoArguments& arguments) { return undo(arguments); });
 
 }  // namespace ecs::app

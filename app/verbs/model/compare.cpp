@@ -1,11 +1,11 @@
 // `ecs model compare`: where a model fails, what it says at one place, and over the whole volume.
 #include <algorithm>
-#include <memory>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/menu.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "commissioning/models/compare_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/place.hpp"
@@ -112,18 +112,19 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
 
 }  // namespace
 
-void add_model_compare(Menu& menu) {
-  const auto arguments = std::make_shared<CompareArguments>();
-  Verb verb = menu.verb("compare", "where a model fails: residuals by direction and by every variable",
-                        "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
-                        "ecs model compare drive_as_printed.toml step_recorded.csv");
-  take_model_and_data(verb, arguments->common);
-  verb.integer("--worst", arguments->worst, "so many of the worst places", 0, 10'000)
-      .text("--at", arguments->at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1")
-      .integer("--volume", arguments->volume, "predicted error over the volume, so many places along each axis", 2, 60)
-      .text("-o,--output", arguments->output, "CSV of the volume to write")
-      .text("--plot", arguments->plot, "measured against model, as .svg or .png");
-  verb.runs([arguments](VerbContext& context) { return compare(context, *arguments); });
-}
+extern const VerbDefinition kModelCompare = verb<CompareArguments>(
+    "model compare", "where a model fails: residuals by direction and by every variable",
+    "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
+    "ecs model compare drive_as_printed.toml step_recorded.csv",
+    [](Verb& verb, CompareArguments& arguments) {
+      take_model_and_data(verb, arguments.common);
+      verb.integer("--worst", arguments.worst, "so many of the worst places", 0, 10'000)
+          .text("--at", arguments.at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1")
+          .integer("--volume", arguments.volume, "predicted error over the volume, so many places along each axis", 2,
+                   60)
+          .text("-o,--output", arguments.output, "CSV of the volume to write")
+          .text("--plot", arguments.plot, "measured against model, as .svg or .png");
+    },
+    compare);
 
 }  // namespace ecs::app

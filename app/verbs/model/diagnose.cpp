@@ -1,10 +1,10 @@
 // `ecs model diagnose`: which effect is missing from a model, with the evidence.
-#include <memory>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/menu.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/interrupt.hpp"
+#include "base/json.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
@@ -46,15 +46,16 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
 
 }  // namespace
 
-void add_model_diagnose(Menu& menu) {
-  const auto arguments = std::make_shared<DiagnoseArguments>();
-  Verb verb = menu.verb("diagnose", "which effect is missing from a model, with proof, rivals and doubts",
-                        "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg");
-  take_model_and_data(verb, arguments->common);
-  verb.integer("--blanks", arguments->blanks, "simulated data sets of noise alone that a finding must beat", 50, 20'000)
-      .flag("--plain", arguments->plain, "ordinary least squares: no reading counts as an outlier")
-      .text("--plot", arguments->plot, "measured against model, and what is left, as .svg or .png");
-  verb.runs([arguments](VerbContext& context) { return diagnose(context, *arguments); });
-}
+extern const VerbDefinition kModelDiagnose = verb<DiagnoseArguments>(
+    "model diagnose", "which effect is missing from a model, with proof, rivals and doubts",
+    "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg",
+    [](Verb& verb, DiagnoseArguments& arguments) {
+      take_model_and_data(verb, arguments.common);
+      verb.integer("--blanks", arguments.blanks, "simulated data sets of noise alone that a finding must beat", 50,
+                   20'000)
+          .flag("--plain", arguments.plain, "ordinary least squares: no reading counts as an outlier")
+          .text("--plot", arguments.plot, "measured against model, and what is left, as .svg or .png");
+    },
+    diagnose);
 
 }  // namespace ecs::app

@@ -1,10 +1,9 @@
 // `ecs model effects`: the effect library, or one effect explained.
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
@@ -45,7 +44,7 @@ std::string whole_text(const EffectInfo& info) {
   std::string text = fmt::format("{}: {}\n", info.name, info.title);
   text += paragraph(fmt::format("formula:      {}", info.formula), 2, 16);
   text += paragraph(fmt::format("cause:        {}", info.cause), 2, 16);
-  text += paragraph(fmt::format("tells apart:  {}", info.tells_apart), 2, 16);
+  text += paragraph(fmt::format("separated by: {}", info.tells_apart), 2, 16);
   for (const ParameterInfo& parameter : info.parameters)
     text += paragraph("parameter:    " + parameter_text(parameter), 2, 16);
   if (info.of_approach) text += "  acts only on readings of known approach of its own moving axis\n";
@@ -105,13 +104,13 @@ struct EffectsArguments {
 
 }  // namespace
 
-void add_model_effects(Menu& menu) {
-  const auto arguments = std::make_shared<EffectsArguments>();
-  Verb verb = menu.verb("effects", "the library of effects: cause, formula, what tells each from its neighbours",
-                        "ecs model effects cyclic");
-  verb.text("EFFECT", arguments->name, "explain this one")
-      .text("--machine", arguments->machine, "taken as by every verb of MODEL; the library is the same for all");
-  verb.runs([arguments](VerbContext&) { return effects(arguments->name); });
-}
+extern const VerbDefinition kModelEffects = verb<EffectsArguments>(
+    "model effects", "the library of effects: cause, formula, how to distinguish each from similar ones",
+    "ecs model effects cyclic",
+    [](Verb& verb, EffectsArguments& arguments) {
+      verb.text("EFFECT", arguments.name, "explain this one")
+          .text("--machine", arguments.machine, "taken as by every verb of MODEL; the library is the same for all");
+    },
+    [](VerbContext&, const EffectsArguments& arguments) { return effects(arguments.name); });
 
 }  // namespace ecs::app

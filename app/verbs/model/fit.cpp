@@ -1,14 +1,14 @@
 // `ecs model fit`: the parameters of a model from measured data, with how far they can be trusted.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/menu.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
@@ -78,7 +78,7 @@ std::string noise_by_sense_text(const Fit& fit) {
   return text.empty() ? text : "noise [um, um/m]\n" + text;
 }
 
-std::string text_of(const Fit& fit, std::size_t readings) {
+std::string fit_text(const Fit& fit, std::size_t readings) {
   std::string text = fmt::format("{} readings, {} fitted parameters: rms {:.3f} um, peak {:.3f} um\n", readings,
                                  fit.fitted_parameters, fit.rms_um, fit.peak_um);
   text += paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition {}", noise_text(fit.noise),
@@ -114,7 +114,7 @@ Json correlations_json(const Fit& fit) {
   return out;
 }
 
-Json json_of_fit(const Fit& fit, std::size_t readings, const std::string& output) {
+Json fit_json(const Fit& fit, std::size_t readings, const std::string& output) {
   Json effects = Json::array(), noise = Json::array();
   for (const EffectFit& effect : fit.effects) effects.push_back(effect_json(effect));
   for (const model::NoiseReport& one : fit.noise_by_sense)
@@ -174,23 +174,23 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
   const auto result = model::fit(work->model, work->data, {arguments.plain});
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
   if (const auto written = write(*work, *result, arguments); !written) return tl::unexpected(written.error());
-  std::string text = text_of(*result, work->data.size());
+  std::string text = fit_text(*result, work->data.size());
   if (!arguments.output.empty()) text += fmt::format("model written to {}\n", arguments.output);
   if (!arguments.plot.empty()) text += fmt::format("plot written to {}\n", arguments.plot);
-  return Outcome{text, one_line(json_of_fit(*result, work->data.size(), arguments.output)), kDone};
+  return Outcome{text, one_line(fit_json(*result, work->data.size(), arguments.output)), kDone};
 }
 
 }  // namespace
 
-void add_model_fit(Menu& menu) {
-  const auto arguments = std::make_shared<FitArguments>();
-  Verb verb = menu.verb("fit", "the parameters of a model from measured data, with sigmas and correlations",
-                        "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml");
-  take_model_and_data(verb, arguments->common);
-  verb.flag("--plain", arguments->plain, "ordinary least squares: every reading counts the same")
-      .text("-o,--output", arguments->output, "the model with its values; may be MODEL itself")
-      .text("--plot", arguments->plot, "measured against model, as .svg or .png");
-  verb.runs([arguments](VerbContext& context) { return fit(context, *arguments); });
-}
+extern const VerbDefinition kModelFit = verb<FitArguments>(
+    "model fit", "the parameters of a model from measured data, with sigmas and correlations",
+    "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml",
+    [](Verb& verb, FitArguments& arguments) {
+      take_model_and_data(verb, arguments.common);
+      verb.flag("--plain", arguments.plain, "ordinary least squares: every reading counts the same")
+          .text("-o,--output", arguments.output, "the model with its values; may be MODEL itself")
+          .text("--plot", arguments.plot, "measured against model, as .svg or .png");
+    },
+    fit);
 
 }  // namespace ecs::app

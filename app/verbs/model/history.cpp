@@ -1,9 +1,9 @@
 // `ecs model history`: the ladder of effects added so far, as a table and as bars.
-#include <memory>
 
+#include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/verbs/model/menu.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/json.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
@@ -31,14 +31,14 @@ Result<Outcome> history(const HistoryArguments& arguments) {
 
 }  // namespace
 
-void add_model_history(Menu& menu) {
-  const auto arguments = std::make_shared<HistoryArguments>();
-  Verb verb = menu.verb("history", "the ladder: how far the error fell with every effect",
-                        "ecs model history model.toml --plot ladder.svg");
-  verb.text("MODEL", arguments->model, "model file (.toml)", Need::required)
-      .text("--plot", arguments->plot, "bars falling towards the noise, as .svg or .png");
-  take_machine(verb, arguments->machine);
-  verb.runs([arguments](VerbContext&) { return history(*arguments); });
-}
+extern const VerbDefinition kModelHistory = verb<HistoryArguments>(
+    "model history", "the ladder: how far the error fell with every effect",
+    "ecs model history model.toml --plot ladder.svg",
+    [](Verb& verb, HistoryArguments& arguments) {
+      verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
+          .text("--plot", arguments.plot, "bars falling towards the noise, as .svg or .png");
+      take_machine(verb, arguments.machine);
+    },
+    [](VerbContext&, const HistoryArguments& arguments) { return history(arguments); });
 
 }  // namespace ecs::app

@@ -1,10 +1,10 @@
 // `ecs model new`: a model to begin with, of what every measured curve has.
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/json.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 
@@ -26,12 +26,9 @@ Result<Outcome> begin(VerbContext& context, const ModelArguments& arguments) {
 
 }  // namespace
 
-void add_model_new(Menu& menu) {
-  const auto arguments = std::make_shared<ModelArguments>();
-  Verb verb = menu.verb("new", "a model to begin with: offset, slope and backlash of what was measured",
-                        "ecs model new model.toml data.csv --machine machine.toml");
-  take_model_and_data(verb, *arguments);
-  verb.runs([arguments](VerbContext& context) { return begin(context, *arguments); });
-}
+extern const VerbDefinition kModelNew = verb<ModelArguments>(
+    "model new", "a model to begin with: offset, slope and backlash of what was measured",
+    "ecs model new model.toml data.csv --machine machine.toml",
+    [](Verb& verb, ModelArguments& arguments) { take_model_and_data(verb, arguments); }, begin);
 
 }  // namespace ecs::app

@@ -1,12 +1,12 @@
-// `ecs model next`: the measurement that tells the rivals apart, and whether a planned one can determine a model.
-#include <memory>
+// `ecs model next`: the measurement that separates the rivals, and whether a planned one can determine a model.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
+#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
@@ -195,22 +195,23 @@ Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
 
 }  // namespace
 
-void add_model_next(Menu& menu) {
-  const auto arguments = std::make_shared<NextArguments>();
-  Verb verb = menu.verb("next", "the measurement that tells rivals apart best per minute; --check judges a plan",
-                        "ecs model next model.toml data.csv --machine machine.toml\n"
-                        "  ecs model next model.toml --check plan.csv --machine machine.toml");
-  take_model_and_data(verb, arguments->common, Need::optional);
-  verb.text("--check", arguments->check,
-            "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL")
-      .integer("--proposal", arguments->proposal, "which of the proposals --program and --targets are for", 1, 100)
-      .text("--program", arguments->program, "part program of the proposal to write")
-      .text("--targets", arguments->targets, "target list of the proposal to write, a measurement set without readings")
-      .number("--noise", arguments->noise_um, "of one reading, for --check without DATA [um]", Need::optional, 1e-6,
-              1e6);
-  verb.runs([arguments](VerbContext& context) {
-    return arguments->check.empty() ? propose(context, *arguments) : check(context, *arguments);
-  });
-}
+extern const VerbDefinition kModelNext = verb<NextArguments>(
+    "model next", "the measurement that separates rivals best per minute; --check judges a plan",
+    "ecs model next model.toml data.csv --machine machine.toml\n"
+    "  ecs model next model.toml --check plan.csv --machine machine.toml",
+    [](Verb& verb, NextArguments& arguments) {
+      take_model_and_data(verb, arguments.common, Need::optional);
+      verb.text("--check", arguments.check,
+                "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL")
+          .integer("--proposal", arguments.proposal, "which of the proposals --program and --targets are for", 1, 100)
+          .text("--program", arguments.program, "part program of the proposal to write")
+          .text("--targets", arguments.targets,
+                "target list of the proposal to write, a measurement set without readings")
+          .number("--noise", arguments.noise_um, "of one reading, for --check without DATA [um]", Need::optional, 1e-6,
+                  1e6);
+    },
+    [](VerbContext& context, const NextArguments& arguments) {
+      return arguments.check.empty() ? propose(context, arguments) : check(context, arguments);
+    });
 
 }  // namespace ecs::app

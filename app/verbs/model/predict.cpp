@@ -1,11 +1,14 @@
-// `ecs model predict`: what a model says at given places.
-#include <memory>
+// `ecs model predict`: the predictions of a model at given places.
+
+#include <algorithm>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "app/verbs/model/menu.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/plan.hpp"
 #include "commissioning/models/view.hpp"
@@ -42,38 +45,45 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
   return Predicted{std::move(plan.set), plan.has_readings};
 }
 
-std::string text_of(const Predicted& p) {
-  constexpr std::size_t kMostRows = 40;
-  std::string text = "   row axis sense          x          y          z dir  predicted";
-  text += p.has_readings ? "   measured\n" : "\n";
-  std::size_t shown_rows = 0;
-  for (const laser::Reading& r : p.set.readings) {
-    if (shown_rows++ == kMostRows) {
-      text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", p.set.readings.size() - kMostRows);
-      break;
-    }
-    const int approach = static_cast<int>(r.approach);
-    text += fmt::format("{:>6} {:<4} {:<5} {:>10} {:>10} {:>10} {:>3} {:>10.3f}", r.row, letter_of(r.axis),
-                        name_of(r.sense), position_text(r.position_mm[0]), position_text(r.position_mm[1]),
-                        position_text(r.position_mm[2]), approach == 0 ? "" : (approach > 0 ? "fwd" : "rev"), r.error);
-    if (p.has_readings) text += fmt::format(" {:>10.3f}", r.extras.at("measured"));
-    text += "\n";
-  }
-  return text;
+template <std::size_t kCoordinate>
+Cell coordinate_cell(const laser::Reading& r) {
+  return {number_or_null(r.position_mm[kCoordinate]), position_text(r.position_mm[kCoordinate])};
 }
 
-Json json_of_predicted(const Predicted& p, const std::string& output) {
-  Json rows = Json::array();
-  for (const laser::Reading& r : p.set.readings) {
-    Json row{{"row", r.row}, {"axis", axis_json(r.axis)}, {"sense", name_of(r.sense)}};
-    row.update(position_json(r.position_mm));
-    row["approach"] = static_cast<int>(r.approach);
-    row["unit"] = laser::unit_of(r.sense);
-    row["predicted"] = number_or_null(r.error);
-    row["measured"] = p.has_readings ? number_or_null(r.extras.at("measured")) : Json(nullptr);
-    rows.push_back(std::move(row));
-  }
-  return {{"points", p.set.readings.size()}, {"output", text_or_null(output)}, {"predictions", std::move(rows)}};
+Cell approach_cell(const laser::Reading& r) {
+  if (r.approach == Approach::unknown) return {0, ""};
+  return {static_cast<int>(r.approach), r.approach == Approach::forward ? "fwd" : "rev"};
+}
+
+AnswerTable<laser::Reading> rows_table(bool has_readings) {
+  using Row = laser::Reading;
+  return {has_readings ? "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {predicted:>10} "
+                         "{measured:>10}"
+                       : "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {predicted:>10}",
+          {{"row", "row",
+            [](const Row& r) {
+              return Cell{r.row, fmt::format("{}", r.row)};
+            }},
+           {"axis", "axis", [](const Row& r) { return word_cell(axis_json(r.axis)); }},
+           {"sense", "sense", [](const Row& r) { return word_cell(name_of(r.sense)); }},
+           {"x_mm", "x", coordinate_cell<0>},
+           {"y_mm", "y", coordinate_cell<1>},
+           {"z_mm", "z", coordinate_cell<2>},
+           {"approach", "dir", approach_cell},
+           {"unit", "", [](const Row& r) { return word_cell(laser::unit_of(r.sense)); }},
+           {"predicted", "predicted", [](const Row& r) { return number_cell(r.error, 3); }},
+           {"measured", "measured", [has_readings](const Row& r) {
+              return number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3);
+            }}}};
+}
+
+std::string predictions_text(const Predicted& p, const AnswerTable<laser::Reading>& table) {
+  constexpr std::size_t kMostRows = 40;
+  const auto& rows = p.set.readings;
+  std::string text = table.text(std::span(rows).first(std::min(rows.size(), kMostRows)));
+  if (rows.size() > kMostRows)
+    text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
+  return text;
 }
 
 Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments) {
@@ -89,28 +99,34 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
   if (!plan) return tl::unexpected(plan.error());
   const auto result = predicted(*model, *machine, std::move(*plan), arguments.model);
   if (!result) return tl::unexpected(result.error());
-  std::string text = text_of(*result);
+  const AnswerTable<laser::Reading> table = rows_table(result->has_readings);
+  std::string text = predictions_text(*result, table);
   if (!arguments.output.empty()) {
     if (const auto written = laser::write_measurement_set(arguments.output, result->set); !written)
       return tl::unexpected(written.error());
     text = fmt::format("{} predictions written to {}\n", result->set.readings.size(), arguments.output);
   }
-  return Outcome{text, one_line(json_of_predicted(*result, arguments.output)), kDone};
+  return Outcome{text,
+                 one_line(Json{{"points", result->set.readings.size()},
+                               {"output", text_or_null(arguments.output)},
+                               {"predictions", table.array(result->set.readings)}}),
+                 kDone};
 }
 
 }  // namespace
 
-void add_model_predict(Menu& menu) {
-  const auto arguments = std::make_shared<PredictArguments>();
-  Verb verb = menu.verb("predict", "what a fitted model says at given places",
-                        "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv");
-  verb.text("MODEL", arguments->model, "model file (.toml) with values: given, or from `model fit -o`", Need::required)
-      .text("POINTS", arguments->points, "measurement set; the column reading does not count and may be absent",
-            Need::required)
-      .text("-o,--output", arguments->output, "measurement set to write, predictions in the column reading");
-  take_machine(verb, arguments->machine);
-  take_import_options(verb, arguments->import);
-  verb.runs([arguments](VerbContext& context) { return predict(context, *arguments); });
-}
+extern const VerbDefinition kModelPredict = verb<PredictArguments>(
+    "model predict", "the predictions of a fitted model at given places",
+    "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv",
+    [](Verb& verb, PredictArguments& arguments) {
+      verb.text("MODEL", arguments.model, "model file (.toml) with values: given, or from `model fit -o`",
+                Need::required)
+          .text("POINTS", arguments.points, "measurement set; the column reading does not count and may be absent",
+                Need::required)
+          .text("-o,--output", arguments.output, "measurement set to write, predictions in the column reading");
+      take_machine(verb, arguments.machine);
+      take_import_options(verb, arguments.import);
+    },
+    predict);
 
 }  // namespace ecs::app

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
@@ -96,7 +96,7 @@ std::string hidden_text(const HiddenTruth& truth) {
     text += fmt::format("  {}: rms {:.3f} um, {:.1f} times the noise of {:.3f} um\n", effect.name, effect.rms_um,
                         effect.snr, truth.noise_um);
   if (!truth.group.empty())
-    text += paragraph(fmt::format("these data cannot tell apart: {}", fmt::join(truth.group, ", ")), 2, 4);
+    text += paragraph(fmt::format("these data cannot distinguish: {}", fmt::join(truth.group, ", ")), 2, 4);
   if (!truth.variables.empty())
     text += paragraph(fmt::format("it depends on: {}", fmt::join(truth.variables, " or ")), 2, 4);
   return text;
@@ -122,35 +122,44 @@ std::string found_text(const FoundAnswer& answer) {
   return paragraph(text, 0, 2);
 }
 
-std::string parameters_table(const Score& score) {
-  if (score.parameters.empty()) return {};
-  std::string text =
-      fmt::format("\n{} {:>12} {:>12} {:>10} {:>8}\n", padded("parameter", 32), "hidden", "found", "sigma", "off by");
-  for (const ParameterScore& one : score.parameters)
-    text +=
-        fmt::format("{} {:>12} {:>12} {:>10} {:>8}\n", padded(fmt::format("{} {}", one.effect, one.name), 32),
-                    few_digits(one.hidden, 5), few_digits(one.found, 5), one.sigma ? few_digits(*one.sigma, 2) : "-",
-                    one.sigmas_off() ? fmt::format("{:+.1f} s", *one.sigmas_off()) : "-");
-  return text;
+const AnswerTable<ParameterScore>& parameters_table() {
+  using Row = ParameterScore;
+  static const AnswerTable<Row> table("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}",
+                                      {{"effect", "", [](const Row& p) { return word_cell(p.effect); }},
+                                       {"name", "parameter",
+                                        [](const Row& p) {
+                                          return Cell{p.name, fmt::format("{} {}", p.effect, p.name)};
+                                        }},
+                                       {"truth", "hidden",
+                                        [](const Row& p) {
+                                          return Cell{number_or_null(p.hidden), few_digits(p.hidden, 5)};
+                                        }},
+                                       {"found", "found",
+                                        [](const Row& p) {
+                                          return Cell{number_or_null(p.found), few_digits(p.found, 5)};
+                                        }},
+                                       {"sigma", "sigma",
+                                        [](const Row& p) {
+                                          return Cell{number_or_null(p.sigma), p.sigma ? few_digits(*p.sigma, 2) : "-"};
+                                        }},
+                                       {"sigmas_off", "off by", [](const Row& p) {
+                                          const auto off = p.sigmas_off();
+                                          return Cell{number_or_null(off), off ? fmt::format("{:+.1f} s", *off) : "-"};
+                                        }}});
+  return table;
 }
 
-std::string text_of(const Revealed& r) {
-  std::string text = hidden_text(r.truth) + found_text(r.answer) + parameters_table(r.score) + "\n";
+std::string case_text(const Revealed& r) {
+  std::string text = hidden_text(r.truth) + found_text(r.answer);
+  if (!r.score.parameters.empty()) text += "\n" + parameters_table().text(r.score.parameters);
+  text += "\n";
   text += paragraph(fmt::format("{}: {}", r.score.right ? "RIGHT" : "WRONG", r.score.why), 0, 2);
   if (r.score.rms_ratio)
     text += fmt::format("rms after adding what is named: {:.3f} times that of the true model\n", *r.score.rms_ratio);
   return text;
 }
 
-Json json_of_case(const Revealed& r) {
-  Json parameters = Json::array();
-  for (const ParameterScore& one : r.score.parameters)
-    parameters.push_back({{"effect", one.effect},
-                          {"name", one.name},
-                          {"truth", number_or_null(one.hidden)},
-                          {"found", number_or_null(one.found)},
-                          {"sigma", number_or_null(one.sigma)},
-                          {"sigmas_off", number_or_null(one.sigmas_off())}});
+Json case_json(const Revealed& r) {
   return {{"case", r.folder},
           {"kind", name_of(r.truth.kind)},
           {"right", r.score.right},
@@ -159,7 +168,7 @@ Json json_of_case(const Revealed& r) {
           {"found", found_names(r.answer)},
           {"verdict", r.answer.verdict},
           {"where", r.answer.where},
-          {"parameters", std::move(parameters)},
+          {"parameters", parameters_table().array(r.score.parameters)},
           {"rms_after_um", number_or_null(r.answer.rms_after_um)},
           {"true_model_rms_um", r.truth.true_model_rms_um > 0.0 ? Json(r.truth.true_model_rms_um) : Json(nullptr)},
           {"rms_ratio", number_or_null(r.score.rms_ratio)}};
@@ -189,7 +198,7 @@ Outcome summed_up(const std::vector<Revealed>& all) {
       if (one.score.right) ++tally->right;
     }
     text += line_of(one);
-    cases.push_back(json_of_case(one));
+    cases.push_back(case_json(one));
   }
   text += "\n";
   for (const auto& [kind, tally] : kinds) {
@@ -228,22 +237,22 @@ Result<Outcome> reveal(VerbContext& context, const RevealArguments& arguments) {
   }
   context.console.end_progress();
   if (all.size() > 1) return summed_up(all);
-  return Outcome{text_of(all.front()), one_line(json_of_case(all.front())),
+  return Outcome{case_text(all.front()), one_line(case_json(all.front())),
                  all.front().score.right ? kDone : kDoesNotHold};
 }
 
 }  // namespace
 
-void add_model_reveal(Menu& menu) {
-  const auto arguments = std::make_shared<RevealArguments>();
-  Verb verb = menu.verb("reveal", "what was hidden in a case, and whether the diagnosis found it",
-                        "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json");
-  verb.text("DIR", arguments->folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required)
-      .text("--diagnosis", arguments->diagnosis,
-            "saved JSON of `ecs model diagnose --json`; without it, one is made now")
-      .integer("--blanks", arguments->blanks, "as for `ecs model diagnose`", 50, 20'000)
-      .text("--machine", arguments->machine, "another machine than machine.toml of the case");
-  verb.runs([arguments](VerbContext& context) { return reveal(context, *arguments); });
-}
+extern const VerbDefinition kModelReveal = verb<RevealArguments>(
+    "model reveal", "what was hidden in a case, and whether the diagnosis found it",
+    "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json",
+    [](Verb& verb, RevealArguments& arguments) {
+      verb.text("DIR", arguments.folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required)
+          .text("--diagnosis", arguments.diagnosis,
+                "saved JSON of `ecs model diagnose --json`; without it, one is made now")
+          .integer("--blanks", arguments.blanks, "as for `ecs model diagnose`", 50, 20'000)
+          .text("--machine", arguments.machine, "another machine than machine.toml of the case");
+    },
+    reveal);
 
 }  // namespace ecs::app

@@ -1,10 +1,9 @@
 // `ecs model what-if`: the error that compensation would leave; measured again, predicted against achieved.
 #include "commissioning/models/what_if.hpp"
 
-#include <memory>
-
-#include "app/verbs/model/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/json.hpp"
 #include "commissioning/models/json.hpp"
 
 namespace ecs::app {
@@ -57,13 +56,13 @@ Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) 
 
 }  // namespace
 
-void add_model_what_if(Menu& menu) {
-  const auto arguments = std::make_shared<WhatIfArguments>();
-  Verb verb = menu.verb("what-if", "the error that compensation would leave; predicted against achieved",
-                        "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv");
-  take_model_and_data(verb, arguments->common);
-  verb.texts("--after", arguments->after, "the same measured again with the unit compensating");
-  verb.runs([arguments](VerbContext& context) { return what_if(context, *arguments); });
-}
+extern const VerbDefinition kModelWhatIf = verb<WhatIfArguments>(
+    "model what-if", "the error that compensation would leave; predicted against achieved",
+    "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv",
+    [](Verb& verb, WhatIfArguments& arguments) {
+      take_model_and_data(verb, arguments.common);
+      verb.texts("--after", arguments.after, "the same measured again with the unit compensating");
+    },
+    what_if);
 
 }  // namespace ecs::app

@@ -1,11 +1,9 @@
-// `ecs params check`: everything that stands against a parameter file, at once.
+// `ecs params check`: all findings against a parameter file.
 #include "params/check.hpp"
-
-#include <memory>
 
 #include <fmt/format.h>
 
-#include "app/verbs/params/menu.hpp"
+#include "app/cli/verb.hpp"
 #include "base/json.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -48,13 +46,13 @@ Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments
 
 }  // namespace
 
-void add_params_check(Menu& menu) {
-  const auto arguments = std::make_shared<CheckArguments>();
-  menu.verb("check", "every finding against a parameter file, with what to do",
-            "ecs params check mill.toml --machine machine.toml")
-      .text("FILE", arguments->file, "parameter file", Need::required)
-      .text("--machine", arguments->machine, "machine file to compare with")
-      .runs([arguments](VerbContext& context) { return check_file(context, *arguments); });
-}
+extern const VerbDefinition kParamsCheck = verb<CheckArguments>(
+    "params check", "every finding against a parameter file, with what to do",
+    "ecs params check mill.toml --machine machine.toml",
+    [](Verb& verb, CheckArguments& arguments) {
+      verb.text("FILE", arguments.file, "parameter file", Need::required)
+          .text("--machine", arguments.machine, "machine file to compare with");
+    },
+    check_file);
 
 }  // namespace ecs::app

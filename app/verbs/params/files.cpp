@@ -1,10 +1,10 @@
 // `ecs params show, set, diff, new`: what works on parameter files; show and diff also look into a unit.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/params/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"
@@ -161,42 +161,42 @@ Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
 
 }  // namespace
 
-void add_params_show(Menu& menu) {
-  const auto arguments = std::make_shared<ShowArguments>();
-  menu.verb("show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml")
-      .text("FILE", arguments->file, "parameter file")
-      .flag("--unit", arguments->unit, "those in the unit")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return show(context, *arguments); });
-}
+extern const VerbDefinition kParamsShow = verb<ShowArguments>(
+    "params show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml",
+    [](Verb& verb, ShowArguments& arguments) {
+      verb.text("FILE", arguments.file, "parameter file")
+          .flag("--unit", arguments.unit, "those in the unit")
+          .uses_link();
+    },
+    show);
 
-void add_params_set(Menu& menu) {
-  const auto arguments = std::make_shared<SetArguments>();
-  menu.verb("set", "change values in a parameter file",
-            "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml")
-      .text("FILE", arguments->file, "parameter file", Need::required)
-      .texts("KEY=VALUE", arguments->words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
-      .text("-o,--output", arguments->output, "write here in place of FILE")
-      .runs([arguments](VerbContext& context) { return set_values(context, *arguments); });
-}
+extern const VerbDefinition kParamsSet = verb<SetArguments>(
+    "params set", "change values in a parameter file",
+    "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml",
+    [](Verb& verb, SetArguments& arguments) {
+      verb.text("FILE", arguments.file, "parameter file", Need::required)
+          .texts("KEY=VALUE", arguments.words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
+          .text("-o,--output", arguments.output, "write here in place of FILE");
+    },
+    set_values);
 
-void add_params_diff(Menu& menu) {
-  const auto arguments = std::make_shared<DiffArguments>();
-  menu.verb("diff", "what differs between two parameter sets; `unit` stands for the unit",
-            "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200")
-      .text("A", arguments->a, "parameter file, or `unit`", Need::required)
-      .text("B", arguments->b, "parameter file, or `unit`", Need::required)
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return diff_two(context, *arguments); });
-}
+extern const VerbDefinition kParamsDiff = verb<DiffArguments>(
+    "params diff", "what differs between two parameter sets; `unit` means the connected unit",
+    "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200",
+    [](Verb& verb, DiffArguments& arguments) {
+      verb.text("A", arguments.a, "parameter file, or `unit`", Need::required)
+          .text("B", arguments.b, "parameter file, or `unit`", Need::required)
+          .uses_link();
+    },
+    diff_two);
 
-void add_params_new(Menu& menu) {
-  const auto arguments = std::make_shared<NewArguments>();
-  menu.verb("new", "parameters to start from, for a machine file",
-            "ecs params new --machine machine.toml -o mill-parameters.toml")
-      .text("--machine", arguments->machine, "machine file", Need::required)
-      .text("-o,--output", arguments->output, "parameter file to write", Need::required)
-      .runs([arguments](VerbContext& context) { return new_file(context, *arguments); });
-}
+extern const VerbDefinition kParamsNew = verb<NewArguments>(
+    "params new", "parameters to start from, for a machine file",
+    "ecs params new --machine machine.toml -o mill-parameters.toml",
+    [](Verb& verb, NewArguments& arguments) {
+      verb.text("--machine", arguments.machine, "machine file", Need::required)
+          .text("-o,--output", arguments.output, "parameter file to write", Need::required);
+    },
+    new_file);
 
 }  // namespace ecs::app

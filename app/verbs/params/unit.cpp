@@ -1,10 +1,10 @@
 // `ecs params send, receive`: the parameters between file and unit.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/params/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -79,24 +79,23 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
 
 }  // namespace
 
-void add_params_send(Menu& menu) {
-  const auto arguments = std::make_shared<SendArguments>();
-  menu.verb("send", "check a parameter file and send it to the unit; its map stays",
-            "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200")
-      .text("FILE", arguments->file, "parameter file", Need::required)
-      .flag("--force", arguments->force, "drop a map in the unit that does not fit, in place of refusing")
-      .flag("--other-machine", arguments->other_machine, "send although [identity] names another machine")
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return send(context, *arguments); });
-}
+extern const VerbDefinition kParamsSend = verb<SendArguments>(
+    "params send", "check a parameter file and send it to the unit; its map stays",
+    "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200",
+    [](Verb& verb, SendArguments& arguments) {
+      verb.text("FILE", arguments.file, "parameter file", Need::required)
+          .flag("--force", arguments.force, "drop a map in the unit that does not fit, in place of refusing")
+          .flag("--other-machine", arguments.other_machine, "send although [identity] names another machine")
+          .writes_to_unit();
+    },
+    send);
 
-void add_params_receive(Menu& menu) {
-  const auto arguments = std::make_shared<ReceiveArguments>();
-  menu.verb("receive", "the unit's parameters as a file",
-            "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200")
-      .text("-o,--output", arguments->output, "file to write; without it the text goes to stdout")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return receive(context, *arguments); });
-}
+extern const VerbDefinition kParamsReceive = verb<ReceiveArguments>(
+    "params receive", "the unit's parameters as a file",
+    "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200",
+    [](Verb& verb, ReceiveArguments& arguments) {
+      verb.text("-o,--output", arguments.output, "file to write; without it the text goes to stdout").uses_link();
+    },
+    receive);
 
 }  // namespace ecs::app

@@ -1,12 +1,11 @@
 // `ecs utility position, output, run, ramtest, reset, clear`: single commands to the unit.
 #include <chrono>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "app/cli/axis_argument.hpp"
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/utility/menu.hpp"
 #include "base/json.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/unit/utility_work.hpp"
@@ -117,60 +116,60 @@ Result<Outcome> ram_test(VerbContext& context) {
       passed ? kDone : kDoesNotHold};
 }
 
-void add_position(Menu& menu) {
-  const auto arguments = std::make_shared<PositionArguments>();
-  menu.verb("position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5")
-      .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis", Need::required)
-      .number("MM", arguments->position_mm, "position, mm", Need::required)
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return set_position(context, *arguments); });
-}
-
-void add_output(Menu& menu) {
-  const auto arguments = std::make_shared<OutputArguments>();
-  menu.verb("output", "put a compensation value on the D/A converter of one axis",
-            "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off")
-      .choice("AXIS", arguments->axis, {"X", "Y", "Z"}, "axis")
-      .number("UM", arguments->output_um, "compensation, um")
-      .flag("--relay", arguments->relay, "close the relay: the machine axis moves (needs --yes)")
-      .flag("--off", arguments->off, "every output 0, every relay open")
-      .flag("--yes", arguments->yes, "the axis may move")
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return output_value(context, *arguments); });
-}
-
-void add_run(Menu& menu) {
-  const auto arguments = std::make_shared<RunArguments>();
-  menu.verb("run", "run machine code that lies in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes")
-      .text("ADDRESS", arguments->address, "start address, decimal or 0x…", Need::required)
-      .text("--argument", arguments->argument, "a number that the program is given")
-      .number("--wait", arguments->wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
-      .flag("--yes", arguments->yes, "run it")
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return run_program_in_unit(context, *arguments); });
-}
-
 }  // namespace
 
-void add_utility_commands(Menu& menu) {
-  add_position(menu);
-  add_output(menu);
-  add_run(menu);
-  menu.verb("ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest")
-      .writes_to_unit()
-      .runs(ram_test);
-  menu.verb("reset", "restart the unit", "ecs utility reset").writes_to_unit().runs([](VerbContext& context) {
-    return simple(
-        context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
-        Json{{"reset", true}});
-  });
-  menu.verb("clear", "clear the fault that the unit keeps", "ecs utility clear")
-      .writes_to_unit()
-      .runs([](VerbContext& context) {
-        return simple(
-            context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
-            Json{{"cleared", true}});
-      });
-}
+extern const VerbDefinition kUtilityPosition = verb<PositionArguments>(
+    "utility position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5",
+    [](Verb& verb, PositionArguments& arguments) {
+      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis", Need::required)
+          .number("MM", arguments.position_mm, "position, mm", Need::required)
+          .writes_to_unit();
+    },
+    set_position);
+
+extern const VerbDefinition kUtilityOutput = verb<OutputArguments>(
+    "utility output", "put a compensation value on the D/A converter of one axis",
+    "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off",
+    [](Verb& verb, OutputArguments& arguments) {
+      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis")
+          .number("UM", arguments.output_um, "compensation, um")
+          .flag("--relay", arguments.relay, "close the relay: the machine axis moves (needs --yes)")
+          .flag("--off", arguments.off, "every output 0, every relay open")
+          .flag("--yes", arguments.yes, "the axis may move")
+          .writes_to_unit();
+    },
+    output_value);
+
+extern const VerbDefinition kUtilityRun = verb<RunArguments>(
+    "utility run", "run machine code in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes",
+    [](Verb& verb, RunArguments& arguments) {
+      verb.text("ADDRESS", arguments.address, "start address, decimal or 0x…", Need::required)
+          .text("--argument", arguments.argument, "a number that the program is given")
+          .number("--wait", arguments.wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
+          .flag("--yes", arguments.yes, "run it")
+          .writes_to_unit();
+    },
+    run_program_in_unit);
+
+extern const VerbDefinition kUtilityRamtest = verb(
+    "utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest",
+    [](Verb& verb) { verb.writes_to_unit(); }, ram_test);
+
+extern const VerbDefinition kUtilityReset = verb(
+    "utility reset", "restart the unit", "ecs utility reset", [](Verb& verb) { verb.writes_to_unit(); },
+    [](VerbContext& context) {
+      return simple(
+          context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
+          Json{{"reset", true}});
+    });
+
+extern const VerbDefinition kUtilityClear = verb(
+    "utility clear", "clear the fault that the unit keeps", "ecs utility clear",
+    [](Verb& verb) { verb.writes_to_unit(); },
+    [](VerbContext& context) {
+      return simple(
+          context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
+          Json{{"cleared", true}});
+    });
 
 }  // namespace ecs::app

@@ -1,12 +1,11 @@
 // `ecs utility datum record, show, test`: setting up the datuming parameters.
 #include <chrono>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "app/cli/axis_argument.hpp"
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/utility/menu.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
@@ -20,7 +19,7 @@ using std::chrono::milliseconds;
 
 milliseconds in_ms(double seconds) { return milliseconds(static_cast<long long>(seconds * 1000.0)); }
 
-Json json_of(const DatumRecording& recording) {
+Json recording_json(const DatumRecording& recording) {
   Json events = Json::array();
   for (const DatumEvent& event : events_of(recording))
     events.push_back({{"what", event.what},
@@ -54,7 +53,7 @@ std::string events_text(const std::vector<DatumEvent>& events) {
   return text;
 }
 
-std::string text_of(const DatumRecording& recording) {
+std::string recording_text(const DatumRecording& recording) {
   return fmt::format("axis {}, {} samples every {} us\n\n{}\n  time/s  position/mm  speed/(mm/min)  event\n{}",
                      letter_of(recording.axis), recording.samples.size(), recording.sample_period_us,
                      graph_of(recording), events_text(events_of(recording)));
@@ -90,14 +89,14 @@ Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
       return tl::unexpected(written.error());
     context.console.note(fmt::format("record written to {}", arguments.output));
   }
-  return Outcome{text_of(*recording), one_line(json_of(*recording)), kDone};
+  return Outcome{recording_text(*recording), one_line(recording_json(*recording)), kDone};
 }
 
 // --- show
 Result<Outcome> show(const std::string& file) {
   const auto recording = read_recording_file(file);
   if (!recording) return tl::unexpected(recording.error());
-  return Outcome{text_of(*recording), one_line(json_of(*recording)), kDone};
+  return Outcome{recording_text(*recording), one_line(recording_json(*recording)), kDone};
 }
 
 // --- test
@@ -142,25 +141,30 @@ Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
 
 }  // namespace
 
-void add_utility_datum(Menu& utility) {
-  Menu menu = utility.menu("datum", "datum sequences: record, show, test");
-  const auto recorded = std::make_shared<RecordArguments>();
-  menu.verb("record", "record ten seconds of an axis: speed, reference switch, marker",
-            "ecs utility datum record X -o x_datum.csv")
-      .choice("AXIS", recorded->axis, {"X", "Y", "Z"}, "axis", Need::required)
-      .text("-o,--output", recorded->output, "CSV file to write")
-      .writes_to_unit()
-      .runs([recorded](VerbContext& context) { return record(context, *recorded); });
-  const auto file = std::make_shared<std::string>();
-  menu.verb("show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv")
-      .text("FILE", *file, "CSV file of `datum record`", Need::required)
-      .runs([file](VerbContext&) { return show(*file); });
-  const auto tests = std::make_shared<TestArguments>();
-  menu.verb("test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120")
-      .texts("AXIS", tests->axes, "axes; none: all that the unit has")
-      .number("--wait", tests->wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
-      .writes_to_unit()
-      .runs([tests](VerbContext& context) { return test(context, *tests); });
-}
+extern const VerbDefinition kUtilityDatumRecord = verb<RecordArguments>(
+    "utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
+    "ecs utility datum record X -o x_datum.csv",
+    [](Verb& verb, RecordArguments& arguments) {
+      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis", Need::required)
+          .text("-o,--output", arguments.output, "CSV file to write")
+          .writes_to_unit();
+    },
+    record);
+
+extern const VerbDefinition kUtilityDatumShow = verb<std::string>(
+    "utility datum show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv",
+    [](Verb& verb, std::string& arguments) {
+      verb.text("FILE", arguments, "CSV file of `datum record`", Need::required);
+    },
+    [](VerbContext&, const std::string& arguments) { return show(arguments); });
+
+extern const VerbDefinition kUtilityDatumTest = verb<TestArguments>(
+    "utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
+    [](Verb& verb, TestArguments& arguments) {
+      verb.texts("AXIS", arguments.axes, "axes; none: all that the unit has")
+          .number("--wait", arguments.wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
+          .writes_to_unit();
+    },
+    test);
 
 }  // namespace ecs::app

@@ -1,11 +1,11 @@
 // `ecs utility mode`: integration or compensation, and how far datuming is.
 #include <chrono>
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/utility/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/utility_work.hpp"
@@ -87,15 +87,15 @@ Result<Outcome> change_mode(VerbContext& context, const ModeArguments& arguments
 
 }  // namespace
 
-void add_utility_mode(Menu& menu) {
-  const auto arguments = std::make_shared<ModeArguments>();
-  menu.verb("mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
-            "ecs utility mode compensate --wait 120\n  ecs utility mode integrate")
-      .choice("MODE", arguments->mode, {"compensate", "integrate"}, "mode", Need::required)
-      .number("--wait", arguments->wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
-              86400.0)
-      .writes_to_unit()
-      .runs([arguments](VerbContext& context) { return change_mode(context, *arguments); });
-}
+extern const VerbDefinition kUtilityMode = verb<ModeArguments>(
+    "utility mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
+    "ecs utility mode compensate --wait 120\n  ecs utility mode integrate",
+    [](Verb& verb, ModeArguments& arguments) {
+      verb.choice("MODE", arguments.mode, {"compensate", "integrate"}, "mode", Need::required)
+          .number("--wait", arguments.wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
+                  86400.0)
+          .writes_to_unit();
+    },
+    change_mode);
 
 }  // namespace ecs::app

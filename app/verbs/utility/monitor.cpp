@@ -1,13 +1,12 @@
 // `ecs monitor`: what the unit sees of the axes, sample by sample.
 #include <chrono>
-#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "app/cli/menus.hpp"
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/measurements/environment_watch.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status_view.hpp"
@@ -30,30 +29,50 @@ struct MonitorArguments {
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
 
-Json json_of(const AxisSample& axis) {
-  return Json{{"position_mm", number_or_null(axis.position_mm)},
-              {"speed_mm_min", number_or_null(axis.speed_mm_min)},
-              {"referenced", axis.referenced},
-              {"switch", axis.switch_active},
-              {"marker", axis.marker},
-              {"approach", name_of(axis.approach)},
-              {"compensation_um", number_or_null(axis.compensation_um)},
-              {"output_counts", axis.output_counts},
-              {"relay_closed", axis.relay_closed}};
+struct SampledAxis {
+  Axis axis = Axis::X;
+  AxisSample sample;
+};
+
+const AnswerTable<SampledAxis>& axes_table() {
+  static const AnswerTable<SampledAxis> table(
+      "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
+      "{compensation_um:>7} {output_counts:>6} {relay_closed}",
+      {{"axis", "axis", [](const SampledAxis& a) { return shown_cell(std::string(1, letter_of(a.axis))); }},
+       {"position_mm", "position/mm", [](const SampledAxis& a) { return number_cell(a.sample.position_mm, 4); }},
+       {"speed_mm_min", "speed/(mm/min)", [](const SampledAxis& a) { return number_cell(a.sample.speed_mm_min, 1); }},
+       {"referenced", "ref", [](const SampledAxis& a) { return yes_cell(a.sample.referenced, "yes", "no"); }},
+       {"switch", "switch", [](const SampledAxis& a) { return yes_cell(a.sample.switch_active, "on", "off"); }},
+       {"marker", "marker", [](const SampledAxis& a) { return yes_cell(a.sample.marker, "seen", "-"); }},
+       {"approach", "approach", [](const SampledAxis& a) { return word_cell(name_of(a.sample.approach)); }},
+       {"compensation_um", "comp/um", [](const SampledAxis& a) { return number_cell(a.sample.compensation_um, 2); }},
+       {"output_counts", "D/A",
+        [](const SampledAxis& a) {
+          return Cell{a.sample.output_counts, fmt::format("{}", a.sample.output_counts)};
+        }},
+       {"relay_closed", "relay",
+        [](const SampledAxis& a) { return yes_cell(a.sample.relay_closed, "closed", "open"); }}});
+  return table;
 }
 
-Json json_of(const Surroundings& surroundings) {
+std::vector<SampledAxis> sampled_axes(const MonitorSample& sample) {
+  std::vector<SampledAxis> rows;
+  for (const Axis axis : kAllAxes)
+    if (const AxisSample& one = sample.axes[index_of(axis)]; one.present) rows.push_back({axis, one});
+  return rows;
+}
+
+Json surroundings_json(const Surroundings& surroundings) {
   Json object{{"device", text_or_null(surroundings.device)}, {"problem", text_or_null(surroundings.problem)}};
   for (const auto& [quantity, value] : surroundings.values)
-    object[std::string(name_of(quantity))] = number_or_null(value);
+    object[std::string(devices::name_of(quantity))] = number_or_null(value);
   return object;
 }
 
-Json json_of(const MonitorSample& sample, const std::string& link) {
+Json sample_json(const MonitorSample& sample, const std::string& link) {
   Json axes = Json::object();
-  for (const Axis axis : kAllAxes)
-    if (sample.axes[index_of(axis)].present)
-      axes[std::string(1, letter_of(axis))] = json_of(sample.axes[index_of(axis)]);
+  for (const SampledAxis& row : sampled_axes(sample))
+    axes[std::string(1, letter_of(row.axis))] = axes_table().object(row);
   return Json{{"number", sample.number},
               {"time_s", time_s(sample)},
               {"mode", ecs::name_of(sample.mode)},
@@ -62,23 +81,14 @@ Json json_of(const MonitorSample& sample, const std::string& link) {
               {"link", link}};
 }
 
-std::string text_of(const MonitorSample& sample) {
-  std::string text = fmt::format(
-      "{:.3f} s, {}{}\naxis position/mm speed/(mm/min) ref switch marker approach comp/um    D/A relay\n",
-      time_s(sample), ecs::name_of(sample.mode),
-      sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name));
-  for (const Axis axis : kAllAxes) {
-    const AxisSample& a = sample.axes[index_of(axis)];
-    if (!a.present) continue;
-    text += fmt::format("{:<4} {:>11.4f} {:>14.1f} {:<3} {:<6} {:<6} {:<8} {:>7.2f} {:>6} {}\n", letter_of(axis),
-                        a.position_mm, a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
-                        a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um, a.output_counts,
-                        a.relay_closed ? "closed" : "open");
-  }
-  return text;
+std::string sample_text(const MonitorSample& sample) {
+  return fmt::format(
+             "{:.3f} s, {}{}\n", time_s(sample), ecs::name_of(sample.mode),
+             sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name)) +
+         axes_table().text(sampled_axes(sample));
 }
 
-/// Samples until the count is reached, a signal comes or the line is lost.
+/// Samples until the count is reached, a signal comes or the link is lost.
 Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments& arguments,
                    std::optional<MonitorRecording>& recording) {
   std::optional<EnvironmentWatch> environment;
@@ -87,11 +97,11 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorArguments&
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(arguments.interval_ms))) return {};
     const auto sample = unit.client().monitor();
     if (!sample) return tl::unexpected(sample.error());
-    Json object = json_of(*sample, unit.name());
-    std::string text = text_of(*sample);
+    Json object = sample_json(*sample, unit.name());
+    std::string text = sample_text(*sample);
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
-      object["environment"] = json_of(surroundings);
+      object["environment"] = surroundings_json(surroundings);
       text += to_text(surroundings) + "\n";
     }
     context.console.print(text);
@@ -123,18 +133,18 @@ Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments)
 
 }  // namespace
 
-void add_monitor_verb(Menu& root) {
-  const auto arguments = std::make_shared<MonitorArguments>();
-  root.verb("monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
-            "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1")
-      .integer("--count", arguments->count, "samples to show; 0: until stopped", 0, 100'000'000)
-      .integer("--interval", arguments->interval_ms, "milliseconds between samples", 1, 3'600'000)
-      .text("--environment", arguments->environment,
-            "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
-      .text("--record", arguments->record,
-            "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return monitor(context, *arguments); });
-}
+extern const VerbDefinition kMonitor = verb<MonitorArguments>(
+    "monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
+    "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1",
+    [](Verb& verb, MonitorArguments& arguments) {
+      verb.integer("--count", arguments.count, "samples to show; 0: until stopped", 0, 100'000'000)
+          .integer("--interval", arguments.interval_ms, "milliseconds between samples", 1, 3'600'000)
+          .text("--environment", arguments.environment,
+                "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
+          .text("--record", arguments.record,
+                "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves")
+          .uses_link();
+    },
+    monitor);
 
 }  // namespace ecs::app

@@ -1,10 +1,10 @@
 // `ecs utility status`: the unit's state and faults, live or from a file.
-#include <memory>
 
 #include <fmt/format.h>
 
+#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "app/verbs/utility/menu.hpp"
+#include "base/json.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 
@@ -34,14 +34,14 @@ Result<Outcome> show_status(VerbContext& context, const StatusArguments& argumen
 
 }  // namespace
 
-void add_utility_status(Menu& menu) {
-  const auto arguments = std::make_shared<StatusArguments>();
-  menu.verb("status", "mode, fault and what to do, memory tests, address pointers, relays",
-            "ecs utility status --save status.json\n  ecs utility status --from status.json")
-      .text("--save", arguments->save, "write decoded values and raw registers to this file")
-      .text("--from", arguments->from, "decode such a file; no unit is asked")
-      .uses_link()
-      .runs([arguments](VerbContext& context) { return show_status(context, *arguments); });
-}
+extern const VerbDefinition kUtilityStatus = verb<StatusArguments>(
+    "utility status", "mode, fault and what to do, memory tests, address pointers, relays",
+    "ecs utility status --save status.json\n  ecs utility status --from status.json",
+    [](Verb& verb, StatusArguments& arguments) {
+      verb.text("--save", arguments.save, "write decoded values and raw registers to this file")
+          .text("--from", arguments.from, "decode such a file; no unit is asked")
+          .uses_link();
+    },
+    show_status);
 
 }  // namespace ecs::app

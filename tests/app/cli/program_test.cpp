@@ -71,7 +71,7 @@ TEST_CASE("an option without its value and a value out of range are reported as 
   CHECK(negative.messages.find("got -1") != std::string::npos);
   CHECK(negative.messages.find("e+308") == std::string::npos);
   const Ran word = ran({"memory", "dump", "-o"});
-  CHECK(word.messages.find("-o needs a value behind it") != std::string::npos);
+  CHECK(word.messages.find("-o needs a value after it") != std::string::npos);
   for (const Ran& r : {alone, negative, word}) CHECK(r.messages.find("did you mean") == std::string::npos);
   CHECK(ran({"utility", "mode", "compensate", "--wiat", "1"}).messages.find("did you mean \"--wait\"") !=
         std::string::npos);

@@ -1,6 +1,6 @@
 // The mill on the screen: what its map lacks, the very map of the verb, prepared files, work taken up again, every
 // size.
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "tests/support/laser_screen.hpp"
 
 namespace ecs::app {

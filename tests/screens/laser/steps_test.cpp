@@ -1,5 +1,5 @@
 // The steps on the screen from files to curves, each against numbers known beforehand.
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "tests/support/laser_screen.hpp"
 
 namespace ecs::app {

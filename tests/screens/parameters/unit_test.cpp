@@ -6,7 +6,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "app/cli/program.hpp"
+#include "app/verbs/registry.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/parameters_screen.hpp"

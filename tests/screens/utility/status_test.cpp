@@ -1,8 +1,8 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
 #include <sstream>
 
-#include "app/cli/program.hpp"
 #include "app/screens/utility/status_screen.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "commissioning/memory/dump.hpp"
 #include "commissioning/unit/transfer.hpp"

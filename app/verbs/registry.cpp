@@ -1,0 +1,111 @@
+// A verb is defined in a file of its menu's folder, app/verbs/<menu>/; here it gets its row.
+#include "app/verbs/registry.hpp"
+
+namespace ecs::app {
+
+extern const VerbDefinition kParamsShow, kParamsCheck, kParamsSet, kParamsDiff, kParamsNew, kParamsSend, kParamsReceive;
+extern const VerbDefinition kMonitor;
+extern const VerbDefinition kLaserImport, kLaserShow, kLaserStats, kLaserProcess, kLaserNormalise, kLaserAir,
+    kLaserTable, kLaserCapture, kLaserDevices;
+extern const VerbDefinition kMapBuild, kMapShow, kMapHeader, kMapSend, kMapReceive, kMapVerify;
+extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtilityRamtest, kUtilityReset,
+    kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
+extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
+extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
+    kModelNext, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
+extern const VerbDefinition kReport;
+extern const VerbDefinition kExportRead;
+/// One for each controller format.
+const std::vector<VerbDefinition>& export_writers();
+extern const VerbDefinition kBatch;
+extern const VerbDefinition kDoctor;
+
+namespace {
+
+const std::vector<MenuDefinition>& menus() {
+  static const std::vector<MenuDefinition> all{
+      {"params", "E.C.S. PARAMETERS"},
+      {"laser", "PROCESS LASER DATA: measurements"},
+      {"map", "PROCESS LASER DATA: error maps"},
+      {"utility", "ECS UTILITY"},
+      {"utility datum", "datum sequences: record, show, test"},
+      {"memory", "MEMORY ACCESS"},
+      {"model", "MODEL: the error model against measurements"},
+      {"export", "the error map as compensation tables of other controls, and back"}};
+  return all;
+}
+
+std::vector<const VerbDefinition*> verbs_in_order() {
+  std::vector<const VerbDefinition*> verbs{
+      &kParamsShow,
+      &kParamsCheck,
+      &kParamsSet,
+      &kParamsDiff,
+      &kParamsNew,
+      &kParamsSend,
+      &kParamsReceive,
+      &kMonitor,
+      &kLaserImport,
+      &kLaserShow,
+      &kLaserStats,
+      &kLaserProcess,
+      &kLaserNormalise,
+      &kLaserAir,
+      &kLaserTable,
+      &kLaserCapture,
+      &kLaserDevices,
+      &kMapBuild,
+      &kMapShow,
+      &kMapHeader,
+      &kMapSend,
+      &kMapReceive,
+      &kMapVerify,
+      &kUtilityPosition,
+      &kUtilityOutput,
+      &kUtilityRun,
+      &kUtilityRamtest,
+      &kUtilityReset,
+      &kUtilityClear,
+      &kUtilityMode,
+      &kUtilityDatumRecord,
+      &kUtilityDatumShow,
+      &kUtilityDatumTest,
+      &kUtilityStatus,
+      &kMemoryRead,
+      &kMemoryWrite,
+      &kMemoryDump,
+      &kMemoryLoad,
+      &kMemoryShow,
+      &kMemoryCompare,
+      &kModelEffects,
+      &kModelNew,
+      &kModelPredict,
+      &kModelFit,
+      &kModelCompare,
+      &kModelDiagnose,
+      &kModelNext,
+      &kModelAdd,
+      &kModelUndo,
+      &kModelHistory,
+      &kModelWhatIf,
+      &kModelReveal,
+      &kReport,
+  };
+  for (const VerbDefinition& writer : export_writers()) verbs.push_back(&writer);
+  verbs.insert(verbs.end(), {&kExportRead, &kBatch, &kDoctor});
+  return verbs;
+}
+
+}  // namespace
+
+const VerbRegistry& all_verbs() {
+  static const VerbRegistry registry{menus(), verbs_in_order()};
+  return registry;
+}
+
+int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
+                ConsoleOptions options) {
+  return run_command_line(all_verbs(), words, out, messages, std::move(options));
+}
+
+}  // namespace ecs::app

@@ -1,0 +1,16 @@
+// The verbs of `ecs` (thesis figure 5.4). A new verb is its file and a row in registry.cpp.
+// Does not live here: how a command line is parsed and answered (app/cli/).
+#pragma once
+
+#include "app/cli/program.hpp"
+
+namespace ecs::app {
+
+/// Every menu and verb, in the order in which the help shows them.
+[[nodiscard]] const VerbRegistry& all_verbs();
+
+/// Runs `ecs words…` with all verbs; as run_command_line().
+[[nodiscard]] int run_program(const std::vector<std::string>& words, std::ostream& out, std::ostream& messages,
+                              ConsoleOptions options = {});
+
+}  // namespace ecs::app
