@@ -22,8 +22,8 @@ using Eigen::VectorXd;
 /// Squares of the noise per reading below which nothing is named or called structure: no noise is known that well (400
 /// repeats know its square to 7 %).
 constexpr double kLeastShare = 0.07;
-/// What refining a period and adding harmonics may gain on noise, which the replicates are not given: two more free
-/// parameters at three a parameter. A choice.
+/// What refining a period and adding harmonics may gain on noise, which the replicates are not given: χ² of two
+/// degrees exceeds it in one case of twenty. A choice.
 constexpr double kRefinement = 6.0;
 /// The same for structure, which any misjudged noise resembles, and how much rarer than a false name it is to be. A
 /// choice, on the safe side of naming.
@@ -40,8 +40,8 @@ constexpr int kMostRounds = 2;
 /// Part of the freedom of repeats that a test of structure relies on: correlated repeats tell less than their number. A
 /// choice.
 constexpr double kFreedomOfTests = 0.6;
-/// Structure that a named effect may leave, a share of what it explains: its own shape is known to about 1 % of its
-/// size at best (of its square 2 %), and at most this many squares of the noise.
+/// Structure that a named effect may leave: this share of what it explains, for the shapes of the library are not
+/// exact, and at most so many squares of the noise. Choices.
 constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
 /// Scores of noise are between these; sixty halvings of that find the level to the last digit.
 constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;

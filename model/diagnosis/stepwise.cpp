@@ -30,7 +30,7 @@ constexpr int kExchanges = 3;
 /// An exchange must raise the score by this: less is rounding, and would go round in circles.
 constexpr double kLeastProgress = 0.01;
 /// Share of a member's gain that another needs to be looked at exactly; less where its nonlinear parameter can still
-/// move. A choice: the screening is that far from the exact gain at most.
+/// move. A choice: looking at more takes time, at fewer may miss a rival that refining would raise.
 constexpr double kNearGain = 0.8, kNearGainMovable = 0.5;
 /// Fits of equal evidence may differ by three times what cannot be told apart, where the other is simpler.
 constexpr double kSimplerMargin = 3.0 * kIndistinguishable;

@@ -10,7 +10,7 @@ namespace ecs::model {
 namespace {
 
 /// Noise, as a share of the span of the curve, below which nothing is smoothed; below which three samples do, else
-/// five. Choices: crossings move by less than the noise over the slope.
+/// five. Choices.
 constexpr double kQuiet = 0.002, kNoisy = 0.01;
 /// The level is looked for among the samples of the upper tenth below this quantile: overshoot and glitches are above.
 constexpr double kTopQuantile = 0.98;

@@ -50,7 +50,8 @@ struct MeasurementProposal {
   std::string sentence;
 };
 
-/// What work takes; the defaults are those of a machine shop with a laser interferometer.
+/// What work takes; the defaults are those of a machine shop with a laser interferometer: choices, of which the ratios
+/// decide the order of proposals.
 struct MeasuringTimes {
   double rapid_mm_min = 6000.0;
   double start_minutes = 5.0;              ///< same line again
