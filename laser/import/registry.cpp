@@ -12,7 +12,7 @@ extern const FileFormat kMeasurementCsv, kRenishawRun, kRenishawDynamic, kRenish
     kIso230Assignments, kPlate, kHeightMap, kChannelLog, kMappedColumns;
 
 std::span<const FileFormat* const> file_formats() {
-  static constexpr std::array<const FileFormat*, 11> kFormats{
+  static constexpr std::array kFormats{
       &kMeasurementCsv,    &kRenishawRun, &kRenishawDynamic, &kRenishawTable, &kApiReport,     &kSiosEnvironment,
       &kIso230Assignments, &kPlate,       &kHeightMap,       &kChannelLog,    &kMappedColumns,
   };
