@@ -4,12 +4,9 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "app/cli/console.hpp"
-#include "base/file.hpp"
 #include "base/json.hpp"
-#include "tests/support/verb_run.hpp"
 
-namespace ecs::app {
+namespace ecs {
 namespace {
 
 TEST_CASE("letters of every language, tabs and line ends stay") {
@@ -49,29 +46,5 @@ TEST_CASE("whatever the bytes, what is shown holds no control character and stay
   }));
 }
 
-TEST_CASE("results, notes, warnings and problems are printed without control characters") {
-  std::ostringstream out, messages;
-  Console console(out, messages);
-  console.answer("name \x1B]0;owned\x07", "");
-  console.print("\x1B[31m");
-  console.note("\x1B[1m");
-  console.warn("\xFF");
-  console.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
-  CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
-}
-
-TEST_CASE("a map header with escapes and broken UTF-8 is shown harmless and is valid JSON") {
-  const Folder folder;
-  const std::string map = folder.with("map.csv",
-                                      "# machine: mill\x1B[2J\xFF\n# customer: M\xC3\xBCller\n"
-                                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-100,1\nX,EX,0,0,5\n");
-  for (const char* verb : {"header", "show"}) {
-    const Ran plain = ran({"map", verb, map});
-    CHECK((plain.out + plain.messages).find_first_of("\x1B\xFF") == std::string::npos);
-    const Ran json = ran({"map", verb, map, "--json"});
-    CHECK(nlohmann::json::accept(json.out));
-  }
-}
-
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs

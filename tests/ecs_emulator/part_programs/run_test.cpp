@@ -12,6 +12,7 @@
 #include "ecs_emulator/part_programs/files.hpp"
 #include "ecs_emulator/part_programs/writer.hpp"
 #include "ecs_emulator/workshop/workshop.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/workshop_machines.hpp"
 
 using namespace ecs;
@@ -198,13 +199,14 @@ TEST_CASE("a wrong or cancelled program moves nothing and writes nothing") {
   CHECK(simulation.machine().command_mm() == before_mm);
   CHECK(!run_program(simulation, program_of("G00X-5"), measuring(Axis::X, Sense::EX)).has_value());  // no reading
   simulation.on_pause([] { return false; });
+  const Folder folder;
   ProgramOrder order;
-  order.trace = "/tmp/ecs_program_given_up.csv";
+  order.trace = folder / "trace.csv";
   const auto result = run_program(simulation, program_of("$REP 100\nG01F100X-500\nX0\n$END"), order);
   REQUIRE(!result.has_value());
   CHECK(result.error().kind == ProblemKind::refused);
   CHECK(!std::filesystem::exists(order.trace));
-  CHECK(!std::filesystem::exists("/tmp/ecs_program_given_up.csv.part"));
+  CHECK(!std::filesystem::exists(folder / "trace.csv.part"));
 }
 
 TEST_CASE("the spindle starts before the motion and stops after it") {
@@ -225,8 +227,9 @@ TEST_CASE("a program longer than the look-ahead runs through at its feed") {
 
 TEST_CASE("the circle of thesis 7.4 is commanded as a circle, both ways round, and nothing of it is lost") {
   Simulation simulation(mill(), TrueErrors(), 1);
+  const Folder folder;
   ProgramOrder order;
-  order.trace = "/tmp/ecs_circle_test.csv";
+  order.trace = folder / "trace.csv";
   order.trace_period_s = 0.01;
   const Vector3 start_mm = simulation.machine().command_mm();
   const auto program = read_program("samples/mill/circle_xz.nc");
@@ -256,8 +259,9 @@ TEST_CASE("the circle of thesis 7.4 is commanded as a circle, both ways round, a
 
 TEST_CASE("a drive of first order cuts a circle smaller by v squared over 2 Kv squared R") {
   auto simulation = simulation_of("", small_machine() + ideal_drives(10.0));
+  const Folder folder;
   ProgramOrder order;
-  order.trace = "/tmp/ecs_lag_test.csv";
+  order.trace = folder / "trace.csv";
   ran(simulation, "G90G18G00X-250Z-25\nG03F3000X-250Z-25K-125\nX-250Z-25K-125\n", order);
   const double speed = 50.0;
   const double expected_mm = speed * speed / (2.0 * 10.0 * 10.0 * 125.0);  // 0.1 mm
@@ -282,10 +286,11 @@ TEST_CASE("the workshop runs programs and single blocks by request") {
   CHECK(simulation.machine().command_mm()[0] == -100.0);
   const auto refused = perform(workshop, R"({"action": "mdi", "block": "G01 X-100"})");
   CHECK(refused.find("mdi:1: expected a feed") != refused.npos);
-  REQUIRE(write_file("/tmp/ecs_program_request.nc", "$REP 50\nG00X-5\nX0\nG04H1\nM08\nM08\nM09\n$END\n").has_value());
+  const Folder folder;
+  const std::string program = folder.with("request.nc", "$REP 50\nG00X-5\nX0\nG04H1\nM08\nM08\nM09\n$END\n");
   std::vector<std::string> reports;
   const auto answer =
-      perform(workshop, R"({"action": "run", "program": "/tmp/ecs_program_request.nc", "axis": "X", "sense": "EX"})",
+      perform(workshop, R"({"action": "run", "program": ")" + program + R"(", "axis": "X", "sense": "EX"})",
               [&](const std::string& line) { reports.push_back(line); });
   CHECK(answer.find("\"readings\":50") != answer.npos);
   CHECK(answer.find("\"missed_trigger_lines\":[6]") != answer.npos);

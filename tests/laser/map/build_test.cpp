@@ -3,11 +3,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "tests/support/folder.hpp"
 
 using namespace ecs;
 using namespace ecs::laser;
@@ -15,17 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder that goes away with the test.
-struct Folder {
-  fs::path path = fs::temp_directory_path() / fmt::format("ecs_map_build_{}", static_cast<int>(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path / name) << text;
-    return path / name;
-  }
+struct MapFolder : Folder {
+  [[nodiscard]] fs::path write(const std::string& name, const std::string& text) const { return with(name, text); }
 };
 
 constexpr const char* kHeader = "axis,sense,x_mm,y_mm,z_mm,approach,run,reading\n";
@@ -69,7 +60,7 @@ ComponentRecipe one(Component c, std::vector<fs::path> files) {
 }  // namespace
 
 TEST_CASE("compensation is minus the error, forward and reverse apart, zero at the datum") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file = folder.write(
       "x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double p, int d) { return 5.0 + 0.02 * p + 1.5 * d; }));
   const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
@@ -84,7 +75,7 @@ TEST_CASE("compensation is minus the error, forward and reverse apart, zero at t
 }
 
 TEST_CASE("straightness loses its slope and the header says how much") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file =
       folder.write("yx.csv", runs('X', "EY", {0, -1400, 0}, -200, 0, 50, [](double p, int) { return 0.3 * p + 12.0; }));
   const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
@@ -96,7 +87,7 @@ TEST_CASE("straightness loses its slope and the header says how much") {
 
 TEST_CASE("yaw comes from two linear runs at two ram positions, in our signs") {
   // E_X = EBX · Z: at z = -1000 a yaw of +30 um/m shows as -30 um
-  const Folder folder;
+  const MapFolder folder;
   const auto yaw = [](double p) { return -0.1 * p; };
   const auto in =
       folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double p, int) { return 0.01 * p; }));
@@ -109,7 +100,7 @@ TEST_CASE("yaw comes from two linear runs at two ram positions, in our signs") {
 }
 
 TEST_CASE("the same two runs cannot show another rotation") {
-  const Folder folder;
+  const MapFolder folder;
   const auto in = folder.write("in.csv", runs('X', "EX", {0, -1400, 0}, -400, 0, 100, [](double, int) { return 0.0; }));
   const auto out =
       folder.write("out.csv", runs('X', "EX", {0, -1400, -1000}, -400, 0, 100, [](double, int) { return 1.0; }));
@@ -119,7 +110,7 @@ TEST_CASE("the same two runs cannot show another rotation") {
 }
 
 TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
-  const Folder folder;  // E_X = -C0Y · Y with C0Y = 16 um/m
+  const MapFolder folder;  // E_X = -C0Y · Y with C0Y = 16 um/m
   const auto file =
       folder.write("sq.csv", runs('Y', "EX", {0, 0, 0}, -1400, 0, 200, [](double p, int) { return -0.016 * p; }));
   const auto built = build_map(recipe_of({one(Component::C0Y, {file})}), mill_parameters());
@@ -130,7 +121,7 @@ TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
 }
 
 TEST_CASE("a file of another sense is refused with what it holds") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   const auto built = build_map(recipe_of({one(Component::EYX, {file})}), mill_parameters());
   REQUIRE_FALSE(built);
@@ -139,7 +130,7 @@ TEST_CASE("a file of another sense is refused with what it holds") {
 }
 
 TEST_CASE("readings taken while compensating make no map") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file =
       folder.write("x.csv", "axis,sense,x_mm,y_mm,reading,compensated\nX,EX,0,-1400,1,1\nX,EX,-50,-1400,2,1\n");
   const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
@@ -148,7 +139,7 @@ TEST_CASE("readings taken while compensating make no map") {
 }
 
 TEST_CASE("a curve off the measurement line of the parameters is refused") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, 0, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   const auto built = build_map(recipe_of({one(Component::EXX, {file})}), mill_parameters());
   REQUIRE_FALSE(built);
@@ -157,7 +148,7 @@ TEST_CASE("a curve off the measurement line of the parameters is refused") {
 }
 
 TEST_CASE("files of two machines do not make one map") {
-  const Folder folder;
+  const MapFolder folder;
   const auto flat = [](double, int) { return 0.0; };
   const auto x = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, flat, "# machine: mill A\n"));
   const auto y = folder.write("y.csv", runs('Y', "EY", {0, 0, 0}, -1400, 0, 200, flat, "# machine: mill B\n"));
@@ -167,7 +158,7 @@ TEST_CASE("files of two machines do not make one map") {
 }
 
 TEST_CASE("a component that the chain does not use is refused") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file = folder.write("z.csv", runs('Z', "EA", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   const auto built = build_map(recipe_of({one(Component::EAZ, {file})}), mill_parameters());
   REQUIRE_FALSE(built);
@@ -175,7 +166,7 @@ TEST_CASE("a component that the chain does not use is refused") {
 }
 
 TEST_CASE("the files themselves suggest what they serve, and name what is left over") {
-  const Folder folder;
+  const MapFolder folder;
   const auto flat = [](double, int) { return 0.0; };
   const std::vector<fs::path> files{
       folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, flat)),
@@ -213,7 +204,7 @@ TEST_CASE("an angle is zero where its axis stood while the axes it levers were m
   UnitParameters p = mill_parameters();
   p.measurement_lines_mm[1] = {-100.0, 0.0, 0.0};  // Y and Z were measured at X -100
   p.measurement_lines_mm[2] = {-100.0, -1400.0, 0.0};
-  const Folder folder;
+  const MapFolder folder;
   const auto file =
       folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
   const auto built = build_map(recipe_of({one(Component::EAX, {file})}), p);
@@ -229,7 +220,7 @@ TEST_CASE("an angle is zero where its axis stood while the axes it levers were m
 TEST_CASE("for the printed equations, roll, pitch about Z and two squareness values change their sign") {
   UnitParameters p = mill_parameters();
   p.convention = Convention::as_printed;
-  const Folder folder;
+  const MapFolder folder;
   const auto roll =
       folder.write("roll.csv", runs('X', "EA", {0, -1400, 0}, -200, 0, 50, [](double x, int) { return 0.1 * x; }));
   const auto square =
@@ -241,7 +232,7 @@ TEST_CASE("for the printed equations, roll, pitch about Z and two squareness val
 }
 
 TEST_CASE("a run that is to be left out must be there") {
-  const Folder folder;
+  const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));
   ComponentRecipe recipe = one(Component::EXX, {file});
   recipe.exclude_runs = {2, 9};

@@ -1,0 +1,35 @@
+// What reaches the terminal holds no control characters.
+#include <sstream>
+
+#include "app/cli/console.hpp"
+#include "tests/support/verb_run.hpp"
+
+namespace ecs::app {
+namespace {
+
+TEST_CASE("results, notes, warnings and problems are printed without control characters") {
+  std::ostringstream out, messages;
+  Console console(out, messages);
+  console.answer("name \x1B]0;owned\x07", "");
+  console.print("\x1B[31m");
+  console.note("\x1B[1m");
+  console.warn("\xFF");
+  console.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
+  CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
+}
+
+TEST_CASE("a map header with escapes and broken UTF-8 is shown harmless and is valid JSON") {
+  const Folder folder;
+  const std::string map = folder.with("map.csv",
+                                      "# machine: mill\x1B[2J\xFF\n# customer: M\xC3\xBCller\n"
+                                      "axis,sense,approach,p_mm,value_um\nX,EX,0,-100,1\nX,EX,0,0,5\n");
+  for (const char* verb : {"header", "show"}) {
+    const Ran plain = ran({"map", verb, map});
+    CHECK((plain.out + plain.messages).find_first_of("\x1B\xFF") == std::string::npos);
+    const Ran json = ran({"map", verb, map, "--json"});
+    CHECK(nlohmann::json::accept(json.out));
+  }
+}
+
+}  // namespace
+}  // namespace ecs::app

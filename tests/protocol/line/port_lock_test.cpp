@@ -1,0 +1,47 @@
+// A serial port for one program at a time.
+#include "protocol/line/port_lock.hpp"
+
+#include <cstdlib>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+using namespace ecs::protocol;
+
+namespace {
+
+/// Both ends of a pseudo-terminal.
+struct Terminal {
+  int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  std::string device;
+  Terminal() {
+    REQUIRE(::grantpt(master) == 0);
+    REQUIRE(::unlockpt(master) == 0);
+    device = ::ptsname(master);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() { ::close(master); }
+};
+
+}  // namespace
+
+TEST_CASE("a port is taken once, and free again when the lock is gone") {
+  const Terminal terminal;
+  {
+    const auto first = PortLock::take(terminal.device);
+    REQUIRE(first);
+    const auto second = PortLock::take(terminal.device);
+    REQUIRE_FALSE(second);
+    CHECK(second.error().failure != LinkFailure::none);
+    CHECK_FALSE(second.error().problem.message.empty());
+  }
+  CHECK(PortLock::take(terminal.device));
+}
+
+TEST_CASE("a missing device and a file that is not a serial port are refused") {
+  CHECK_FALSE(PortLock::take("/dev/no-such-port"));
+  CHECK_FALSE(PortLock::take("/dev/null"));
+}
