@@ -33,7 +33,7 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 /// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
 /// The transducers see what the unit adds: an axis at rest while another moves drifts by its own compensation. The
 /// approach is therefore sensed on the position less the motion that the output has brought about, which follows the
-/// output as the CNC's position loop does (first order, gain Kv); else a standing axis would seem to turn.
+/// output as the CNC's position loop does (first order, gain Kv); else an axis at rest would seem to turn round.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
 
 /// Address pointer of one curve ("last geometric error values selected", thesis 5.3).

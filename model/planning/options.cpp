@@ -40,19 +40,13 @@ constexpr std::array kWaits_minutes{30.0, 120.0, 480.0};
 /// Another line is worth its set-up where it is this share of the travel away, and the travel at least this long [mm].
 constexpr double kFarLine = 0.2, kLeastTravel_mm = 1.0;
 
-double median(std::vector<double> values) {
-  if (values.empty()) return kNotMeasured;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 /// Median of a column over some rows; nothing where none of them has it.
 std::optional<double> median_of(const Column& column, const std::vector<std::size_t>& rows) {
   std::vector<double> values;
   for (const std::size_t k : rows)
     if (!column.empty() && !std::isnan(column[k])) values.push_back(column[k]);
   if (values.empty()) return std::nullopt;
-  return median(std::move(values));
+  return upper_median(std::move(values));
 }
 
 /// The last measured value: what is so now.

@@ -115,9 +115,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
                                        const Model& model, std::size_t most) {
   const auto present = static_cast<Index>(all.present);
   NoiseModel noise = belief.noise;
-  std::vector<std::size_t> rows(all.present);
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
-  const Observations now = subset(all.data, rows);
+  const Observations now = present_of(all);
   const Whitener whitener(now, noise, belief.left_out);
   Space base;
   base.y = VectorXd::Zero(present);

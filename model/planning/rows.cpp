@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ecs::model {
 namespace {
@@ -40,11 +41,17 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
 
 }  // namespace
 
+Observations present_of(const WithProposals& all) {
+  std::vector<std::size_t> rows(all.present);
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  return subset(all.data, rows);
+}
+
 WithProposals with_proposals(const Observations& present, const std::vector<MeasurementProposal>& proposals) {
   WithProposals all;
   all.present = present.size();
   std::vector<std::size_t> rows(present.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
   std::vector<std::vector<Stop>> stops;
   for (MeasurementProposal one : proposals) {
     one.runs = 1;

@@ -18,6 +18,8 @@ struct WithProposals {
   std::vector<std::size_t> first;  ///< of each proposal
   std::vector<std::size_t> count;  ///< of each proposal
 };
+/// The present readings alone.
+[[nodiscard]] Observations present_of(const WithProposals& all);
 [[nodiscard]] WithProposals with_proposals(const Observations& present,
                                            const std::vector<MeasurementProposal>& proposals);
 

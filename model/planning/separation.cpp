@@ -184,13 +184,7 @@ Explanation explained_by(const std::string& name, const EffectInstance& effect, 
   const auto value = effect.fitted.find(parameter);
   const double nonlinear = value == effect.fitted.end() ? 0.0 : value->second;
   const Columns columns = free_columns(regressors, effect, nonlinear);
-  const Whitener whitener(subset(all.data,
-                                 [&] {
-                                   std::vector<std::size_t> rows(all.present);
-                                   for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
-                                   return rows;
-                                 }()),
-                          belief.noise, belief.left_out);
+  const Whitener whitener(present_of(all), belief.noise, belief.left_out);
   Explanation one;
   one.name = name;
   one.fixed = columns.fixed.size() > 0 ? columns.fixed : VectorXd(VectorXd::Zero(columns.of.rows()));
