@@ -47,7 +47,6 @@ TEST_CASE("every further real file is read or refused with the right reason") {
       {"servo-backlash", {}, 0, "telemetry of servo drives"},
       {"tpoint-apo35m", {}, 0, "TPOINT"},
       {"zprobe-thermal-drift", {}, 0, "JSON lines of a probe"},
-      {"made-up", {}, 0, ""},
   };
   const auto [read, refused] = check_corpus(root, corpus);
   CHECK(read >= 18);
