@@ -14,7 +14,7 @@ using namespace ecs::test;
 namespace {
 
 /// X and Y; the straightness of Y asks X for up to 100 um along Y, and for 26 um more in reverse. X stands at a control
-/// whose loop follows the output with `kv_per_s`; the unit has been told 30.
+/// whose loop follows the output with `kv_per_s`; the unit assumes 30.
 struct TwoAxes {
   UnitParameters parameters;
   std::unique_ptr<CompiledMap> map = std::make_unique<CompiledMap>();

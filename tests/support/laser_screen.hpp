@@ -93,9 +93,9 @@ inline void measure_mill(const StateFolder& folder) {
 }
 
 /// The screen with its keys and what is seen.
-class LaserSitting {
+class LaserScreenDriver {
  public:
-  explicit LaserSitting(const std::string& link = kNoUnit)
+  explicit LaserScreenDriver(const std::string& link = kNoUnit)
       : unit(std::make_shared<UnitConnection>(link)), screen(std::make_unique<LaserScreen>(unit)) {}
 
   LaserController& controller() { return screen->controller(); }

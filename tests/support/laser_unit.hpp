@@ -48,16 +48,16 @@ struct LinearMill {
   std::vector<std::string> files;
 };
 
-inline void make_ready(LaserSitting& sitting, const StateFolder& folder, const LinearMill& mill) {
-  sitting.controller().change("all", [&](LaserChoices& c) {
+inline void make_ready(LaserScreenDriver& driver, const StateFolder& folder, const LinearMill& mill) {
+  driver.controller().change("all", [&](LaserChoices& c) {
     for (const std::string& file : mill.files) c.files.push_back({file, {}});
     c.params_file = "samples/mill/parameters.toml";
     c.scope = "linear";
     c.map_file = (folder.path / "map.csv").string();
   });
-  REQUIRE(sitting.settled());
-  REQUIRE(sitting.controller().work().map.complete());
-  sitting.type("8");
+  REQUIRE(driver.settled());
+  REQUIRE(driver.controller().work().map.complete());
+  driver.type("8");
 }
 
 inline std::string ran_text(const std::vector<std::string>& words) {
@@ -66,11 +66,11 @@ inline std::string ran_text(const std::vector<std::string>& words) {
 }
 
 /// Saved and sent by keys.
-inline void send_from(LaserSitting& sitting) {
-  sitting.type("\n");
-  REQUIRE(sitting.shows("Send the map to"));
-  sitting.type("y");
-  REQUIRE(sitting.until([&] { return sitting.controller().sent_is_current(); }, 60));
+inline void send_from(LaserScreenDriver& driver) {
+  driver.type("\n");
+  REQUIRE(driver.shows("Send the map to"));
+  driver.type("y");
+  REQUIRE(driver.until([&] { return driver.controller().sent_is_current(); }, 60));
 }
 
 }  // namespace ecs::app

@@ -155,10 +155,10 @@ class UnitModel : public UnitPort {
   }
 };
 
-/// The face of a model that may lose its replies from a certain command on.
-class LosingFace : public RegisterServer {
+/// Serves the registers of a model that may lose its replies from a certain command on.
+class LosingServer : public RegisterServer {
  public:
-  explicit LosingFace(UnitModel& model) : RegisterServer(model), model_(&model) {}
+  explicit LosingServer(UnitModel& model) : RegisterServer(model), model_(&model) {}
   [[nodiscard]] bool silent() const override { return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0; }
 
  private:
@@ -219,7 +219,7 @@ class Workshop {
 
  private:
   void run() {
-    LosingFace face(model_);
+    LosingServer losing(model_);
     while (!ended_) {
       std::function<void()> job;
       {
@@ -227,7 +227,7 @@ class Workshop {
         job.swap(job_);
       }
       if (job) job();
-      server_.serve_ready(face, std::chrono::milliseconds(5));
+      server_.serve_ready(losing, std::chrono::milliseconds(5));
     }
   }
   ModbusServer server_;

@@ -1,4 +1,4 @@
-// Curves in cells: ticks, zoom, cursor, and what can be told without colour.
+// Curves in cells: ticks, zoom, cursor, and what is visible without colour.
 #include "app/ui/chart.hpp"
 
 #include <algorithm>

@@ -86,7 +86,7 @@ TEST_CASE("F2 shows the whole text in a box that scrolls, and any other key clos
 }
 
 TEST_CASE("what F2 showed is in the log, once") {
-  const std::string finding = kLong + " (a finding that no message line told)";
+  const std::string finding = kLong + " (a finding that no message line showed)";
   Overlay over;
   over.show_whole({finding});
   over.show_whole({finding});

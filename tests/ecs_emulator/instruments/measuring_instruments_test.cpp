@@ -221,10 +221,10 @@ TEST_CASE("a capture that cannot be taken is refused with the reason") {
 
 TEST_CASE("what a person sets at the instrument comes with the request, and is judged there") {
   auto simulation = workshop("", kWarmDay);
-  Workshop room;
-  room.simulation = &simulation;
+  Workshop shop;
+  shop.simulation = &simulation;
   const auto answer = [&](const std::string& rest) {
-    return perform(room,
+    return perform(shop,
                    R"({"action": "measure", "axis": "X", "sense": "EX", "targets": [0, -500], "runs": 1)" + rest + "}");
   };
   const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
@@ -235,7 +235,7 @@ TEST_CASE("what a person sets at the instrument comes with the request, and is j
   CHECK(has(wrong, "material: expected off, manual or automatic"));
   CHECK(has(answer(R"(, "beam_broken_at": 2)"), "beam interrupted before reading 2"));
   const std::string captured = perform(
-      room, R"({"action": "capture", "axis": "X", "sense": "EX", "rate": 100, "seconds": 1, "to": -20, "feed": 600})");
+      shop, R"({"action": "capture", "axis": "X", "sense": "EX", "rate": 100, "seconds": 1, "to": -20, "feed": 600})");
   CHECK(has(captured, "\"readings\":100,"));
   CHECK(has(captured, "X,-500,0,0,EX,0,0"));  // the first sample: zero, at time zero
 }

@@ -40,7 +40,7 @@ void send_again(Bench& bench) {
   REQUIRE(bench.stage_and_commit(bench.image(asked_um)).state == CommandState::done);
 }
 
-/// Another map is committed and the unit told to compensate with it.
+/// Another map is committed and the unit set to compensate with it.
 void compensate_with(Bench& bench, const std::vector<std::uint8_t>& image) {
   REQUIRE(bench.tell(CommandCode::enter_integration).state == CommandState::done);
   REQUIRE(bench.stage_and_commit(image).state == CommandState::done);

@@ -41,9 +41,9 @@ const Travels kTravel{std::array<double, 2>{-4100.0, 0.0}, std::nullopt, std::nu
 }  // namespace
 
 TEST_CASE("approaches that end a target apart are reported with both ranges and with the value beyond") {
-  const auto told = remarks(map_of({exx(Approach::forward, -200, 0, 100), exx(Approach::reverse, -300, 0, 100)}));
-  REQUIRE(told.size() == 1);
-  CHECK(told[0] ==
+  const auto found = remarks(map_of({exx(Approach::forward, -200, 0, 100), exx(Approach::reverse, -300, 0, 100)}));
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] ==
         "EXX: forward is measured from -200 to 0 mm only, reverse from -300 to 0 mm: beyond its ends a table holds "
         "its last value");
 }
@@ -53,17 +53,17 @@ TEST_CASE("approaches whose targets lie beside each other by less than a spacing
 }
 
 TEST_CASE("an approach of two points is reported, three points are enough") {
-  const auto told = remarks(map_of({exx(Approach::forward, -100, 0, 100), exx(Approach::reverse, -100, 0, 50)}));
-  REQUIRE(told.size() == 1);
-  CHECK(told[0] ==
+  const auto found = remarks(map_of({exx(Approach::forward, -100, 0, 100), exx(Approach::reverse, -100, 0, 50)}));
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] ==
         "EXX has 2 points forward, 3 in reverse: fewer than 3 do not show how the error runs; measure more targets");
   CHECK(remarks(map_of({exx(Approach::unknown, -100, 0, 50)})).empty());
 }
 
 TEST_CASE("a table that covers part of its axis's travel is reported with the part covered") {
-  const auto told = remarks(map_of({exx(Approach::unknown, -200, 0, 50)}), kTravel);
-  REQUIRE(told.size() == 1);
-  CHECK(told[0] ==
+  const auto found = remarks(map_of({exx(Approach::unknown, -200, 0, 50)}), kTravel);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] ==
         "EXX covers 200 of 4100 mm of the travel of X (-4100 to 0): beyond its ends a table holds its last value");
 }
 

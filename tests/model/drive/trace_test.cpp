@@ -66,11 +66,11 @@ TEST_CASE("columns come in any order, others are left out and reported") {
 TEST_CASE("every wrong row is refused with its line and reason") {
   const std::string text =
       kHead + "time_s,dac_V\n0,0\n0.001,zero\n0.002,1,2\n0.003,nan\n0.0025,1\n0.0024,1\n" + samples(3);
-  const std::string told = refusal(text);
-  CHECK(told.find("step.csv:5:7: dac_V: expected a number, found \"zero\"") != std::string::npos);
-  CHECK(told.find("step.csv:6:1: expected 2 fields") != std::string::npos);
-  CHECK(told.find("step.csv:7:7: dac_V: expected a number") != std::string::npos);
-  CHECK(told.find("step.csv:9:1: time_s: expected more than 0.0025") != std::string::npos);
+  const std::string problems = refusal(text);
+  CHECK(problems.find("step.csv:5:7: dac_V: expected a number, found \"zero\"") != std::string::npos);
+  CHECK(problems.find("step.csv:6:1: expected 2 fields") != std::string::npos);
+  CHECK(problems.find("step.csv:7:7: dac_V: expected a number") != std::string::npos);
+  CHECK(problems.find("step.csv:9:1: time_s: expected more than 0.0025") != std::string::npos);
 }
 
 TEST_CASE("a file without what a step needs is refused with what to add") {
@@ -133,9 +133,9 @@ TEST_CASE("wrong keys and values of a drive table are refused with their line") 
   const auto drive =
       parse_drive("[drive]\nKq = 1.0\nKa = -3\nTi_s = \"fast\"\nKw = 1.0\nKw_V_s_per_rad = 1.0\n", "rig.toml");
   REQUIRE_FALSE(drive);
-  const std::string told = to_text(drive.error());
-  CHECK(told.find("rig.toml:2") != std::string::npos);
-  CHECK(told.find("rig.toml:3:6: Ka: expected a positive number in A/V, found -3") != std::string::npos);
-  CHECK(told.find("Ti_s: expected a finite number") != std::string::npos);
-  CHECK(told.find("found both") != std::string::npos);
+  const std::string problems = to_text(drive.error());
+  CHECK(problems.find("rig.toml:2") != std::string::npos);
+  CHECK(problems.find("rig.toml:3:6: Ka: expected a positive number in A/V, found -3") != std::string::npos);
+  CHECK(problems.find("Ti_s: expected a finite number") != std::string::npos);
+  CHECK(problems.find("found both") != std::string::npos);
 }

@@ -51,7 +51,7 @@ Diagnosis answer(const Model& model, const Set& set) {
   return *result;
 }
 
-/// A named cause and those it cannot be told from.
+/// A named cause and those it cannot be separated from.
 bool names(const Candidate& candidate, const std::string& place) {
   const auto& group = candidate.indistinguishable_from;
   return to_text(candidate.effect) == place || std::find(group.begin(), group.end(), place) != group.end();

@@ -38,10 +38,10 @@ TEST_CASE("the CRC-16 of 123456789 is the published 4B37") {
 
 TEST_CASE("the worked frame of the documentation is what the unit answers, byte for byte") {
   UnitModel model;
-  RegisterServer face(model);
+  RegisterServer server(model);
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
   CHECK(crc_agrees(kAskIdentity));
-  CHECK(codec.answer(kAskIdentity, face) == kIdentityReply);
+  CHECK(codec.answer(kAskIdentity, server) == kIdentityReply);
 }
 
 TEST_CASE("the documentation shows the worked frame and every block at its address") {
@@ -58,22 +58,22 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
 
 TEST_CASE("a frame for another unit gets no reply on RTU and exception 11 on TCP") {
   UnitModel model;
-  RegisterServer face(model);
+  RegisterServer server(model);
   auto rtu = FrameCodec::make(Framing::rtu, 2).value();
-  CHECK(rtu.answer(kAskIdentity, face).empty());
+  CHECK(rtu.answer(kAskIdentity, server).empty());
   auto tcp = FrameCodec::make(Framing::tcp, 2).value();
   const Bytes request{0xAB, 0xCD, 0, 0, 0, 6, 9, 3, 1, 0, 0, 1};
-  CHECK(tcp.answer(request, face) == Bytes{0xAB, 0xCD, 0, 0, 0, 3, 9, 0x83, 11});
+  CHECK(tcp.answer(request, server) == Bytes{0xAB, 0xCD, 0, 0, 0, 3, 9, 0x83, 11});
 }
 
 TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exception 1") {
   UnitModel model;
-  RegisterServer face(model);
+  RegisterServer server(model);
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   const auto exception_to = [&](Bytes pdu) {
     Bytes frame{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
     frame.insert(frame.end(), pdu.begin(), pdu.end());
-    const auto reply = codec.answer(frame, face);
+    const auto reply = codec.answer(frame, server);
     return reply.size() == 9 && reply[7] == (pdu[0] | 0x80) ? reply[8] : 0;
   };
   CHECK(exception_to({3, 0x40, 0, 0, 1}) == 2);                           // far outside
@@ -89,16 +89,16 @@ TEST_CASE("requests outside the map get Modbus exceptions, unknown functions exc
 
 TEST_CASE("function 23 whose ranges overlap reads what the unit answers") {
   UnitModel model;
-  RegisterServer face(model);
+  RegisterServer server(model);
   auto codec = FrameCodec::make(Framing::tcp, 1).value();
   // writes echo 5 at 0x0000 and reads 0x0000..1 in the same request
   const Bytes request{0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 2, 0, 0, 0, 1, 2, 0, 5};
-  CHECK(codec.answer(request, face) == Bytes{0, 1, 0, 0, 0, 7, 1, 23, 4, 0, 5, 0, 0});
+  CHECK(codec.answer(request, server) == Bytes{0, 1, 0, 0, 0, 7, 1, 23, 4, 0, 5, 0, 0});
 }
 
 TEST_CASE("no frame, however wrong, disturbs the next good one") {
   UnitModel model;
-  RegisterServer face(model);
+  RegisterServer server(model);
   auto rtu = FrameCodec::make(Framing::rtu, 1).value();
   auto tcp = FrameCodec::make(Framing::tcp, 1).value();
   const Bytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};
@@ -112,13 +112,13 @@ TEST_CASE("no frame, however wrong, disturbs the next good one") {
     const auto crc = crc16_of(frame);
     frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
     frame.push_back(static_cast<std::uint8_t>(crc >> 8));
-    const auto reply = rtu.answer(frame, face);
+    const auto reply = rtu.answer(frame, server);
     RC_ASSERT(reply.empty() || crc_agrees(reply));
-    RC_ASSERT(rtu.answer(kAskIdentity, face) == kIdentityReply);
+    RC_ASSERT(rtu.answer(kAskIdentity, server) == kIdentityReply);
     Bytes wrapped{0, 1, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 1};
     wrapped.insert(wrapped.end(), pdu.begin(), pdu.end());
-    (void)tcp.answer(wrapped, face);
-    RC_ASSERT(tcp.answer(good_tcp, face) == good_tcp_reply);
+    (void)tcp.answer(wrapped, server);
+    RC_ASSERT(tcp.answer(good_tcp, server) == good_tcp_reply);
   }));
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
 }

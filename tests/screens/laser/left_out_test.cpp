@@ -64,23 +64,23 @@ TEST_CASE("readings left out do not change the scale: far ones are at the edge w
 
 TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode and in ASCII") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
-  sitting.type("3\n");
-  sitting.press(Key::Name::down, 2);
-  const std::size_t before = count_of(sitting.seen(), 'x');
-  sitting.type(" ");
-  REQUIRE(sitting.settled());
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
+  driver.type("3\n");
+  driver.press(Key::Name::down, 2);
+  const std::size_t before = count_of(driver.seen(), 'x');
+  driver.type(" ");
+  REQUIRE(driver.settled());
   for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
-    const std::string seen = sitting.seen(24, 80, glyphs);
+    const std::string seen = driver.seen(24, 80, glyphs);
     INFO(seen);
     CHECK(seen.find("18 of 54 readings left out (x)") != std::string::npos);
     CHECK(count_of(seen, 'x') > before + 5);
   }
-  sitting.type(
+  driver.type(
       "\x1b"
       "4");
-  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
   CHECK(seen.find("x left out: 18") != std::string::npos);
   CHECK(seen.find("beyond") == std::string::npos);
@@ -89,20 +89,20 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
 
 TEST_CASE("an outlier left out is shown at the edge of the curve with its value, and the axis stays as it was") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({file_with(folder, "947.5")});
-  sitting.type("3o ");
-  REQUIRE(sitting.settled());
-  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  LaserScreenDriver driver;
+  driver.take_files({file_with(folder, "947.5")});
+  driver.type("3o ");
+  REQUIRE(driver.settled());
+  const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
   CHECK(seen.find("1 of 54 readings left out (x); beyond the edge: 947.5") != std::string::npos);
   CHECK(seen.find("at -200: forward ") != std::string::npos);  // under the cursor
   CHECK(seen.find(", x 947.50") != std::string::npos);
   CHECK(seen.find("1000 ") == std::string::npos);
-  sitting.type(
+  driver.type(
       "\x1b"
       "4");
-  const std::string curve = sitting.seen(24, 80, Glyphs::ascii);
+  const std::string curve = driver.seen(24, 80, Glyphs::ascii);
   INFO(curve);
   CHECK(curve.find("x left out: 1; beyond the edge: 947.5 um at -200") != std::string::npos);
   CHECK(curve.find("x 947.5") != std::string::npos);
@@ -110,12 +110,12 @@ TEST_CASE("an outlier left out is shown at the edge of the curve with its value,
 
 TEST_CASE("a line of which every reading is left out still shows them") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({file_with(folder, "1.0")});
-  sitting.controller().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
-  REQUIRE(sitting.settled());
-  sitting.type("3");
-  const std::string seen = sitting.seen(24, 80, Glyphs::ascii);
+  LaserScreenDriver driver;
+  driver.take_files({file_with(folder, "1.0")});
+  driver.controller().change("all", [](LaserChoices& c) { c.lines[kExx].runs = {{1, ""}, {2, ""}, {3, ""}}; });
+  REQUIRE(driver.settled());
+  driver.type("3");
+  const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
   CHECK(seen.find("every reading is left out") != std::string::npos);
   CHECK(count_of(seen, 'x') > 15);
@@ -123,46 +123,46 @@ TEST_CASE("a line of which every reading is left out still shows them") {
 
 TEST_CASE("before any parameters are chosen the curves are named by where they were measured") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; })),
-                      folder.with("x_low.csv", measured_csv(kLower, [](double) { return 2.0; }))});
-  sitting.type("4");
-  const std::string seen = sitting.seen();
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; })),
+                     folder.with("x_low.csv", measured_csv(kLower, [](double) { return 2.0; }))});
+  driver.type("4");
+  const std::string seen = driver.seen();
   INFO(seen);
   CHECK(seen.find("EXX  Y -1400, Z 0 ") != std::string::npos);
   CHECK(seen.find("EXX  Y -1400, Z -1000") != std::string::npos);
-  CHECK(sitting.seen(12, 40).find("EXX  Y -1400, Z -1000") != std::string::npos);
+  CHECK(driver.seen(12, 40).find("EXX  Y -1400, Z -1000") != std::string::npos);
 }
 
 TEST_CASE("a file that does not say where the other axes stood is asked for it from the list of lines") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({folder.with("plain.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\nEX,X,2.0,30\n"),
-                      folder.with("half.csv", "sense,axis,reading,x_mm,y_mm\nEY,X,1,10,-70\nEY,X,2,20,-70\n")});
-  sitting.type("2");
-  const std::string seen = sitting.seen();
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("plain.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\nEX,X,2.0,30\n"),
+                     folder.with("half.csv", "sense,axis,reading,x_mm,y_mm\nEY,X,1,10,-70\nEY,X,2,20,-70\n")});
+  driver.type("2");
+  const std::string seen = driver.seen();
   INFO(seen);
   CHECK(seen.find("Y ?, Z ?: Enter") != std::string::npos);
   CHECK(seen.find("Y -70, Z ?: Enter 10..20           10    2    1 ?") != std::string::npos);
   CHECK(seen.find("Y ?, Z ?: Enter   10..30           10    3    1 ?") != std::string::npos);
   CHECK(seen.find("parked place of Y and Z not in the file: taken as 0 until Enter tells it") != std::string::npos);
-  CHECK(sitting.controller().mark(LaserStep::lines) == LaserMark::doubtful);
-  sitting.type("\n");
-  CHECK(sitting.seen().find("what plain.csv does not say") != std::string::npos);
-  sitting.type("y=-1400,z=0\n");
-  REQUIRE(sitting.settled());
-  CHECK(sitting.seen().find("Y -1400, Z 0 ") != std::string::npos);
-  CHECK(sitting.seen().find("Y ?") == std::string::npos);
+  CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
+  driver.type("\n");
+  CHECK(driver.seen().find("what plain.csv does not say") != std::string::npos);
+  driver.type("y=-1400,z=0\n");
+  REQUIRE(driver.settled());
+  CHECK(driver.seen().find("Y -1400, Z 0 ") != std::string::npos);
+  CHECK(driver.seen().find("Y ?") == std::string::npos);
 }
 
 TEST_CASE("a long message is readable at 80 columns, and the step keeps the rest") {
   const StateFolder folder;
-  LaserSitting sitting;
-  sitting.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; }))});
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 1.0; }))});
   std::string words;
   for (int k = 0; k < 60; ++k) words += fmt::format("word{} ", k);
-  sitting.controller().message().say(words, Tone::bad);
-  const std::string seen = sitting.seen();
+  driver.controller().message().say(words, Tone::bad);
+  const std::string seen = driver.seen();
   INFO(seen);
   CHECK(seen.find("word59") != std::string::npos);
   CHECK(seen.find("x.csv") != std::string::npos);

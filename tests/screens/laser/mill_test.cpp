@@ -12,63 +12,63 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path / "before"))
     if (entry.path().filename() != "EZZ.csv") files.push_back(entry.path().string());
-  LaserSitting sitting;
-  sitting.take_files(files, "samples/mill/parameters.toml");
-  sitting.type("6");
-  CHECK(sitting.seen().find("2 still missing") != std::string::npos);
-  CHECK(sitting.seen().find("EBY  MISSING") != std::string::npos);
-  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::doubtful);
-  sitting.type("8\n");
-  CHECK(sitting.seen().find("the map is not complete") != std::string::npos);
-  CHECK(sitting.seen().find("EBY, EZZ (step 6)") != std::string::npos);
-  sitting.controller().change("more files", [&](LaserChoices& c) {
+  LaserScreenDriver driver;
+  driver.take_files(files, "samples/mill/parameters.toml");
+  driver.type("6");
+  CHECK(driver.seen().find("2 still missing") != std::string::npos);
+  CHECK(driver.seen().find("EBY  MISSING") != std::string::npos);
+  CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
+  driver.type("8\n");
+  CHECK(driver.seen().find("the map is not complete") != std::string::npos);
+  CHECK(driver.seen().find("EBY, EZZ (step 6)") != std::string::npos);
+  driver.controller().change("more files", [&](LaserChoices& c) {
     c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
   });
-  REQUIRE(sitting.settled());
-  sitting.type("6");
-  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
-  sitting.type("zground guideways\n");
-  REQUIRE(sitting.settled());
-  CHECK(sitting.seen().find("declared zero: ground guideways") != std::string::npos);
-  CHECK(sitting.seen().find("nothing is missing") != std::string::npos);
-  CHECK(sitting.controller().mark(LaserStep::map) == LaserMark::done);
-  sitting.type("u");
-  REQUIRE(sitting.settled());
-  CHECK(sitting.seen().find("1 still missing") != std::string::npos);
+  REQUIRE(driver.settled());
+  driver.type("6");
+  while (driver.seen().find("> EBY") == std::string::npos) driver.press(Key::Name::down);
+  driver.type("zground guideways\n");
+  REQUIRE(driver.settled());
+  CHECK(driver.seen().find("declared zero: ground guideways") != std::string::npos);
+  CHECK(driver.seen().find("nothing is missing") != std::string::npos);
+  CHECK(driver.controller().mark(LaserStep::map) == LaserMark::done);
+  driver.type("u");
+  REQUIRE(driver.settled());
+  CHECK(driver.seen().find("1 still missing") != std::string::npos);
 }
 
 /// What an engineer types for the mill: folder, parameters, smoothing, zero, header.
-void commission_on_keys(LaserSitting& sitting, const StateFolder& folder) {
-  sitting.type("a" + folder.path.string() + "/before\n");
-  REQUIRE(sitting.shows("[all 16 measurement files here]"));
-  sitting.press(Key::Name::down);
-  sitting.type("\n");
-  sitting.type("psamples/mill/parameters.toml\n");
-  REQUIRE(sitting.settled());
+void commission_on_keys(LaserScreenDriver& driver, const StateFolder& folder) {
+  driver.type("a" + folder.path.string() + "/before\n");
+  REQUIRE(driver.shows("[all 16 measurement files here]"));
+  driver.press(Key::Name::down);
+  driver.type("\n");
+  driver.type("psamples/mill/parameters.toml\n");
+  REQUIRE(driver.settled());
   const auto smooth = [&](Component component, const std::string& width) {
     const std::string code(name_of(component));
-    sitting.type("4");
-    sitting.press(Key::Name::home);
-    for (const LaserCurve& curve : sitting.controller().work().curves) {
+    driver.type("4");
+    driver.press(Key::Name::home);
+    for (const LaserCurve& curve : driver.controller().work().curves) {
       if (curve.component == component) break;
-      sitting.press(Key::Name::down);
+      driver.press(Key::Name::down);
     }
-    sitting.type("\n" + width + "\n");
-    REQUIRE(sitting.settled());
-    REQUIRE(sitting.controller().choices().components.at(code).smoothing_mm > 0.0);
+    driver.type("\n" + width + "\n");
+    REQUIRE(driver.settled());
+    REQUIRE(driver.controller().choices().components.at(code).smoothing_mm > 0.0);
   };
   for (const Component c : {Component::EYX, Component::EZX, Component::EAX}) smooth(c, "100");
   smooth(Component::EBX, "300");
   smooth(Component::ECX, "200");
-  sitting.type("6");
-  while (sitting.seen().find("> EBY") == std::string::npos) sitting.press(Key::Name::down);
-  sitting.type(
+  driver.type("6");
+  while (driver.seen().find("> EBY") == std::string::npos) driver.press(Key::Name::down);
+  driver.type(
       "zroll of the head slide cannot be measured by laser or level; negligible on ground guideways (thesis "
       "6.3.2.3)\n");
-  sitting.type("7\nHuddersfield Polytechnic\n");
-  sitting.press(Key::Name::down, 2);
-  sitting.type("\nS. R. Postlethwaite\n");
-  REQUIRE(sitting.settled());
+  driver.type("7\nHuddersfield Polytechnic\n");
+  driver.press(Key::Name::down, 2);
+  driver.type("\nS. R. Postlethwaite\n");
+  REQUIRE(driver.settled());
 }
 
 TEST_CASE("the mill commissioned on the screen gives the same map that the verb builds by the recipe") {
@@ -79,17 +79,17 @@ TEST_CASE("the mill commissioned on the screen gives the same map that the verb 
   REQUIRE(ran({"map", "build", (folder.path / "recipe.toml").string(), "--params", "samples/mill/parameters.toml", "-o",
                by_verb, "--params-out", (folder.path / "verb.toml").string()})
               .code == 0);
-  LaserSitting sitting;
-  commission_on_keys(sitting, folder);
-  CHECK(sitting.controller().mark(LaserStep::header) == LaserMark::done);
-  sitting.type("8f");
-  for (int k = 0; k < 10; ++k) sitting.press(Key::Name::backspace);
-  sitting.type((folder.path / "out/screen.csv").string() + "\n");
-  REQUIRE(sitting.settled());
-  CHECK_FALSE(sitting.controller().unsaved().empty());
-  sitting.type("s");
-  REQUIRE(sitting.shows("saved: "));
-  CHECK(sitting.controller().unsaved().empty());
+  LaserScreenDriver driver;
+  commission_on_keys(driver, folder);
+  CHECK(driver.controller().mark(LaserStep::header) == LaserMark::done);
+  driver.type("8f");
+  for (int k = 0; k < 10; ++k) driver.press(Key::Name::backspace);
+  driver.type((folder.path / "out/screen.csv").string() + "\n");
+  REQUIRE(driver.settled());
+  CHECK_FALSE(driver.controller().unsaved().empty());
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
+  CHECK(driver.controller().unsaved().empty());
   CHECK(content_of(folder / "out/screen.csv") == content_of(folder / "verb.csv"));
   CHECK(content_of(folder / "out/screen-parameters.toml") == content_of(folder / "verb.toml"));
   SUBCASE("and the recipe saved beside it makes it again") {
@@ -103,18 +103,18 @@ TEST_CASE("the mill commissioned on the screen gives the same map that the verb 
 TEST_CASE("a map without a reading or with answers names a prepared file, and its recipe makes it again") {
   const StateFolder folder;
   measure_mill(folder);
-  LaserSitting sitting;
-  commission_on_keys(sitting, folder);
-  sitting.controller().change("left out", [&](LaserChoices& c) {
+  LaserScreenDriver driver;
+  commission_on_keys(driver, folder);
+  driver.controller().change("left out", [&](LaserChoices& c) {
     c.lines[kExx].runs[2] = "cold";
     c.lines[kExx].readings[5] = "beam broken";
     c.lines["EZ along Z at X 0, Y -1400"].runs[1] = "";
     c.map_file = (folder.path / "out/map.csv").string();
   });
-  REQUIRE(sitting.settled());
-  REQUIRE(sitting.controller().work().map.complete());
-  sitting.type("s");
-  REQUIRE(sitting.shows("saved: "));
+  REQUIRE(driver.settled());
+  REQUIRE(driver.controller().work().map.complete());
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
   const std::string map = content_of(folder / "out/map.csv");
   CHECK(map.find("source: EXX EXX_line1.csv") != std::string::npos);
   CHECK(content_of(folder / "out/map-files/EXX_line1.csv").find("left_out: run 2 (cold)") != std::string::npos);
@@ -130,12 +130,12 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   measure_mill(folder);
   std::string choices;
   {
-    LaserSitting sitting;
-    commission_on_keys(sitting, folder);
-    choices = choices_text(sitting.controller().choices());
+    LaserScreenDriver driver;
+    commission_on_keys(driver, folder);
+    choices = choices_text(driver.controller().choices());
   }
   {
-    LaserSitting again;
+    LaserScreenDriver again;
     CHECK(again.seen().find("Work of 20") != std::string::npos);
     again.type("\n");
     REQUIRE(again.settled());
@@ -143,24 +143,24 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
     CHECK(again.controller().work().map.complete());
   }
   {
-    LaserSitting again;
+    LaserScreenDriver again;
     again.type("d");
     CHECK(again.controller().work().lines.empty());
   }
-  CHECK(LaserSitting().seen().find("Work of 20") == std::string::npos);
+  CHECK(LaserScreenDriver().seen().find("Work of 20") == std::string::npos);
 }
 
 TEST_CASE("every step is drawn completely at every size, in Unicode and in ASCII") {
   const StateFolder folder;
   measure_mill(folder);
-  LaserSitting empty, full;
+  LaserScreenDriver empty, full;
   commission_on_keys(full, folder);
-  for (LaserSitting* sitting : {&empty, &full})
+  for (LaserScreenDriver* driver : {&empty, &full})
     for (char step = '1'; step <= '9'; ++step)
       for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 12}, {1, 1}})
         for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
-          sitting->type(std::string(1, step));
-          const std::string seen = sitting->seen(rows, columns, glyphs);
+          driver->type(std::string(1, step));
+          const std::string seen = driver->seen(rows, columns, glyphs);
           if (glyphs == Glyphs::ascii)
             for (const char c : seen) REQUIRE(static_cast<unsigned char>(c) < 0x80);
           if (rows == 24) CHECK(seen.find("[" + std::string(1, step)) != std::string::npos);

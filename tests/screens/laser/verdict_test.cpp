@@ -9,9 +9,9 @@ const char* const kStale = "the unit has changed since: verify again";
 
 /// As another host would: over the same line, unknown to the screen.
 template <class Work>
-void as_another_host(LaserSitting& sitting, Work work) {
+void as_another_host(LaserScreenDriver& driver, Work work) {
   JobControl control;
-  const Result<void> done = sitting.unit->on_line(control, [&](UnitLink& line) -> Result<void> { return work(line); });
+  const Result<void> done = driver.unit->on_line(control, [&](UnitLink& line) -> Result<void> { return work(line); });
   REQUIRE(done);
 }
 
@@ -24,24 +24,24 @@ Result<void> map_sent_over(UnitLink& line, const std::string& map, const std::st
 }
 
 /// A map of the same machine with other values, saved beside the first one.
-void save_another_map(LaserSitting& sitting, const StateFolder& folder) {
-  const LaserChoices before = sitting.controller().choices();
-  sitting.controller().change("other values", [&](LaserChoices& c) {
+void save_another_map(LaserScreenDriver& driver, const StateFolder& folder) {
+  const LaserChoices before = driver.controller().choices();
+  driver.controller().change("other values", [&](LaserChoices& c) {
     c.components["EXX"].smoothing_mm = 800.0;
     c.map_file = (folder.path / "other.csv").string();
   });
-  REQUIRE(sitting.settled());
-  sitting.type("s");
-  REQUIRE(sitting.shows("saved: "));
-  sitting.controller().change("back", [&](LaserChoices& c) { c = before; });
-  REQUIRE(sitting.settled());
-  sitting.type("8");
+  REQUIRE(driver.settled());
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
+  driver.controller().change("back", [&](LaserChoices& c) { c = before; });
+  REQUIRE(driver.settled());
+  driver.type("8");
 }
 
-void verify_at(LaserSitting& sitting) {
-  sitting.type("9\n");
-  REQUIRE(sitting.until([&] { return !sitting.controller().busy(); }, 60));
-  REQUIRE(sitting.controller().verdict());
+void verify_at(LaserScreenDriver& driver) {
+  driver.type("9\n");
+  REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
+  REQUIRE(driver.controller().verdict());
 }
 
 TEST_CASE(
@@ -73,47 +73,47 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
-  LaserSitting sitting(unit.link());
-  make_ready(sitting, folder, mill);
-  save_another_map(sitting, folder);
-  send_from(sitting);
-  verify_at(sitting);
-  CHECK(sitting.controller().verified());
-  CHECK(sitting.seen().find("commit") == std::string::npos);
-  CHECK(sitting.seen().find("made active as no. 1") != std::string::npos);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  save_another_map(driver, folder);
+  send_from(driver);
+  verify_at(driver);
+  CHECK(driver.controller().verified());
+  CHECK(driver.seen().find("commit") == std::string::npos);
+  CHECK(driver.seen().find("made active as no. 1") != std::string::npos);
 
-  as_another_host(sitting, [&](UnitLink& line) {
+  as_another_host(driver, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
   });
   SUBCASE("by itself within seconds while the step is open") {
-    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 10));
-    CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::doubtful);
-    CHECK(sitting.seen().find("another host") != std::string::npos);
-    CHECK(sitting.seen().find("reference every axis") == std::string::npos);
-    verify_at(sitting);
-    CHECK(sitting.controller().stale().empty());
-    CHECK_FALSE(sitting.controller().verdict()->same());
-    sitting.type("cy");
-    CHECK(sitting.shows("the unit does not hold the map of the file"));
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 10));
+    CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::doubtful);
+    CHECK(driver.seen().find("another host") != std::string::npos);
+    CHECK(driver.seen().find("reference every axis") == std::string::npos);
+    verify_at(driver);
+    CHECK(driver.controller().stale().empty());
+    CHECK_FALSE(driver.controller().verdict()->same());
+    driver.type("cy");
+    CHECK(driver.shows("the unit does not hold the map of the file"));
   }
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
-    sitting.controller().change("the other map", [&](LaserChoices& c) {
+    driver.controller().change("the other map", [&](LaserChoices& c) {
       c.components["EXX"].smoothing_mm = 800.0;
       c.map_file = (folder.path / "other.csv").string();
     });
-    REQUIRE(sitting.settled());
-    sitting.type("sy");
-    REQUIRE(sitting.shows("saved: "));
-    verify_at(sitting);
-    CHECK(sitting.controller().verified());
-    sitting.type("cy");
-    CHECK(sitting.shows("the unit watches: reference every axis"));
+    REQUIRE(driver.settled());
+    driver.type("sy");
+    REQUIRE(driver.shows("saved: "));
+    verify_at(driver);
+    CHECK(driver.controller().verified());
+    driver.type("cy");
+    CHECK(driver.shows("the unit watches: reference every axis"));
   }
   SUBCASE("and compensation, asked for at once, is refused with both block checks") {
-    sitting.type("cy");
-    CHECK(sitting.shows("another host has changed it"));
-    CHECK(sitting.seen().find(fmt::format("{:08X}", sitting.controller().sent()->check)) != std::string::npos);
-    CHECK(sitting.unit->newest()->mode == UnitMode::integration);
+    driver.type("cy");
+    CHECK(driver.shows("another host has changed it"));
+    CHECK(driver.seen().find(fmt::format("{:08X}", driver.controller().sent()->check)) != std::string::npos);
+    CHECK(driver.unit->newest()->mode == UnitMode::integration);
   }
 }
 
@@ -122,53 +122,53 @@ TEST_CASE(
   const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
-  LaserSitting sitting(unit.link());
-  make_ready(sitting, folder, mill);
-  save_another_map(sitting, folder);
-  sitting.type("s");
-  REQUIRE(sitting.shows("saved: "));
-  sitting.type("9cy");
-  CHECK(sitting.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
-  as_another_host(sitting, [&](UnitLink& line) {
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  save_another_map(driver, folder);
+  driver.type("s");
+  REQUIRE(driver.shows("saved: "));
+  driver.type("9cy");
+  CHECK(driver.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
+  as_another_host(driver, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
-  verify_at(sitting);
-  CHECK(sitting.controller().verified());
-  CHECK(sitting.controller().mark(LaserStep::verify) == LaserMark::done);
-  as_another_host(sitting, [&](UnitLink& line) {
+  verify_at(driver);
+  CHECK(driver.controller().verified());
+  CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
+  as_another_host(driver, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
   });
-  sitting.type("cy");
-  CHECK(sitting.until([&] {
-    return sitting.controller().message().text().find("what was compared was block check") != std::string::npos;
+  driver.type("cy");
+  CHECK(driver.until([&] {
+    return driver.controller().message().text().find("what was compared was block check") != std::string::npos;
   }));
-  as_another_host(sitting, [&](UnitLink& line) {
+  as_another_host(driver, [&](UnitLink& line) {
     return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
-  sitting.type("cy");
-  CHECK(sitting.shows("the unit watches: reference every axis"));
+  driver.type("cy");
+  CHECK(driver.shows("the unit watches: reference every axis"));
 }
 
 TEST_CASE("a unit that was switched off and on has to be verified again") {
   const StateFolder folder;
   PacedUnit unit(folder, "115200");
   const LinearMill mill(folder);
-  LaserSitting sitting(unit.link());
-  make_ready(sitting, folder, mill);
-  send_from(sitting);
-  verify_at(sitting);
+  LaserScreenDriver driver(unit.link());
+  make_ready(driver, folder, mill);
+  send_from(driver);
+  verify_at(driver);
   SUBCASE("with its line") {
     unit.kill();
     unit.start();
-    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 30));
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
   }
   SUBCASE("while the line stayed open") {
-    as_another_host(sitting, [](UnitLink& line) { return line.client().reset_unit(); });
-    CHECK(sitting.until([&] { return sitting.seen().find(kStale) != std::string::npos; }, 30));
-    CHECK(sitting.seen().find("it was restarted") != std::string::npos);
+    as_another_host(driver, [](UnitLink& line) { return line.client().reset_unit(); });
+    CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
+    CHECK(driver.seen().find("it was restarted") != std::string::npos);
   }
-  verify_at(sitting);
-  CHECK(sitting.controller().verified());
+  verify_at(driver);
+  CHECK(driver.controller().verified());
 }
 
 }  // namespace
