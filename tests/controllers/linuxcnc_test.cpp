@@ -201,7 +201,7 @@ TEST_CASE("typing errors are refused all at once, with line and column") {
   CHECK(said.find("x.comp:5:5: expected a number, found \"nan\"") != std::string::npos);
 }
 
-TEST_CASE("an empty file, and one that no machine can mean, are refused") {
+TEST_CASE("an empty file and implausible values are refused") {
   CHECK_FALSE(parse_linuxcnc("", "x.comp", as(1)));
   CHECK_FALSE(parse_linuxcnc("0 0 0\n100 100.1 100.1\n", "x.comp", as(1)));  // positions taken for trims
   CHECK_FALSE(parse_linuxcnc("0 0 0\n1e300 0 0\n", "x.comp", as(1)));

@@ -120,7 +120,7 @@ TEST_CASE("a control that adds the values gets the other sign, and its lists are
   CHECK(compensation_at(made->applied.tables[1], 50.0) == Approx(7.0));
 }
 
-TEST_CASE("a list of ours is read with the sign that it says, and not with another one") {
+TEST_CASE("our own list is read with its own sign and refused with another") {
   TwinCatOptions subtracts, adds;
   subtracts.adds = false;
   adds.adds = true;

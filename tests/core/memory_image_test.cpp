@@ -239,7 +239,7 @@ TEST_CASE("no image cut short passes, at any length") {
   }
 }
 
-TEST_CASE("random bytes are no image") {
+TEST_CASE("random bytes are not an image") {
   CHECK(rc::check([](const std::vector<std::uint8_t>& bytes) { RC_ASSERT(fault_of(bytes) != ImageFault::none); }));
 }
 

@@ -37,7 +37,7 @@ struct Memory {
 
 }  // namespace
 
-TEST_CASE("sound memory passes and keeps its content") {
+TEST_CASE("intact memory passes and keeps its content") {
   Memory memory;
   const auto before = memory.bytes;
   CHECK(!failing_address(memory, 0x100000, 4096));

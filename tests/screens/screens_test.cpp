@@ -258,7 +258,7 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
   CHECK(form.typing());
 }
 
-TEST_CASE("measurements that cannot be read leave no new model file behind") {
+TEST_CASE("measurements that cannot be read leave no new model file") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
   ModelForm form;

@@ -87,7 +87,7 @@ TEST_CASE("the doctor says that a port does not exist, or is not a port") {
   CHECK(ran({"doctor", "--link", "tcp:127.0.0.1:1"}).code == 4);
 }
 
-TEST_CASE("a line that gives back what is sent is known as an echo") {
+TEST_CASE("a link that returns what is sent is recognised as an echo") {
   const PortAnswer silence{{1, 2, 3}, {}};
   const PortAnswer echo{{1, 2, 3}, {1, 2, 3, 9}};
   const PortAnswer other{{1, 2, 3}, {1, 2, 4}};

@@ -35,7 +35,7 @@ TEST_CASE("another unit on the same link is reported before anything is done, an
   CHECK(done == 2);
 }
 
-TEST_CASE("work that is cancelled ends soon, and the line serves the next") {
+TEST_CASE("cancelled work ends soon, and the link serves the next") {
   auto shop = protocol::Workshop::on_tcp();
   UnitConnection connection(protocol::to_text(shop.address()));
   Job<Result<int>> job;

@@ -118,7 +118,7 @@ TEST_CASE("a beam that is not parallel to the axis reads short by p times half t
   CHECK(linear(s, aside) == doctest::Approx(-0.2).epsilon(1e-4));
 }
 
-TEST_CASE("material compensation takes away the expansion it believes in") {
+TEST_CASE("material compensation removes the expansion it assumes") {
   LaserSettings s = perfect();
   Sight hot = at(1000.0);
   hot.material_degC = 25.0;
@@ -162,7 +162,7 @@ TEST_CASE("the counter counts parts of half a wavelength, mixed polarisations be
   CHECK(linear(s, moved) - moved.pose.error_um[0] == doctest::Approx(0.005).epsilon(1e-3));
 }
 
-TEST_CASE("turbulence grows with the root of the path and remembers itself for its correlation time") {
+TEST_CASE("turbulence grows with the root of the path and is correlated over its correlation time") {
   LaserSettings s = perfect();
   s.turbulence_um_per_sqrt_m = 0.3;
   s.turbulence_time_s = 2.0;

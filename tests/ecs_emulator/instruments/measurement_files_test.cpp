@@ -131,7 +131,7 @@ TEST_CASE("a compensation table comes back as the mean of everything, its sign t
   CHECK(*laser::metadata_value(back.set, "Compensation spacing") == "100");
 }
 
-TEST_CASE("the weather comes back from an environment log") {
+TEST_CASE("weather written to an environment log is read back") {
   MeasurementFolder folder;
   const auto back = folder.written_and_read(there_and_back(), "a.env.pos", along_x());
   CHECK(back.format->id == "sios_environment");

@@ -77,7 +77,7 @@ TEST_CASE("travel at one end of the axis warms the screw there") {
   CHECK(std::abs(growth_um) < 1.0);  // the nut stands at the fixed bearing
 }
 
-TEST_CASE("the same seed and the same actions give the same bytes, however long nobody worked meanwhile") {
+TEST_CASE("the same seed and the same actions give the same bytes, whatever the real time between them") {
   Simulation one = simulation_of(kWarmMachine);
   Simulation other = simulation_of(kWarmMachine);
   Simulation third = simulation_of(kWarmMachine, small_machine(), 2);

@@ -174,7 +174,7 @@ TEST_CASE("programs in the form in which the host proposes a measurement run") {
   CHECK(readings[5].approach == Approach::reverse);
 }
 
-TEST_CASE("a square is nulled before the program that measures against it begins") {
+TEST_CASE("a square is zeroed before the program that measures against it begins") {
   const std::string errors = "[squareness]\nC0Y = 30.0\n[[contribution]]\ncomponent = \"EYX\"\nformula = \"0.05*p\"\n";
   auto simulation = simulation_of(errors, small_machine() + ideal_drives(30.0));
   auto order = measuring(Axis::Y, Sense::EX);

@@ -110,7 +110,7 @@ TEST_CASE("a host loads a map over the line, the machine is referenced in the wo
   }
 }
 
-TEST_CASE("the line is answered while a long measurement runs") {
+TEST_CASE("the link is served while a long measurement runs") {
   Served served;
   auto client = served.client();
   auto measurement = std::async(std::launch::async, [&] {
@@ -141,7 +141,7 @@ TEST_CASE("the battery keeps map and commit over a restart of the process") {
   CHECK(client.read_memory(kBankA.first, image.size()).value() == image);
 }
 
-TEST_CASE("faults of line and unit can be provoked by name, and a unit without power is silent") {
+TEST_CASE("faults of link and unit can be provoked by name, and a unit without power is silent") {
   Served served;
   auto client = served.client();
   CHECK(served.ask({{"action", "fault"}, {"name", "bad_crc"}, {"count", 2}})["ok"] == true);
@@ -155,7 +155,7 @@ TEST_CASE("faults of line and unit can be provoked by name, and a unit without p
   CHECK(client.monitor().has_value());
 }
 
-TEST_CASE("a unit whose power fails in the middle of a transfer answers nothing more, whatever the line's faults are") {
+TEST_CASE("a unit whose power fails during a transfer stays silent, whatever the faults of the link") {
   for (const bool tcp : {false, true}) {
     CAPTURE(tcp);
     Served served("", tcp);
@@ -247,7 +247,7 @@ TEST_CASE("a wrong request is answered with what is wrong, and the exit code tha
   CHECK(served.ask({{"action", "dance"}})["exit"] == 2);
 }
 
-TEST_CASE("how long the machine was left alone changes nothing in what is measured") {
+TEST_CASE("the real time between actions does not change what is measured") {
   const auto csv = [](int pause_ms) {
     Served served("[emulator]\nseed = 4\n");
     const Json plan{{"action", "measure"}, {"axis", "Z"}, {"sense", "EZ"}, {"from", 0}, {"to", -300}, {"step", 30}};
@@ -269,7 +269,7 @@ TEST_CASE("an axis is not sent beyond its limit switches, nor so slowly that it 
   CHECK(served.ask({{"action", "jog"}, {"X", 25.0}})["ok"] == true);
 }
 
-TEST_CASE("who asks for a long action and goes away has given it up: the machine stops, the next one is served") {
+TEST_CASE("a client that leaves during a long action cancels it: the machine stops, the next client is served") {
   Served served;
   served.ask({{"action", "jog"}, {"X", 0.0}});
   {

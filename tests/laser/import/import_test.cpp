@@ -202,7 +202,7 @@ TEST_CASE("assignments that contradict themselves are refused") {
   refused(furlongs, "UNIT: expected a unit of length");
 }
 
-TEST_CASE("our own CSV comes through the same door") {
+TEST_CASE("our own CSV is imported like any other format") {
   CHECK(imported("x_axis.csv").format->id == "measurement_csv");
   CHECK(imported("semicolon.csv").set.readings[0].error == 1.5);
 }

@@ -257,7 +257,7 @@ TEST_CASE("tables that do not reach the reference position, or end at different 
   CHECK(uneven.error().message.find("EXX covers 0 … 350 mm forward, but 0 … 100 mm in reverse") == 0);
 }
 
-TEST_CASE("a single point is no table") {
+TEST_CASE("a single point is not a table") {
   ErrorMap map = small_map();
   map.tables = {{Component::EXX, Approach::unknown, {0.0}, {40.0}}};
   const auto image = image_of(map, one_axis());
@@ -265,7 +265,7 @@ TEST_CASE("a single point is no table") {
   CHECK(image.error().message.find("one point only") != std::string::npos);
 }
 
-TEST_CASE("a value that jumps is worth a look, but no objection") {
+TEST_CASE("a value that jumps gives a remark, not an error") {
   ErrorMap map = small_map();
   map.tables = {{Component::EXX, Approach::unknown, {}, {}}};
   for (int i = 0; i < 20; ++i) {

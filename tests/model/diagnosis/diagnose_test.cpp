@@ -105,7 +105,7 @@ TEST_CASE("for backlash and following error at one feed another feed is proposed
   CHECK(next.proposals.front().separation_sigma > 3.0);
 }
 
-TEST_CASE("a wave that even targets cannot follow is no rival of what it looks like there") {
+TEST_CASE("a wave that even targets cannot follow is not a rival of what it looks like there") {
   Model model;
   model.effects = {effect(scale, Axis::X, Sense::EX)};
   auto set = measured({}, 0.3, [](const laser::Reading&) { return 1.5; });
@@ -116,7 +116,7 @@ TEST_CASE("a wave that even targets cannot follow is no rival of what it looks l
   CHECK(found.candidates.front().indistinguishable_from.empty());
 }
 
-TEST_CASE("a candidate of the user's own is fitted in all its parameters before it is weighed") {
+TEST_CASE("a user's candidate is fitted in all its parameters before it is compared") {
   Model model = straight();
   EffectInstance bump = effect(EffectId::user, Axis::X, Sense::EX);
   bump.name = "bump";

@@ -24,7 +24,7 @@ double step_and_backlash(const laser::Reading& r) { return (p(r) > 512.0 ? 1.5 :
 
 }  // namespace
 
-TEST_CASE("to noise nothing is added") {
+TEST_CASE("nothing is added to noise") {
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
     const Searching of(measured_line([](const laser::Reading&) { return 0.0; }, seed), kSigma_um, usual_suspects());
     CHECK(best_solution(of.search, kOptions).chosen.empty());
@@ -80,7 +80,7 @@ TEST_CASE("an effect with the same columns is a rival, one that explains less is
   CHECK(of.search.families()[groups.front().rivals.front().family].effect.sensor == "t_copy_degC");
 }
 
-TEST_CASE("a shape that could bend to anything is no rival of a reversal error") {
+TEST_CASE("a shape that fits anything is not a rival of a reversal error") {
   const Searching of(measured_line([](const laser::Reading& r) { return 0.8 * d(r); }), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);
   const std::vector<Group> groups = groups_of(of.search, found, kOptions.entry_score);

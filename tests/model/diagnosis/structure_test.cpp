@@ -58,7 +58,7 @@ TEST_CASE("a variable gains about one for every function on noise, and all of it
   CHECK(found.excess == Approx(4.0).epsilon(0.2));  // (0.4/0.2)² per reading
 }
 
-TEST_CASE("a variable that never changes is no variable") {
+TEST_CASE("a variable that never changes is left out") {
   const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
   std::vector<std::string> names;
   for (const Variable& variable : variables_of(of.data)) names.push_back(variable.name);
@@ -73,7 +73,7 @@ TEST_CASE("a variable that never changes is no variable") {
   CHECK_FALSE(has("compensated"));
 }
 
-TEST_CASE("what all runs share is no function of the run") {
+TEST_CASE("what all runs share is not a function of the run") {
   const Searching of(measured({}, kSigma_um, [](const laser::Reading&) { return 0.0; }), kSigma_um, {});
   const auto variables = variables_of(of.data);
   const MatrixXd& columns = variable_named(variables, "run").columns;

@@ -166,7 +166,7 @@ TEST_CASE("a limit of the converter is found") {
   CHECK(limit.alternatives.front().value == Approx(2.0).epsilon(0.01));
 }
 
-TEST_CASE("what the recording does not show is said") {
+TEST_CASE("what the recording does not show is reported") {
   const DriveDiagnosis found = diagnose_drive(true_drive(), recorded(true_drive()));
   CHECK(std::find(found.silent.begin(), found.silent.end(), Ks) != found.silent.end());
   CHECK(std::find(found.silent.begin(), found.silent.end(), dac_limit) != found.silent.end());

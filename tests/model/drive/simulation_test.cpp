@@ -105,7 +105,7 @@ TEST_CASE("a move backwards is a move forwards in the mirror") {
       CHECK(back.at(s, t) == Approx(-there.at(s, t)).epsilon(1e-9));
 }
 
-TEST_CASE("an unstable loop ends its simulation instead of running to infinity") {
+TEST_CASE("the simulation of an unstable loop ends at a limit") {
   DriveParameters drive = true_drive();
   drive[Tc] = 1.0;
   drive[Ti] = 1e-5;

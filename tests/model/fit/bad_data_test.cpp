@@ -262,7 +262,7 @@ TEST_CASE("a run noisier than the others names nothing") {
   }
 }
 
-TEST_CASE("readings that are all the same are adequate, without division by nothing") {
+TEST_CASE("readings that are all the same are adequate, without division by zero") {
   for (const double value : {0.0, 5.0, -1e6}) {
     const Diagnosis found = answer(straight(), measured({}, 0.0, [&](const laser::Reading&) { return value; }));
     CHECK(found.verdict == adequate);
@@ -270,7 +270,7 @@ TEST_CASE("readings that are all the same are adequate, without division by noth
   }
 }
 
-TEST_CASE("data without any noise") {
+TEST_CASE("data without noise get an answer") {
   noise_alone([](unsigned seed) { return measured({}, 0.0, ramp, seed); }, 1);
   noise_alone([](unsigned seed) { return measured(plan(41, 1), 0.0, ramp, seed); }, 1);
   is_found(
@@ -308,12 +308,12 @@ TEST_CASE("one approach, or none known, names no effect of approach") {
                                                      [](laser::Reading& r) { r.approach = Approach::unknown; })));
 }
 
-TEST_CASE("one or two targets, many times") {
+TEST_CASE("one or two targets measured many times get an answer") {
   noise_alone([](unsigned seed) { return measured(plan(1, 20), kNoise_um, nothing, seed); });
   noise_alone([](unsigned seed) { return measured(plan(2, 20), kNoise_um, ramp, seed); });
 }
 
-TEST_CASE("senses of very unequal noise") {
+TEST_CASE("senses of very unequal noise get an answer") {
   Model model = straight();
   model.effects.push_back(effect(offset, Axis::X, Sense::EY));
   model.effects.push_back(effect(scale, Axis::X, Sense::EY));
@@ -344,7 +344,7 @@ TEST_CASE("readings rounded coarsely: noise stays noise where it is larger than 
   });
 }
 
-TEST_CASE("odd clocks, run numbers and sensors") {
+TEST_CASE("odd clocks, run numbers and sensors get an answer") {
   noise_alone(
       [](unsigned seed) {
         return with_each(measured(plan(31, 3), kNoise_um, ramp, seed),
@@ -405,7 +405,7 @@ TEST_CASE("noise of other shapes is noise: heavy tails, bounded, growing with po
   });
 }
 
-TEST_CASE("a measurement that breaks off half way back") {
+TEST_CASE("a measurement that ends half way back gets an answer") {
   noise_alone([](unsigned seed) {
     Set set = measured(plan(31, 3), kNoise_um, ramp, seed);
     std::erase_if(set.readings, [](const auto& r) { return r.approach == Approach::reverse && p(r) > 400.0; });

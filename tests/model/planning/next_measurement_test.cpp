@@ -13,7 +13,7 @@ using namespace ecs::model;
 using namespace ecs::model::test;
 using enum ecs::model::EffectId;
 
-TEST_CASE("a polarity of the map and a gain of minus one are the same thing: said, not measured") {
+TEST_CASE("a polarity of the map and a gain of minus one are the same: reported, not measured") {
   Model model = straight();
   laser::ErrorMap map;
   map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});

@@ -68,7 +68,7 @@ TEST_CASE("identity, status, monitor, commands and memory work over TCP") {
   check_everyday_use(shop);
 }
 
-TEST_CASE("under every fault of the line a reading is right or a clear error, and the line recovers") {
+TEST_CASE("under every fault of the link a reading is right or a clear error, and the link recovers") {
   for (std::size_t i = 0; i < kLinkFaults; ++i) {
     const auto fault = static_cast<LinkFault>(i);
     CAPTURE(name_of(fault));
@@ -199,7 +199,7 @@ TEST_CASE("an absent unit and a wrong unit number give no answer on a serial lin
   CHECK(says(wrong_tcp.error(), "no unit of this number"));
 }
 
-TEST_CASE("a line that always garbles says so") {
+TEST_CASE("a link that corrupts every reply is reported as such") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   shop.fault_often(LinkFault::bad_crc, 1.0);
@@ -235,7 +235,7 @@ TEST_CASE("a port without permission says so") {
   CHECK(says(link.error(), "permission"));
 }
 
-TEST_CASE("a port in use is refused and its user named; it is free again after closing") {
+TEST_CASE("a port in use is refused with its user; it is free again after closing") {
   auto shop = Workshop::on_pty();
   {
     auto unit = shop.client();
@@ -247,7 +247,7 @@ TEST_CASE("a port in use is refused and its user named; it is free again after c
   CHECK(Link::open(shop.address()).has_value());
 }
 
-TEST_CASE("a line that disappears is an error at once, and every later call too") {
+TEST_CASE("a link that disappears is an error at once, and every later call too") {
   for (const bool tcp : {false, true}) {
     auto shop = tcp ? Workshop::on_tcp() : Workshop::on_pty();
     auto unit = shop.client();

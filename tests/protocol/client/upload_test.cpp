@@ -189,7 +189,7 @@ TEST_CASE("a commit whose every reply was lost counts as done once the unit says
   CHECK(active_image(shop) == image);
 }
 
-TEST_CASE("a commit without a reply on a line that stays silent is reported as in doubt, never as not taken") {
+TEST_CASE("a commit without a reply on a silent link is reported as in doubt, never as not taken") {
   const auto image = noise_image(4000);
   auto shop = Workshop::on_pty();
   install_old(shop);
@@ -232,7 +232,7 @@ TEST_CASE("a cancel while the reply to the commit is awaited says that the new m
   CHECK(sent.error().message.find("already taken the new map: it is active (commit 1)") != std::string::npos);
 }
 
-TEST_CASE("of an image that differs from the active one at its beginning only the beginning travels") {
+TEST_CASE("only the beginning is sent of an image that differs from the active one there") {
   auto shop = Workshop::on_tcp();
   shop.in_server([](ModbusServer&, UnitModel& model) {
     model.install(noise_image(30'000));
@@ -246,7 +246,7 @@ TEST_CASE("of an image that differs from the active one at its beginning only th
   CHECK(unit.link().statistics().bytes_sent < 3000);
 }
 
-TEST_CASE("of two hosts on one unit each has its own command done, not the other's taken for it") {
+TEST_CASE("two hosts on one unit each get the result of their own command") {
   auto shop = Workshop::on_tcp();
   auto one = shop.client();
   auto other = shop.client();
@@ -321,7 +321,7 @@ TEST_CASE("a commit whose replies were lost while another host committed is not 
   CHECK(sent.error().message.find("the active map is another one") != std::string::npos);
 }
 
-TEST_CASE("of a command that acts on the machine and is not answered it is said that it may have been carried out") {
+TEST_CASE("a command that acts on the machine and is not answered may have been carried out, and that is reported") {
   auto shop = Workshop::on_pty();
   auto options = shop.options();
   options.timing->tries = 2;

@@ -27,7 +27,7 @@ TEST_CASE("bytes, text and numbers are typed as the unit stores them, high byte 
   }
 }
 
-TEST_CASE("of a unit nothing is known until it was put there, page by page") {
+TEST_CASE("nothing is known of a unit's memory until it is read, page by page") {
   MemoryBytes memory = MemoryBytes::of_unit(1);
   CHECK(memory.region_of(kBankA.first)->size == kModuleBankBytes);
   CHECK_FALSE(memory.at(kSystemRam.first));
@@ -75,7 +75,7 @@ MemoryDump small_dump(std::uint8_t byte) {
   return dump;
 }
 
-TEST_CASE("bytes that differ are listed by region where they have no name, and gone through in a ring") {
+TEST_CASE("bytes that differ are listed by region where they have no name, and visited in a cycle") {
   const MemoryBytes a = MemoryBytes::of_dump(small_dump(1)), b = MemoryBytes::of_dump(small_dump(2));
   const auto rows = difference_rows(a, MemoryNames(a), b, MemoryNames(b));
   REQUIRE(rows.size() == 1);

@@ -200,7 +200,7 @@ TEST_CASE("a search reads through the unit until it finds, and can be cancelled"
   CHECK(contains(picture(one.screen), "given up: reading axis memory bank A"));
 }
 
-TEST_CASE("with the emulator killed the screen says so, and reads anew when it is back") {
+TEST_CASE("the screen reports a killed emulator, and reads again when it is back") {
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");

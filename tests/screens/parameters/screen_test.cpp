@@ -9,7 +9,7 @@ namespace {
 
 using namespace screen_test;
 
-TEST_CASE("the parameters screen begins with where the parameters shall come from, and says whether a unit answers") {
+TEST_CASE("the parameters screen first asks for the source of the parameters, and says whether a unit answers") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   CHECK(shows(screen, "no unit answers now"));
@@ -55,7 +55,7 @@ TEST_CASE("the field under the cursor is explained: range, default, help and its
   CHECK(reads(text, "minimum distance to qualify as move"));
 }
 
-TEST_CASE("a wrong value is refused with the reason, and what was typed stays to be mended") {
+TEST_CASE("a wrong value is refused with the reason, and the typed text stays for correction") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   open_file(screen, one);
@@ -198,7 +198,7 @@ TEST_CASE("screen and file are compared; a value is taken from the file by f, un
   CHECK(reads(picture(screen), "axis.X.deadband_um"));
 }
 
-TEST_CASE("a file with wrong values is refused with every reason, and the name stays to be mended") {
+TEST_CASE("a file with wrong values is refused with every reason, and the name stays for correction") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   type(screen, "o");
@@ -251,7 +251,7 @@ TEST_CASE("saving asks where another program has changed the file meanwhile") {
   CHECK(reads(picture(screen), "another"));
 }
 
-TEST_CASE("after a crash a new screen takes the unsaved work up, with what it was changed from") {
+TEST_CASE("after a crash a new screen restores the unsaved work and the values it was changed from") {
   const ParametersCase one;
   {
     ParametersScreen screen(no_link());
@@ -297,7 +297,7 @@ TEST_CASE("unsaved work of another time is dropped only after a yes") {
   CHECK(reads(picture(screen), "receive from the unit"));
 }
 
-TEST_CASE("leaving, opening and beginning anew ask where edits would be lost") {
+TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   open_file(screen, one);
@@ -317,7 +317,7 @@ TEST_CASE("leaving, opening and beginning anew ask where edits would be lost") {
   CHECK(draft_of("parameters"));
 }
 
-TEST_CASE("a field is found by a part of its name or of its help; Esc goes back to where one was") {
+TEST_CASE("a field is found by a part of its name or of its help; Esc returns to the former field") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   open_file(screen, one);
@@ -334,7 +334,7 @@ TEST_CASE("a field is found by a part of its name or of its help; Esc goes back 
   CHECK(reads(picture(screen), "[2 Compensation"));
 }
 
-TEST_CASE("a send without a line says why and loses nothing") {
+TEST_CASE("sending without a link says why and loses nothing") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
   open_file(screen, one);

@@ -180,7 +180,7 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   REQUIRE(shows(screen, "read back: no difference"));
 }
 
-TEST_CASE("a line on which nobody answers never stops the keys, and Esc gives the exchange up") {
+TEST_CASE("a link without answers never blocks the keys, and Esc cancels the exchange") {
   const ParametersCase one;
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
   REQUIRE(master >= 0);

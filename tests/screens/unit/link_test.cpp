@@ -118,7 +118,7 @@ TEST_CASE("a unit with another number is found, offered and taken") {
   CHECK(stored_link().value() == one.unit->link());
 }
 
-TEST_CASE("a line that gives back what is sent is called an echo") {
+TEST_CASE("a link that returns what is sent is called an echo") {
   const BadLine echo("");
   LinkCase one("rtu:" + echo.device + ":9600");
   one.try_it();
@@ -167,7 +167,7 @@ TEST_CASE("the doctor's checks can be cancelled") {
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
-TEST_CASE("with the emulator killed the link screen says so and shows it back") {
+TEST_CASE("the link screen reports a killed emulator and its return") {
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   REQUIRE(kill_emulators() == 1);

@@ -63,7 +63,7 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
-TEST_CASE("with the emulator killed the log goes on, and the unit comes back behind it") {
+TEST_CASE("with the emulator killed the log continues, and the unit returns") {
   const StateFolder one;
   const auto unit = std::make_shared<UnitConnection>("emulator");
   LogScreen screen;

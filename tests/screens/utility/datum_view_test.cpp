@@ -140,7 +140,7 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
   CHECK_FALSE(contains(picture(screen), "switch 2"));
 }
 
-TEST_CASE("a record that nobody saved is offered again") {
+TEST_CASE("an unsaved record is offered again") {
   const StateFolder folder;
   {
     DatumViewScreen screen(sequence(2.0));

@@ -36,7 +36,7 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
   CHECK(shows(screen, "Y           0.0000"));
 }
 
-TEST_CASE("no: nothing is set") {
+TEST_CASE("answering no sets nothing") {
   const UnitBench bench;
   bench.wait_for_unit();
   PositionScreen screen(bench.controller);
