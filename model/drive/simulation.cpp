@@ -55,7 +55,7 @@ constexpr double kOver = 1e-12;
 /// Speed [rad/s] and current [A] beyond which the loop is unstable: a thousand times what any motor does.
 constexpr double kRunawaySpeed = 1e6, kRunawayCurrent = 1e8;
 /// Guards, in shares of what decides: beyond by rounding is not beyond; the converter leaves its limit later than it
-/// reached it, so that it does not go to and fro.
+/// reached it, so that it does not chatter.
 constexpr double kBeyond = 1e-12, kHysteresis = 1e-9;
 /// A crossing is found where the guard is above 0 by at most this, or the span that holds it is below this; every third
 /// try halves, sixty tries end it in any case.
