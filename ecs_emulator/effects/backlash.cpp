@@ -6,17 +6,12 @@ namespace ecs::emulator {
 
 extern const EffectDefinition kBacklash{
     .id = "backlash",
-    .parameters = {{.name = "um", .unit = "um", .growth = Growth::linear}},
+    .parameters = {{.name = "um", .unit = "um", .growth = Growth::linear, .drawn = 2.0}},
     .needs_axis = true,
     .own_axis_only = true,
     .value = [](const PlacedEffect& e, const Conditions& at) { return e.parameter("um") * at.approach / 2.0; },
     .needs = {.bidirectional = true},
     .places = [](const PlaceSearch& search) { return on_axes(search, shows_approach); },
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um"] = drawing.sign * 2.0;
-          return true;
-        },
     .base_probability = 0.4,
     .confounded_in = kOneFeed,
     .excluded_from = kOneFeed,

@@ -31,6 +31,7 @@ struct ParameterDefinition {
   std::string_view name;
   std::string_view unit;  ///< "1": a ratio
   Growth growth = Growth::not_at_all;
+  double drawn = 1.0;     ///< size in a hidden case, either sign; effects of about 1 um
   bool optional = false;  ///< in an errors file; if all are, at least one is given
   Range range{};          ///< of a size that nature sets: what is drawn or taken for possible
   /// Values at which to try a parameter that the contribution depends on nonlinearly.
@@ -89,7 +90,8 @@ struct EffectDefinition {
 
   Needs needs{};  ///< of the measurement that can show it
   std::vector<PlacedEffect> (*places)(const PlaceSearch&) = nullptr;
-  /// Parameters and curve of size about 1 um; false where the stops are too few to show it.
+  /// Parameters and curve of size about 1 um; false where the stops are too few to show it. Absent: as the parameters
+  /// say.
   bool (*draw)(const Drawing&, PlacedEffect&) = nullptr;
   /// Effects of size one that span it, where they are not one for each parameter that it grows with.
   std::vector<PlacedEffect> (*units)(const PlacedEffect&) = nullptr;

@@ -16,7 +16,6 @@ extern const EffectDefinition kMapDirectionSwap{
           const bool two_tables = !map.empty() && map.front().approach != Approach::unknown;
           return two_tables ? in_map(search) : std::vector<PlacedEffect>{};
         },
-    .draw = [](const Drawing&, PlacedEffect&) { return true; },
     .fixed_size = true,
 };
 

@@ -19,7 +19,7 @@ std::vector<PlacedEffect> lines_of_known(const PlaceSearch& search) {
 
 extern const EffectDefinition kMeasurementLine{
     .id = "measurement_line",
-    .parameters = {{.name = "lever_mm", .unit = "mm", .growth = Growth::linear}},
+    .parameters = {{.name = "lever_mm", .unit = "mm", .growth = Growth::linear, .drawn = 300.0}},
     .elsewhere =
         "comes from where the map was measured, not from the machine: measure with the other axes parked "
         "elsewhere (parked_mm of the plan)",
@@ -27,11 +27,6 @@ extern const EffectDefinition kMeasurementLine{
                 const Conditions& at) { return e.parameter("lever_mm") / kMmPerM * at.known_value(); },
     .needs = {.known = true, .translations = true},
     .places = lines_of_known,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["lever_mm"] = drawing.sign * 300.0;
-          return true;
-        },
     .base_probability = 0.3,
     .excluded_from = kEveryDesign,
 };

@@ -6,14 +6,9 @@ namespace ecs::emulator {
 
 extern const EffectDefinition kOffset{
     .id = "offset",
-    .parameters = {{.name = "um", .unit = "um", .growth = Growth::linear}},
+    .parameters = {{.name = "um", .unit = "um", .growth = Growth::linear, .drawn = 2.0}},
     .value = [](const PlacedEffect& e, const Conditions&) { return e.parameter("um"); },
     .places = on_senses,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um"] = drawing.sign * 2.0;
-          return true;
-        },
     .in_every_base = true,
     .confounded_in = kZero,
     .excluded_from = kZero,

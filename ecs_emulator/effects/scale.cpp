@@ -11,11 +11,6 @@ extern const EffectDefinition kScale{
     .needs_axis = true,
     .value = [](const PlacedEffect& e, const Conditions& at) { return e.parameter("um_per_m") * (at.p_mm / kMmPerM); },
     .places = on_all_axes,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_m"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.6,
     .confounded_in = kWarm | kAir | kWarmAir | kSquare | kCold,
     .excluded_from = kWarm | kAir | kWarmAir | kSquare | kCold,

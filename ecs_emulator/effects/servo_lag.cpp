@@ -19,11 +19,6 @@ extern const EffectDefinition kServoLag{
             return shows_approach(on, s, a) && on.scene.shown.feed;
           });
         },
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_m_min"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.1,
     .confounded_in = kOneFeed,
     .excluded_from = kEveryDesign,

@@ -34,7 +34,11 @@ std::vector<PlacedEffect> unit_curves(const Ground& ground, PlacedEffect unit) {
 
 std::optional<PlacedEffect> with_shape(Random& random, const Scene& scene, const Ground& ground, PlacedEffect effect) {
   const double sign = sign_of_chance(random);
-  if (!effect.kind->draw({random, scene, ground, sign}, effect)) return std::nullopt;
+  const EffectDefinition& kind = *effect.kind;
+  if (kind.draw != nullptr && !kind.draw({random, scene, ground, sign}, effect)) return std::nullopt;
+  if (kind.draw == nullptr)
+    for (const ParameterDefinition& parameter : kind.parameters)
+      effect.parameters[std::string(parameter.name)] = sign * parameter.drawn;
   return effect;
 }
 

@@ -28,11 +28,6 @@ extern const EffectDefinition kSquareness{
     .value = [](const PlacedEffect& e, const Conditions&) { return e.parameter("um_per_m"); },
     .needs = {.translations = true, .squares = true, .least_axes = 2},
     .places = squarenesses,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_m"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.5,
     .confounded_in = kSquare,
     .excluded_from = kEveryDesign,

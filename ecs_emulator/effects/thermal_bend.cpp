@@ -38,11 +38,6 @@ extern const EffectDefinition kThermalBend{
         },
     .needs = {.temperature = true, .translations = true, .least_runs = 3},
     .places = pairs_of_sensors,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_m2_degC"] = drawing.sign;
-          return true;
-        },
     .on_request = true,
 };
 

@@ -28,11 +28,6 @@ extern const EffectDefinition kThermalDrift{
         },
     .needs = {.temperature = true, .least_runs = 3},
     .places = sensors_of_senses,
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_degC"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.1,
     .excluded_from = kEveryDesign,
 };

@@ -20,11 +20,6 @@ extern const EffectDefinition kThermalScale{
             return on.scene.sensor("t_material_degC").has_value() && (!on.good || is_along(s, a));
           });
         },
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_m_degC"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.4,
     .confounded_in = kWarm | kWarmAir,
     .excluded_from = kEveryDesign,

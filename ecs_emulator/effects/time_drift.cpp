@@ -14,11 +14,6 @@ extern const EffectDefinition kTimeDrift{
         [](const PlaceSearch& search) {
           return search.scene.shown.time ? on_senses(search) : std::vector<PlacedEffect>{};
         },
-    .draw =
-        [](const Drawing& drawing, PlacedEffect& e) {
-          e.parameters["um_per_h"] = drawing.sign;
-          return true;
-        },
     .base_probability = 0.12,
     .excluded_from = kEveryDesign,
 };
