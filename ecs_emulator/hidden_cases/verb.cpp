@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "ecs_emulator/command_line/request_verb.hpp"
 #include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/files.hpp"
 
@@ -59,10 +60,7 @@ void add_options(CLI::App* verb, HiddenCaseOptions& options) {
 
 int run(const HiddenCaseOptions& options) {
   const auto lines = write_hidden_cases(options.request, options.count, options.folder);
-  if (!lines) {
-    fmt::print(stderr, "{}\n", to_text(lines.error()));
-    return static_cast<int>(lines.error().kind) + 1;
-  }
+  if (!lines) return exit_code_after(lines.error());
   for (const std::string& line : *lines) fmt::print("{}\n", line);
   return 0;
 }

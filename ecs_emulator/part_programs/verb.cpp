@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "ecs_emulator/command_line/request_verb.hpp"
 #include "ecs_emulator/part_programs/files.hpp"
 
 namespace ecs::emulator {
@@ -24,41 +25,20 @@ struct ProgramArguments {
   Json request = Json::object();
 };
 
-void path(CLI::App& verb, Json& request, const char* option, const char* key, const char* help) {
-  verb.add_option_function<std::string>(
-      option, [&request, key](const std::string& v) { request[key] = fs::absolute(v).string(); }, help);
-}
-void word(CLI::App& verb, Json& request, const char* option, const char* key, const char* help) {
-  verb.add_option_function<std::string>(
-      option, [&request, key](const std::string& v) { request[key] = v; }, help);
-}
-void number(CLI::App& verb, Json& request, const char* option, const char* key, const char* help) {
-  verb.add_option_function<double>(
-      option, [&request, key](double v) { request[key] = v; }, help);
-}
-
-void add_plan_options(CLI::App& verb, Json& request) {
-  word(verb, request, "--axis", "axis", "moving axis");
-  word(verb, request, "--sense", "sense", "what is measured (positioning)");
-  word(verb, request, "--instrument", "instrument", "said in the head of the program");
-  number(verb, request, "--from", "from", "first target, mm");
-  number(verb, request, "--to", "to", "last target, mm");
-  number(verb, request, "--step", "step", "mm");
-  verb.add_option_function<std::vector<double>>(
-          "--targets", [&request](const auto& v) { request["targets"] = v; }, "in place of from, to and step")
-      ->delimiter(',');
-  verb.add_option_function<long long>(
-      "--runs", [&request](long long v) { request["runs"] = v; }, "there and back (3)");
-  verb.add_flag_function(
-      "--unidirectional", [&request](auto) { request["unidirectional"] = true; }, "one way only");
-  number(verb, request, "--feed", "feed", "mm/min (2000)");
-  number(verb, request, "--dwell", "dwell", "before each reading, s (2)");
-  number(verb, request, "--overrun", "overrun", "mm (5)");
-}
-
-int exit_code_after(const Problem& problem) {
-  fmt::print(stderr, "{}\n", to_text(problem));
-  return static_cast<int>(problem.kind) + 1;
+void add_plan_options(CLI::App& app, Json& request) {
+  RequestVerb verb(app, request);
+  verb.word("--axis", "axis", "moving axis");
+  verb.word("--sense", "sense", "what is measured (positioning)");
+  verb.word("--instrument", "instrument", "said in the head of the program");
+  verb.number("--from", "from", "first target, mm");
+  verb.number("--to", "to", "last target, mm");
+  verb.number("--step", "step", "mm");
+  verb.numbers("--targets", "targets", "in place of from, to and step");
+  verb.whole("--runs", "runs", "there and back (3)");
+  verb.flag("--unidirectional", "unidirectional", "one way only");
+  verb.number("--feed", "feed", "mm/min (2000)");
+  verb.number("--dwell", "dwell", "before each reading, s (2)");
+  verb.number("--overrun", "overrun", "mm (5)");
 }
 
 int write_all(const fs::path& folder, const std::vector<ProgramFile>& files) {
@@ -92,31 +72,21 @@ int write_programs(ProgramArguments& arguments) {
 
 }  // namespace
 
-void add_run_options(CLI::App& verb, Json& request) {
-  verb.add_option_function<std::string>(
-          "PROGRAM", [&request](const std::string& v) { request["program"] = fs::absolute(v).string(); },
-          "part program (docs/part_programs.md)")
-      ->required();
-  word(verb, request, "--axis", "axis", "axis whose component every M08 reads");
-  word(verb, request, "--sense", "sense", "EX, EY, EZ, EA, EB or EC");
-  word(verb, request, "--instrument", "instrument", "linear, straightness, angular, level or square");
-  verb.add_option_function<std::vector<std::string>>(
-      "-o,--output",
-      [&request](const auto& v) {
-        request["output"] = Json::array();
-        for (const auto& file : v) request["output"].push_back(fs::absolute(file).string());
-      },
-      "readings; the form follows the name, as with measure");
-  path(verb, request, "--trace", "trace", "the track, sample by sample (.csv)");
-  number(verb, request, "--trace-period", "trace_period", "between samples, s (0.001); 0: every tick");
-  word(verb, request, "--date", "date", "into the metadata");
-  word(verb, request, "--engineer", "engineer", "into the metadata");
+void add_run_options(CLI::App& app, Json& request) {
+  RequestVerb verb(app, request);
+  verb.path("PROGRAM", "program", "part program (docs/part_programs.md)")->required();
+  verb.word("--axis", "axis", "axis whose component every M08 reads");
+  verb.word("--sense", "sense", "EX, EY, EZ, EA, EB or EC");
+  verb.word("--instrument", "instrument", "linear, straightness, angular, level or square");
+  verb.paths("-o,--output", "output", "readings; the form follows the name, as with measure");
+  verb.path("--trace", "trace", "the track, sample by sample (.csv)");
+  verb.number("--trace-period", "trace_period", "between samples, s (0.001); 0: every tick");
+  verb.word("--date", "date", "into the metadata");
+  verb.word("--engineer", "engineer", "into the metadata");
 }
 
-void add_mdi_options(CLI::App& verb, Json& request) {
-  verb.add_option_function<std::string>(
-          "BLOCK", [&request](const std::string& v) { request["block"] = v; }, "one block: \"G01 X-100 F2000\"")
-      ->required();
+void add_mdi_options(CLI::App& app, Json& request) {
+  RequestVerb(app, request).word("BLOCK", "block", "one block: \"G01 X-100 F2000\"")->required();
 }
 
 void add_program_verb(CLI::App& app, int& exit_code) {

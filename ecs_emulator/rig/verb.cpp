@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "ecs_emulator/command_line/request_verb.hpp"
 #include "ecs_emulator/rig/figures.hpp"
 
 namespace ecs::emulator {
@@ -41,8 +42,7 @@ void add_rig_verb(CLI::App& app, int& exit_code) {
   rig->callback([arguments, &exit_code] {
     const auto numbers = draw_rig_figures(arguments->folder, arguments->seed);
     if (!numbers) {
-      fmt::print(stderr, "{}\n", to_text(numbers.error()));
-      exit_code = static_cast<int>(numbers.error().kind) + 1;
+      exit_code = exit_code_after(numbers.error());
       return;
     }
     fmt::print("{}", arguments->json ? json_of(*numbers).dump(2) + "\n" : table_of(*numbers));
