@@ -43,14 +43,12 @@ Result<void> check(const HiddenCaseRequest& request) {
   if (request.snr && !(*request.snr > 0.0 && *request.snr <= 1000.0))
     return refused(fmt::format("snr: expected above 0 and up to 1000, got {}", shortest(*request.snr)));
   if (request.xytz && (request.kind || request.effect != nullptr))
-    return refused("the XYTZ case has its own kind and effect: leave --kind and --effect away");
+    return refused("the XYTZ case has its own kind and effect: omit --kind and --effect");
   if (request.effect == nullptr || !request.kind) return {};
   if (*request.kind == CaseKind::blank || *request.kind == CaseKind::out_of_library)
-    return refused(
-        fmt::format("effect: a {} hides no effect of the library; leave --effect away", name_of(*request.kind)));
+    return refused(fmt::format("effect: a {} hides no effect of the library; omit --effect", name_of(*request.kind)));
   if (*request.kind == CaseKind::confounded && confounded_designs_of(*request.effect).empty())
-    return refused(
-        fmt::format("effect: no design is known here on which {} cannot be told from others", request.effect->id));
+    return refused(fmt::format("effect: no confounded design is known for {}", request.effect->id));
   return {};
 }
 

@@ -57,7 +57,7 @@ class Capturing {
     }
     const auto count = static_cast<std::size_t>(std::floor(plan_.rate_Hz * plan_.seconds + 1e-9));
     const bool whole = simulation_.run_while([&] { return set_.readings.size() < count; }, [&] { watch(count); });
-    if (!whole) return problem(ProblemKind::refused, "capture: given up before its end");
+    if (!whole) return problem(ProblemKind::refused, "capture: stopped before its end");
     simulation_.machine().stop();
     describe();
     return std::move(set_);

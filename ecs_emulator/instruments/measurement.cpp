@@ -12,7 +12,7 @@
 namespace ecs::emulator {
 namespace {
 
-tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "measurement: given up before its end"); }
+tl::unexpected<Problem> stopped_early() { return problem(ProblemKind::refused, "measurement: stopped before its end"); }
 
 /// One measurement under way.
 class Measuring {
@@ -31,7 +31,7 @@ class Measuring {
     MeasuringPost post(simulation_, plan_.axis, plan_.sense, kind_, plan_.setting);
     if (plan_.beam_broken_at) post.interrupt_beam_at(*plan_.beam_broken_at);
     post_ = &post;
-    if (kind_ == InstrumentKind::square && !post.null_square(at(plan_.targets_mm.front()))) return given_up();
+    if (kind_ == InstrumentKind::square && !post.null_square(at(plan_.targets_mm.front()))) return stopped_early();
     total_ = plan_.targets_mm.size() * static_cast<std::size_t>(plan_.runs) * (plan_.bidirectional ? 2 : 1);
     auto back = plan_.targets_mm;
     std::reverse(back.begin(), back.end());
@@ -77,7 +77,7 @@ class Measuring {
 
   /// Why a pass did not come to its end.
   tl::unexpected<Problem> stopped() const {
-    return post_->lost() ? problem(ProblemKind::refused, *post_->lost()) : given_up();
+    return post_->lost() ? problem(ProblemKind::refused, *post_->lost()) : stopped_early();
   }
 
   bool pass(const std::vector<double>& targets) {

@@ -14,7 +14,9 @@ constexpr std::size_t kLookAhead = 8192;  ///< pieces that the control plans tog
 constexpr std::size_t kMostReadings = 1'000'000;
 constexpr double kInPosition_s = 0.5;  ///< the longest time that an exact stop waits
 
-tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "part program: given up before its end"); }
+tl::unexpected<Problem> stopped_early() {
+  return problem(ProblemKind::refused, "part program: stopped before its end");
+}
 tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
 /// The instrument with what a program knows about its readings.
@@ -66,9 +68,9 @@ class ProgramRunner {
       if (!trace) return tl::unexpected(trace.error());
       trace_.emplace(std::move(*trace));
     }
-    if (order_.axis && !set_up()) return given_up();
+    if (order_.axis && !set_up()) return stopped_early();
     const double start_s = simulation_.machine().time_s();
-    if (!follow()) return given_up();
+    if (!follow()) return stopped_early();
     if (trace_)
       if (auto written = trace_->finish(); !written) return tl::unexpected(written.error());
     result_.took_s = simulation_.machine().time_s() - start_s;

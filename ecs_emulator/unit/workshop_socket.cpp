@@ -165,7 +165,7 @@ Result<std::string> ask_workshop(const std::filesystem::path& socket, const std:
     }
     const ssize_t got = ::recv(line.get(), piece.data(), piece.size(), 0);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return problem(ProblemKind::link, "the workshop went away before it answered");
+    if (got <= 0) return problem(ProblemKind::link, "the workshop closed the connection before it answered");
     received.append(piece.data(), static_cast<std::size_t>(got));
   }
 }

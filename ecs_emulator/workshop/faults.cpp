@@ -158,7 +158,7 @@ Result<void> provoke(const Workshop& workshop, Arguments& arguments) {
   for (const NamedFault& fault : kFaults) {
     names += fmt::format("{}, ", fault.name);
     if (fault.name != name) continue;
-    if (fault.in_unit && workshop.unit == nullptr) return problem(ProblemKind::usage, "no unit stands here");
+    if (fault.in_unit && workshop.unit == nullptr) return problem(ProblemKind::usage, "this machine has no unit");
     return fault.provoke(workshop, arguments);
   }
   if (const auto line = protocol::link_fault_named(name)) return line_fault(workshop, arguments, *line);

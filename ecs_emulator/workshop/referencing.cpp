@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSearch_mm = 120.0;  ///< how far the control seeks the end of its switch, or a marker
 
-tl::unexpected<Problem> given_up() { return problem(ProblemKind::refused, "reference: given up before its end"); }
+tl::unexpected<Problem> stopped_early() { return problem(ProblemKind::refused, "reference: stopped before its end"); }
 
 /// One axis on its way to its reference.
 class ReferenceCycle {
@@ -19,7 +19,7 @@ class ReferenceCycle {
 
   Result<void> run() {
     const AxisSettings& s = axis_.settings();
-    if (!go(start_position_mm(axis_.facts(), s), 0.0)) return given_up();
+    if (!go(start_position_mm(axis_.facts(), s), 0.0)) return stopped_early();
     if (auto met = seek(
             onward(), kAnywhere_mm, s.reference_speed_mm_min, [this] { return axis_.on_switch(); },
             "the reference switch was not met before the end of travel");
@@ -27,9 +27,9 @@ class ReferenceCycle {
       return met;
     auto marked = s.reference_kind == DatumKind::siemens ? marker_on_switch() : marker_after_switch();
     if (!marked) return marked;
-    if (!go(machine_.command_mm()[index_of(name_)], 0.0)) return given_up();
+    if (!go(machine_.command_mm()[index_of(name_)], 0.0)) return stopped_early();
     axis_.referenced();
-    if (!go(axis_.facts().datum_mm, s.reference_speed_mm_min)) return given_up();
+    if (!go(axis_.facts().datum_mm, s.reference_speed_mm_min)) return stopped_early();
     return {};
   }
 
@@ -60,7 +60,7 @@ class ReferenceCycle {
     bool met = found();
     const bool whole = simulation_.run_while([&] { return !met && !machine_.arrived(); }, [&] { met = found(); });
     machine_.stop();
-    if (!whole) return given_up();
+    if (!whole) return stopped_early();
     if (met) return {};
     return problem(ProblemKind::refused, fmt::format("{}: alarm of the control: {}", letter_of(name_), alarm));
   }
@@ -75,7 +75,7 @@ class ReferenceCycle {
   [[nodiscard]] Result<void> marker_after_switch() {
     const bool back = axis_.settings().reference_kind == DatumKind::allen_bradley;
     const double direction = back ? -onward() : onward();
-    if (back && !go(machine_.command_mm()[index_of(name_)], 0.0)) return given_up();
+    if (back && !go(machine_.command_mm()[index_of(name_)], 0.0)) return stopped_early();
     auto left = seek(
         direction, kSearch_mm, axis_.settings().creep_speed_mm_min, [this] { return !axis_.on_switch(); },
         "the reference switch did not open within 120 mm");

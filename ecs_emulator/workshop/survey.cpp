@@ -58,19 +58,19 @@ Result<Survey> survey(Simulation& simulation, const SurveyPlan& plan) {
   if (xs.empty() || ys.empty() || zs.empty()) return problem(ProblemKind::usage, "step: expected above 0 mm");
   if (xs.size() * ys.size() * zs.size() > kMostPoints)
     return problem(ProblemKind::usage, "step: expected a step that gives at most 200000 points");
-  const auto given_up = problem(ProblemKind::refused, "survey: given up before its end");
+  const auto stopped_early = problem(ProblemKind::refused, "survey: stopped before its end");
   const auto error_here = [&](const Vector3& target_mm) {
     return simulation.tool_at(simulation.machine().state(), target_mm, plan.scatter).error_um;
   };
   const Vector3 datum_mm = simulation.machine().datum_mm();
-  if (!approach(simulation, datum_mm, plan)) return given_up;
+  if (!approach(simulation, datum_mm, plan)) return stopped_early;
   const Vector3 zero_um = error_here(datum_mm);
   Survey found;
   for (const double z : zs)
     for (const double y : ys)
       for (const double x : xs) {
         SurveyPoint point{{x, y, z}, {}};
-        if (!approach(simulation, point.position_mm, plan)) return given_up;
+        if (!approach(simulation, point.position_mm, plan)) return stopped_early;
         point.error_um = error_here(point.position_mm);
         for (std::size_t a = 0; a < kAxes; ++a) point.error_um[a] -= zero_um[a];
         found.grid.push_back(point);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/workshop/faults.hpp"
@@ -21,7 +22,7 @@ using Json = nlohmann::json;
 using Report = std::function<void(const std::string&)>;
 using Answer = Result<Json>;
 
-tl::unexpected<Problem> simulation_given_up() { return problem(ProblemKind::refused, "given up before its end"); }
+tl::unexpected<Problem> simulation_stopped_early() { return problem(ProblemKind::refused, "stopped before its end"); }
 tl::unexpected<Problem> wrong(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
 Json by_axis(const MachineTool& machine, const Vector3& values) {
@@ -90,7 +91,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
     arguments.complain(
         fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  if (!simulation.move_to(target_mm, feed)) return simulation_given_up();
+  if (!simulation.move_to(target_mm, feed)) return simulation_stopped_early();
   return state_of(workshop);
 }
 
@@ -117,7 +118,7 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
     for (const Axis a : kAllAxes)
       if (workshop.simulation->machine().has(a)) axes.push_back(a);
   if (auto referenced = reference(*workshop.simulation, axes); !referenced) return tl::unexpected(referenced.error());
-  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return simulation_given_up();
+  if (workshop.unit != nullptr && !wait_for_unit(workshop)) return simulation_stopped_early();
   return state_of(workshop);
 }
 
@@ -161,7 +162,7 @@ Answer survey_machine(const Workshop& workshop, Arguments& arguments) {
 
 Answer power(const Workshop& workshop, Arguments& arguments) {
   const std::string state = arguments.word("state");
-  if (workshop.unit == nullptr) arguments.complain("no unit stands here");
+  if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
   if (state != "on" && state != "off" && state != "cycle")
     arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
@@ -176,7 +177,7 @@ Answer wait(const Workshop& workshop, Arguments& arguments) {
   const double seconds = arguments.number_or("seconds", 0.0);
   if (!(seconds >= 0.0 && seconds <= 86'400.0 * 30)) arguments.complain("seconds: expected 0 to 2592000");
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
-  if (!workshop.simulation->dwell(seconds)) return simulation_given_up();
+  if (!workshop.simulation->dwell(seconds)) return simulation_stopped_early();
   return state_of(workshop);
 }
 
@@ -184,7 +185,7 @@ Answer tick(const Workshop& workshop, Arguments& arguments) {
   const auto count = arguments.integer("count", 0, 100'000'000).value_or(1);
   if (auto right = arguments.checked(); !right) return tl::unexpected(right.error());
   const double seconds = static_cast<double>(count) * workshop.simulation->period_s();
-  if (!workshop.simulation->run_for(seconds)) return simulation_given_up();
+  if (!workshop.simulation->run_for(seconds)) return simulation_stopped_early();
   return state_of(workshop);
 }
 
@@ -233,9 +234,8 @@ std::string perform(const Workshop& workshop, const std::string& request, const 
   const Answer answer =
       parsed.is_discarded() ? Answer(wrong("expected one JSON object on one line")) : act(workshop, parsed, report);
   if (!answer) {
-    const Json failure{{"ok", false},
-                       {"exit", static_cast<int>(answer.error().kind) + 1},
-                       {"error", {{"message", to_text(answer.error())}}}};
+    const Json failure{
+        {"ok", false}, {"exit", exit_code_of(answer.error().kind)}, {"error", {{"message", to_text(answer.error())}}}};
     return failure.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   Json line = *answer;
