@@ -1,4 +1,4 @@
-// Cases of the proving ground as its tests ask for them.
+// Hidden cases as the tests ask for them.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// The proving ground: what it hides is what docs/physics.md says, as large as asked for, and stays hidden.
+// Hidden cases: what is hidden is what docs/physics.md says, as large as asked for, and stays hidden.
 #include <cmath>
 #include <functional>
 #include <map>
