@@ -67,7 +67,7 @@ TEST_CASE("reveal scores a saved diagnosis by the rules of the contract") {
   const auto judged = [&](const nlohmann::json& answer) {
     return ran({"model", "reveal", folder / "case", "--diagnosis", folder.with("answer.json", answer.dump())});
   };
-  const auto candidate = [](const char* effect, const char* approach, json group) {
+  const auto candidate = [](const char* effect, const char* approach, nlohmann::json group) {
     return nlohmann::json{{"effect", effect},
                           {"axis", "X"},
                           {"sense", "EX"},
@@ -76,7 +76,7 @@ TEST_CASE("reveal scores a saved diagnosis by the rules of the contract") {
                           {"parameters", nlohmann::json::object()},
                           {"indistinguishable_from", std::move(group)}};
   };
-  const auto answer = [](const char* verdict, json candidates) {
+  const auto answer = [](const char* verdict, nlohmann::json candidates) {
     return nlohmann::json{
         {"verdict", verdict}, {"candidates", std::move(candidates)}, {"where", nlohmann::json::array()}};
   };
