@@ -27,7 +27,7 @@ extern const EffectDefinition kAirRefraction{
           return true;
         },
     .natural_size = true,
-    .confounded_in = kAir | kWarmAir,
+    .confounded_in = Design::kAir | Design::kWarmAir,
 };
 
 }  // namespace ecs::emulator

@@ -49,7 +49,7 @@ extern const EffectDefinition kAngular{
         },
     .explains_two = true,
     .base_probability = 0.3,
-    .confounded_in = kOneLever,
+    .confounded_in = Design::kOneLever,
     .excluded_from = kEveryDesign,
 };
 

@@ -13,8 +13,8 @@ extern const EffectDefinition kBacklash{
     .needs = {.bidirectional = true},
     .places = [](const PlaceSearch& search) { return on_axes(search, shows_approach); },
     .base_probability = 0.4,
-    .confounded_in = kOneFeed,
-    .excluded_from = kOneFeed,
+    .confounded_in = Design::kOneFeed,
+    .excluded_from = Design::kOneFeed,
 };
 
 }  // namespace ecs::emulator

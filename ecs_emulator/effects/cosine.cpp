@@ -24,7 +24,7 @@ extern const EffectDefinition kCosine{
           e.parameters["angle_mrad"] = 1.5;
           return true;
         },
-    .confounded_in = kWarm | kAir | kWarmAir | kCold,
+    .confounded_in = Design::kWarm | Design::kAir | Design::kWarmAir | Design::kCold,
 };
 
 }  // namespace ecs::emulator

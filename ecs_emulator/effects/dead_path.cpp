@@ -25,7 +25,7 @@ extern const EffectDefinition kDeadPath{
           return true;
         },
     .natural_size = true,
-    .confounded_in = kZero,
+    .confounded_in = Design::kZero,
 };
 
 }  // namespace ecs::emulator

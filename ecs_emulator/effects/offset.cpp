@@ -10,8 +10,8 @@ extern const EffectDefinition kOffset{
     .value = [](const PlacedEffect& e, const Conditions&) { return e.parameter("um"); },
     .places = on_senses,
     .in_every_base = true,
-    .confounded_in = kZero,
-    .excluded_from = kZero,
+    .confounded_in = Design::kZero,
+    .excluded_from = Design::kZero,
 };
 
 }  // namespace ecs::emulator

@@ -18,8 +18,8 @@ extern const EffectDefinition kProgressive{
         },
     .base_probability = 0.35,
     .line = "scale",
-    .confounded_in = kOneLever,
-    .excluded_from = kOneLever,
+    .confounded_in = Design::kOneLever,
+    .excluded_from = Design::kOneLever,
 };
 
 }  // namespace ecs::emulator

@@ -20,7 +20,7 @@ extern const EffectDefinition kReversalCurve{
         },
     .base_probability = 0.08,
     .line = "backlash",
-    .excluded_from = kOneFeed,
+    .excluded_from = Design::kOneFeed,
 };
 
 }  // namespace ecs::emulator

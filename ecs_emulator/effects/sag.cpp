@@ -30,7 +30,7 @@ extern const EffectDefinition kSag{
         },
     .explains_two = true,
     .base_probability = 0.08,
-    .excluded_from = kOneLever,
+    .excluded_from = Design::kOneLever,
 };
 
 }  // namespace ecs::emulator

@@ -12,8 +12,8 @@ extern const EffectDefinition kScale{
     .value = [](const PlacedEffect& e, const Conditions& at) { return e.parameter("um_per_m") * (at.p_mm / kMmPerM); },
     .places = on_all_axes,
     .base_probability = 0.6,
-    .confounded_in = kWarm | kAir | kWarmAir | kSquare | kCold,
-    .excluded_from = kWarm | kAir | kWarmAir | kSquare | kCold,
+    .confounded_in = Design::kWarm | Design::kAir | Design::kWarmAir | Design::kSquare | Design::kCold,
+    .excluded_from = Design::kWarm | Design::kAir | Design::kWarmAir | Design::kSquare | Design::kCold,
 };
 
 }  // namespace ecs::emulator

@@ -20,7 +20,7 @@ extern const EffectDefinition kServoLag{
           });
         },
     .base_probability = 0.1,
-    .confounded_in = kOneFeed,
+    .confounded_in = Design::kOneFeed,
     .excluded_from = kEveryDesign,
 };
 

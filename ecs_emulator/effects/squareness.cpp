@@ -29,7 +29,7 @@ extern const EffectDefinition kSquareness{
     .needs = {.translations = true, .squares = true, .least_axes = 2},
     .places = squarenesses,
     .base_probability = 0.5,
-    .confounded_in = kSquare,
+    .confounded_in = Design::kSquare,
     .excluded_from = kEveryDesign,
 };
 

@@ -37,7 +37,7 @@ extern const EffectDefinition kStep{
     .places = on_all_axes,
     .draw = draw_step,
     .base_probability = 0.05,
-    .excluded_from = kOneLever,
+    .excluded_from = Design::kOneLever,
 };
 
 }  // namespace ecs::emulator

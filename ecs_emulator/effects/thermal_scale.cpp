@@ -21,7 +21,7 @@ extern const EffectDefinition kThermalScale{
           });
         },
     .base_probability = 0.4,
-    .confounded_in = kWarm | kWarmAir,
+    .confounded_in = Design::kWarm | Design::kWarmAir,
     .excluded_from = kEveryDesign,
 };
 

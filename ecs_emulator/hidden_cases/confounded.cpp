@@ -13,7 +13,7 @@
 namespace ecs::emulator {
 
 struct ConfoundedDesign {
-  Design id;
+  Design::Id id;
   Needs needs;
   Shown shown{.time = false};
   int lines = 1;                  ///< drawn, of which the first is kept
@@ -34,14 +34,19 @@ const std::array<ConfoundedDesign, 8>& designs() {
   constexpr Shown kWithFeed{.time = false, .feed = true};
   constexpr Shown kWithAir{.time = false, .air = true};
   static const std::array<ConfoundedDesign, 8> kDesigns{{
-      {.id = kWarm, .needs = along({.temperature = true})},
-      {.id = kAir, .needs = along({.air = true}), .shown = kWithAir},
-      {.id = kWarmAir, .needs = along({.temperature = true, .air = true}), .shown = kWithAir},
-      {.id = kOneFeed, .needs = along({.bidirectional = true}), .shown = kWithFeed},
-      {.id = kZero, .needs = along({.air = true, .bidirectional = true}), .shown = kWithAir, .one_axis_machine = true},
-      {.id = kSquare, .needs = Needs{.squares = true, .least_axes = 2} | kConstant},
-      {.id = kOneLever, .needs = Needs{.levers = true, .least_axes = 2, .whole_runs = true} | kConstant, .lines = 3},
-      {.id = kCold, .needs = along({})},
+      {.id = Design::kWarm, .needs = along({.temperature = true})},
+      {.id = Design::kAir, .needs = along({.air = true}), .shown = kWithAir},
+      {.id = Design::kWarmAir, .needs = along({.temperature = true, .air = true}), .shown = kWithAir},
+      {.id = Design::kOneFeed, .needs = along({.bidirectional = true}), .shown = kWithFeed},
+      {.id = Design::kZero,
+       .needs = along({.air = true, .bidirectional = true}),
+       .shown = kWithAir,
+       .one_axis_machine = true},
+      {.id = Design::kSquare, .needs = Needs{.squares = true, .least_axes = 2} | kConstant},
+      {.id = Design::kOneLever,
+       .needs = Needs{.levers = true, .least_axes = 2, .whole_runs = true} | kConstant,
+       .lines = 3},
+      {.id = Design::kCold, .needs = along({})},
   }};
   return kDesigns;
 }
