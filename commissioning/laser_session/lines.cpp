@@ -173,7 +173,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     file.problem = "it holds no readings";
     return file;
   }
-  file.place_told = take_places(*imported, choice.answers);
+  file.place_told = take_places(*imported, with_found_profile(choice.path, choice.answers));
   std::vector<std::string> names;
   for (const laser::Group& group : laser::groups_of(imported->set)) {
     const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;

@@ -132,8 +132,9 @@ Result<void> store_link(const std::string& link) {
   return write_file(configuration_file(), text.str());
 }
 
-std::optional<fs::path> sample_machine() {
-  const fs::path inside = fs::path("mill") / "machine.toml";
+std::optional<fs::path> sample_machine() { return sample_file(fs::path("mill") / "machine.toml"); }
+
+std::optional<fs::path> sample_file(const fs::path& inside) {
   std::vector<fs::path> candidates;
   if (const std::string samples = environment("ECS_SAMPLES"); !samples.empty()) return first_file({samples / inside});
   candidates.push_back(own_folder() / ".." / "share" / "ecs" / "samples" / inside);

@@ -40,7 +40,9 @@ struct LinkChoice {
 /// Replaces the key `link` and keeps the file's other keys.
 [[nodiscard]] Result<void> store_link(const std::string& link);
 
-/// samples/mill/machine.toml: $ECS_SAMPLES, the share folder beside the installed program, the source tree.
+/// A file of samples/: in $ECS_SAMPLES, in the share folder beside the installed program, in the source tree.
+[[nodiscard]] std::optional<std::filesystem::path> sample_file(const std::filesystem::path& inside);
+/// samples/mill/machine.toml.
 [[nodiscard]] std::optional<std::filesystem::path> sample_machine();
 /// `ecs-emulator`: $ECS_EMULATOR, beside this program, in the build tree, on PATH.
 [[nodiscard]] std::optional<std::filesystem::path> emulator_program();

@@ -55,6 +55,7 @@ Result<char> delimiter_given(const std::string& name) {
 
 Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments& arguments) {
   if (arguments.columns.empty()) {
+    if (!arguments.matrix.empty()) return std::optional<laser::ColumnMapping>();
     if (arguments.skip > 0 || arguments.rows > 0 || !arguments.delimiter.empty() || !arguments.decimal.empty() ||
         !arguments.values.empty())
       return problem(
@@ -73,6 +74,16 @@ Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments&
   if (arguments.values == "actual") mapping->values = laser::TableValues::actual_positions;
   if (arguments.values == "compensation") mapping->values = laser::TableValues::compensations;
   return std::optional(std::move(*mapping));
+}
+
+Result<std::optional<laser::MatrixLayout>> matrix_given(const ImportArguments& arguments) {
+  if (arguments.matrix.empty()) return std::optional<laser::MatrixLayout>();
+  const auto axes = laser::matrix_axes(arguments.matrix);
+  if (!axes) return tl::unexpected(axes.error());
+  const auto delimiter = delimiter_given(arguments.delimiter);
+  if (!delimiter) return tl::unexpected(delimiter.error());
+  const char between = *delimiter == '\0' ? ',' : *delimiter;
+  return std::optional(laser::MatrixLayout{*axes, arguments.section, arguments.line_prefix, arguments.absent, between});
 }
 
 bool same_line(const laser::Group& a, const laser::Group& b) {
@@ -158,9 +169,13 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
   if (!reading_unit) return tl::unexpected(reading_unit.error());
   auto mapping = mapping_given(arguments);
   if (!mapping) return tl::unexpected(mapping.error());
+  auto matrix = matrix_given(arguments);
+  if (!matrix) return tl::unexpected(matrix.error());
   options.target_unit = *target_unit;
   options.reading_unit = *reading_unit;
   options.mapping = std::move(*mapping);
+  options.matrix = std::move(*matrix);
+  options.note = arguments.note;
   options.channel = arguments.channel;
   if (!arguments.axis.empty()) options.axis = axis_of(arguments.axis[0]);
   if (!arguments.sense.empty()) options.sense = sense_named(arguments.sense);
@@ -176,7 +191,7 @@ Result<laser::ImportOptions> import_options(const ImportArguments& given) {
 }
 
 Result<laser::Imported> read_measurements(const std::string& file, const ImportArguments& arguments) {
-  const auto options = import_options(arguments);
+  const auto options = import_options(with_found_profile(file, arguments));
   if (!options) return tl::unexpected(options.error());
   auto imported = laser::read_any(file, *options);
   if (!imported && imported.error().kind == ProblemKind::usage)

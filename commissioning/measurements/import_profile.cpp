@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Text = std::pair<const char*, std::string ImportArguments::*>;
-constexpr std::array<Text, 11> kTexts{{{"columns", &ImportArguments::columns},
+constexpr std::array<Text, 16> kTexts{{{"columns", &ImportArguments::columns},
                                        {"delimiter", &ImportArguments::delimiter},
                                        {"decimal", &ImportArguments::decimal},
                                        {"values", &ImportArguments::values},
@@ -29,18 +30,52 @@ constexpr std::array<Text, 11> kTexts{{{"columns", &ImportArguments::columns},
                                        {"encoding", &ImportArguments::encoding},
                                        {"target_unit", &ImportArguments::target_unit},
                                        {"reading_unit", &ImportArguments::reading_unit},
-                                       {"channel", &ImportArguments::channel}}};
+                                       {"channel", &ImportArguments::channel},
+                                       {"matrix", &ImportArguments::matrix},
+                                       {"section", &ImportArguments::section},
+                                       {"line_prefix", &ImportArguments::line_prefix},
+                                       {"absent", &ImportArguments::absent},
+                                       {"note", &ImportArguments::note}}};
 using Count = std::pair<const char*, int ImportArguments::*>;
 constexpr std::array<Count, 2> kCounts{{{"skip", &ImportArguments::skip}, {"rows", &ImportArguments::rows}}};
 using Flag = std::pair<const char*, bool ImportArguments::*>;
 constexpr std::array<Flag, 2> kFlags{{{"accept_truncated", &ImportArguments::accept_truncated},
                                       {"table_holds_errors", &ImportArguments::table_holds_errors}}};
 
+bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".toml"); }
+
+fs::path own_profile_file(const std::string& name) {
+  return is_path(name) ? fs::path(name) : configuration_file().parent_path() / "import" / (name + ".toml");
+}
+
+std::vector<fs::path> profiles_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The profiles that come with the program.
+std::vector<fs::path> shipped_profiles() {
+  const auto one = sample_file(fs::path("profiles") / "klipper_bed_mesh.toml");
+  return one ? profiles_in(one->parent_path()) : std::vector<fs::path>();
+}
+
+/// The text that files of a profile contain; empty: none is known, or the profile cannot be read.
+std::string recognised_by(const fs::path& profile) {
+  try {
+    return toml::parse_file(profile.string())["recognised_by"].value_or(std::string());
+  } catch (const toml::parse_error&) {
+    return {};
+  }
+}
+
 std::string known_profiles() {
   std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(profile_file("x").parent_path(), error))
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  for (const fs::path& file : profiles_in(own_profile_file("x").parent_path())) names.push_back(file.stem().string());
+  for (const fs::path& file : shipped_profiles()) names.push_back(file.stem().string());
   std::sort(names.begin(), names.end());
   if (names.empty()) return "none is saved yet (--save-profile NAME)";
   return fmt::format("there are {}", fmt::join(names, ", "));
@@ -49,6 +84,7 @@ std::string known_profiles() {
 /// Takes one key into what the command line left open; what was expected of it, or nothing.
 std::string take(ImportArguments& arguments, const ImportArguments& given, std::string_view key,
                  const toml::node& node) {
+  if (key == "recognised_by") return node.is_string() ? "" : "a text";
   const ImportArguments open;
   for (const auto& [name, member] : kTexts) {
     if (key != name) continue;
@@ -72,14 +108,17 @@ std::string take(ImportArguments& arguments, const ImportArguments& given, std::
     return {};
   }
   return "a key of import profiles (columns, skip, rows, delimiter, decimal, values, axis, sense, parked, encoding, "
-         "target_unit, reading_unit, channel, accept_truncated, table_holds_errors)";
+         "target_unit, reading_unit, channel, matrix, section, line_prefix, absent, note, accept_truncated, "
+         "table_holds_errors, recognised_by)";
 }
 
 }  // namespace
 
 fs::path profile_file(const std::string& name) {
-  if (name.find('/') != std::string::npos || name.ends_with(".toml")) return name;
-  return configuration_file().parent_path() / "import" / (name + ".toml");
+  const fs::path own = own_profile_file(name);
+  std::error_code error;
+  if (is_path(name) || fs::exists(own, error)) return own;
+  return sample_file(fs::path("profiles") / (name + ".toml")).value_or(own);
 }
 
 Result<ImportArguments> with_profile(ImportArguments arguments) {
@@ -115,6 +154,21 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
   return arguments;
 }
 
+ImportArguments with_found_profile(const std::string& file, ImportArguments given) {
+  if (!given.profile.empty() || !given.columns.empty() || !given.matrix.empty()) return given;
+  constexpr std::size_t kHeadBytes = 16 * 1024;  // what identifies a file is at its start
+  std::string head(kHeadBytes, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
+  for (const fs::path& path : shipped_profiles())
+    if (const std::string mark = recognised_by(path); !mark.empty() && head.find(mark) != std::string::npos) {
+      given.profile = path.string();
+      return given;
+    }
+  return given;
+}
+
 Result<fs::path> save_profile(const std::string& name, const ImportArguments& arguments) {
   if (name.empty() || name.find_first_of("\"\\\n\r\t") != std::string::npos || name == "." || name == "..")
     return problem(ProblemKind::usage, "--save-profile: expected a name or a path, found \"" + name + "\"");
@@ -131,7 +185,7 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
                    "--save-profile: expected --columns or another import option to keep, found none");
   std::ostringstream text;
   text << "# import profile of ecs laser import\n" << table << '\n';
-  const fs::path path = profile_file(name);
+  const fs::path path = own_profile_file(name);
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   const auto written = write_file(path, text.str());

@@ -66,14 +66,18 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
 }  // namespace
 
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
-  const FileFormat* binary = options.mapping ? nullptr : recognised_format(bytes, file_name);
+  const bool is_mapped = options.mapping || options.matrix;
+  const FileFormat* binary = is_mapped ? nullptr : recognised_format(bytes, file_name);
   if (binary && binary->is_binary) return rescaled(content_of(*binary, bytes, file_name, options), options);
   const auto text = decoded(bytes, file_name, options.encoding);
   if (!text) return tl::unexpected(text.error());
-  const FileFormat* format = options.mapping ? file_format("mapped_columns") : recognised_format(text->text, file_name);
+  const FileFormat* format = options.mapping  ? file_format("mapped_columns")
+                             : options.matrix ? file_format("mapped_matrix")
+                                              : recognised_format(text->text, file_name);
   if (!format) return problem_at(file_name, 0, 0, explanation_of(text->text));
   auto imported = content_of(*format, text->text, file_name, options);
-  if (!options.mapping) imported = rescaled(std::move(imported), options);
+  if (!is_mapped) imported = rescaled(std::move(imported), options);
+  if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
   if (imported && text->encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text->encoding)));
   return imported;

@@ -12,6 +12,7 @@
 #include "laser/environment_record.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/format.hpp"
+#include "laser/import/matrix.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser/text_decoding.hpp"
 #include "laser/units.hpp"
@@ -33,6 +34,8 @@ struct ImportOptions {
   std::optional<Unit> reading_unit;  ///< of the errors, in the same case
   std::string channel;               ///< of a channel log; empty: the only one
   std::optional<ColumnMapping> mapping;  ///< the file is a table, read by this; the format is not looked for
+  std::optional<MatrixLayout> matrix;    ///< the same for values on a grid
+  std::string note;                      ///< about the file, kept with what had to be assumed
   std::size_t most_samples = 200'000;    ///< .rtx: longer captures are thinned to every n-th sample; at least 1
 };
 

@@ -9,12 +9,12 @@
 namespace ecs::laser {
 
 extern const FileFormat kMeasurementCsv, kRenishawRun, kRenishawDynamic, kRenishawTable, kApiReport, kSiosEnvironment,
-    kIso230Assignments, kPlate, kHeightMap, kChannelLog, kMappedColumns;
+    kIso230Assignments, kPlate, kChannelLog, kMappedColumns, kMappedMatrix;
 
 std::span<const FileFormat* const> file_formats() {
   static constexpr std::array kFormats{
-      &kMeasurementCsv,    &kRenishawRun, &kRenishawDynamic, &kRenishawTable, &kApiReport,     &kSiosEnvironment,
-      &kIso230Assignments, &kPlate,       &kHeightMap,       &kChannelLog,    &kMappedColumns,
+      &kMeasurementCsv,    &kRenishawRun, &kRenishawDynamic, &kRenishawTable, &kApiReport,    &kSiosEnvironment,
+      &kIso230Assignments, &kPlate,       &kChannelLog,      &kMappedColumns, &kMappedMatrix,
   };
   return kFormats;
 }

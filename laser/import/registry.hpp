@@ -9,7 +9,8 @@
 
 namespace ecs::laser {
 
-/// In the order of messages and documentation; the first is the measurement CSV, the last the mapped table.
+/// In the order of messages and documentation; the first is the measurement CSV, the last are
+/// read by a mapping only.
 [[nodiscard]] std::span<const FileFormat* const> file_formats();
 
 /// Nothing if no format has this id.

@@ -64,6 +64,16 @@ void any(std::string_view bytes, const ImportOptions& options) {
     std::abort();
 }
 
+/// The layout is the first line, the matrix below.
+void mapped_matrix(std::string_view bytes, const ImportOptions& options) {
+  const std::size_t end = bytes.find('\n');
+  const auto axes = matrix_axes(bytes.substr(0, end));
+  if (!axes || end == std::string_view::npos) return;
+  ImportOptions mapped = options;
+  mapped.matrix = MatrixLayout{*axes, options.axis ? "[" : "", options.accept_truncated ? "#*#" : "", "0", ','};
+  any(bytes.substr(end + 1), mapped);
+}
+
 void file(const FileFormat& format, std::string_view bytes, const ImportOptions& options) {
   if (format.read_environment)
     static_cast<void>(format.read_environment(bytes, "fuzz"));
@@ -140,6 +150,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     any(bytes, options);
   else if (kReader == "map")
     map(bytes);
+  else if (kReader == "mapped_matrix")
+    mapped_matrix(bytes, options);
   else if (kReader == "mapped_columns")
     mapped_columns(bytes, options);
   else if (const FileFormat* format = file_format(kReader))

@@ -11,7 +11,7 @@ TEST_CASE("every file of samples/real is read or refused with the right reason")
                           {"ecmc-iso230-2/fat_sat_ISO230.dat", "iso230_assignments", 50},
                           {"ecmc-iso230-2", {}, 0, "a test report: the readings stand in the .dat file"},
                           {"interferometer-interpolation-error", {}, 0, "Lissajous figure of an interferometer"},
-                          {"linuxcnc-comp/probe_points.txt", "height_map", 25},
+                          {"linuxcnc-comp/probe_points.txt", {}, 0, "9 columns between blanks"},
                           {"linuxcnc-comp/screwcompX.dat", {}, 0, "11 rows and 3 columns between blanks"},
                           {"nmm-environment/T22-0263_L2_16_1.pos", "sios_environment", 251},
                           {"nmm-environment/test01_XYZ.pos", "sios_environment", 11},
@@ -20,8 +20,8 @@ TEST_CASE("every file of samples/real is read or refused with the right reason")
                           {"refractive-index-vectors", {}, 0, "refractive index of air"},
                           {"zprobe-thermal-drift", {}, 0, "JSON lines of a probe"},
                       });
-  CHECK(read == 4);
-  CHECK(refused == 10);
+  CHECK(read == 3);
+  CHECK(refused == 11);
 }
 
 TEST_CASE("a real compensation table comes in by its columns") {
@@ -31,4 +31,16 @@ TEST_CASE("a real compensation table comes in by its columns") {
   REQUIRE_MESSAGE(table.has_value(), to_text(table.error()));
   REQUIRE(table->set.readings.size() == 22);
   CHECK(table->set.readings[6].error == Approx(-200.0));  // the slip in the line of -4
+}
+
+TEST_CASE("real probe points come in by their columns") {
+  const auto points = read_any("samples/real/linuxcnc-comp/probe_points.txt", by_columns("x_mm=1,y_mm=2,EZ=3[mm]", 0));
+  REQUIRE_MESSAGE(!points.has_value(), "two positions are mapped: the axis must be given");
+  ImportOptions options = by_columns("x_mm=1,y_mm=2,EZ=3[mm]", 0);
+  options.axis = Axis::X;
+  const auto along_x = read_any("samples/real/linuxcnc-comp/probe_points.txt", options);
+  REQUIRE_MESSAGE(along_x.has_value(), to_text(along_x.error()));
+  CHECK(along_x->set.readings.size() == 25);
+  CHECK(along_x->set.readings[0].position_mm == Vector3{-50.0, -50.0, 0.0});
+  CHECK(along_x->set.readings[0].error == Approx(-32.2));
 }

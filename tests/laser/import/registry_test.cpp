@@ -41,6 +41,7 @@ TEST_CASE("every file format that is found by content recognises and reads its s
 TEST_CASE("every file format refuses another content, with the file named") {
   ImportOptions options = along_x();
   options.mapping = column_mapping("x_mm=1,reading=2").value();
+  options.matrix = MatrixLayout{matrix_axes("x=0..1,y=0..1").value(), "", "", "", ','};
   for (const FileFormat* format : file_formats()) {
     CAPTURE(format->id);
     const std::string text = "nothing of the kind\nnor here\n";

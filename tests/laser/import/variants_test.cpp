@@ -120,27 +120,9 @@ TEST_CASE("Shift-JIS and Latin-1 if asked for") {
 }
 
 TEST_CASE("nine numbers are an environment log only with a pressure among them") {
-  CHECK(recognised_format("-50 -50 -0.03 0 0 0 0 0 0\n", "p.txt")->id == "height_map");
+  CHECK(recognised_format("-50 -50 -0.03 0 0 0 0 0 0\n", "p.txt") == nullptr);
   CHECK(recognised_format("1E-2 1E-2 1E-3 21 21 21 97635 42 23\n", "p.txt")->id == "sios_environment");
   CHECK(recognised_format("1 2 3 4 5 6 7 8 9\n", "p.txt") == nullptr);
-}
-
-TEST_CASE("places of a height map that were not probed are left out, in every version of its head") {
-  const std::string rows = "  0.043,  0, -0.050\n  0.041,  0.000,  0.057\n";
-  for (const char* head :
-       {"xmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n25,75,10,35,-1,25,3,2\n",
-        "xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n25,75,10,35,-1,25,25,3,2\n",
-        "axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\nX,Y,25,75,10,35,-1,25,25,3,2\n"}) {
-    const auto set = read("RepRapFirmware height map file v2 generated at noon\n" + std::string(head) + rows, "h.csv");
-    REQUIRE(set.readings.size() == 5);
-    CHECK(set.readings[1].position_mm == Vector3{75.0, 10.0, 0.0});
-    CHECK(set.readings[3].error == 0.0);
-  }
-  CHECK(contains(to_text(parse_any("RepRapFirmware height map file v1\nxmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n"
-                                   "25,75,10,35,-1,25,3,2\n1,2,3\n",
-                                   "h.csv", {})
-                             .error()),
-                 "expected 2 rows"));
 }
 
 TEST_CASE("what a table writer writes, the reader reads back") {
@@ -196,15 +178,6 @@ TEST_CASE("a plate gives two readings for each hole, at its nominal place") {
   CHECK(set.readings[1].sense == Sense::EY);
   CHECK(set.readings[1].error == Approx(21.0));
   CHECK(metadata_value(set, "Plug Plate") == "1413");
-}
-
-TEST_CASE("a bed mesh lies between its corners, rows along X") {
-  const auto set = read(sample_text("bed_mesh.cfg"), "printer.cfg");
-  REQUIRE(set.readings.size() == 6);
-  CHECK(set.readings[1].position_mm == Vector3{112.0, 10.0, 0.0});
-  CHECK(set.readings[5].position_mm == Vector3{214.0, 190.0, 0.0});
-  CHECK(set.readings[5].error == Approx(-30.0));
-  CHECK(set.readings[5].sense == Sense::EZ);
 }
 
 TEST_CASE("a channel log: headings are targets, several channels need a name") {
