@@ -209,7 +209,7 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   made.settings = {fmt::format("chain of the control: {} (tool side after T, workpiece side before it)",
                                configuration_of(source.parameters)),
                    "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y, Z as they were measured"};
-  made.notes = {"values are errors; a control that adds them must be told to negate (TwinCAT: negate)"};
+  made.notes = {"values are errors; a control that adds them must negate them (TwinCAT: negate)"};
   if (source.parameters.tool_offset_mm != Vector3{})
     made.notes.push_back("the tool offset of the parameters is not in the file: the control adds that of its tool");
   return made;

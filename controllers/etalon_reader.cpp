@@ -107,7 +107,7 @@ class EtalonReader {
     component_ = component_of(name_);
     if (!component_ && is_a_name(name_)) read.notes.push_back(name_ + ": no error of three linear axes, left out");
     if (component_ && !named_.insert(*component_).second)
-      findings.add(line_, column(bracketed), fmt::format("{} stands twice", name_));
+      findings.add(line_, column(bracketed), fmt::format("{} occurs twice", name_));
   }
 
   void value(std::string_view text) {

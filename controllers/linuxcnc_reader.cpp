@@ -187,7 +187,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     for (const double value : {row.forward, row.reverse})
       if (std::abs(trim_um(value)) > kLargestValue_um)
         reader.findings().add(row.line, 1,
-                              fmt::format("a compensation of {:.6g} mm is none that a machine needs: is the file of "
+                              fmt::format("a compensation of {:.6g} mm is implausibly large: is the file of "
                                           "type {}, in these units?",
                                           trim_um(value) / kUmPerMm, *type));
     forward.position_mm.push_back(row.nominal * to_mm);

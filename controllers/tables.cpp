@@ -67,7 +67,7 @@ Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
       for (const laser::MapTable& other : all.tables)
         if (table.component == other.component)
           return problem(ProblemKind::bad_input,
-                         fmt::format("{} stands in two of the files", name_of(table.component)));
+                         fmt::format("{} occurs in two of the files", name_of(table.component)));
   if (!all.sources.empty() && all.levers_from_lines != more.levers_from_lines)
     return problem(ProblemKind::bad_input,
                    "the files say different things of where lever arms count from: read them one by one");

@@ -118,7 +118,8 @@ class TwinCatReader {
       return std::nullopt;
     }
     if (!by_name && !by_number)
-      findings.add(0, 0, "which axis is it? Neither kopf.log_achs_name nor kopf.achs_nr tells: give --axis, or --axes");
+      findings.add(
+          0, 0, "the axis is unknown: neither kopf.log_achs_name nor kopf.achs_nr states it; give --axis, or --axes");
     return by_name ? by_name : by_number;
   }
 
@@ -171,7 +172,7 @@ class TwinCatReader {
     const auto value = number(a);
     if (!value) return;
     if (!general_.emplace(key, *value).second)
-      findings.add(line_, 1, fmt::format("{} stands twice (also in line {})", key, general_[key].line));
+      findings.add(line_, 1, fmt::format("{} occurs twice (also in line {})", key, general_[key].line));
   }
 
   void general(const TwinCatAssignment& a) {
@@ -199,7 +200,7 @@ class TwinCatReader {
     if (!value) return;
     Row& row = table_[*index];
     auto& entry = what == ".setpoint" ? row.setpoint : what == ".pos" ? row.pos : row.neg;
-    if (entry) findings.add(line_, 1, fmt::format("{} stands twice (also in line {})", a.key, entry->line));
+    if (entry) findings.add(line_, 1, fmt::format("{} occurs twice (also in line {})", a.key, entry->line));
     entry = value;
   }
 
@@ -259,7 +260,7 @@ class TwinCatReader {
       return findings.add(first_line(row), 1, fmt::format("position {} mm does not rise", place_mm));
     for (const double value : {forward_um, reverse_um})
       if (std::abs(value) > kLargestValue_um)
-        findings.add(row.pos->line, 1, fmt::format("an error of {:.6g} mm is none that a machine has", value / 1000.0));
+        findings.add(row.pos->line, 1, fmt::format("an error of {:.6g} mm is implausibly large", value / 1000.0));
     forward.position_mm.push_back(place_mm);
     forward.compensation.push_back(forward_um + 0.0);
     reverse.compensation.push_back(reverse_um + 0.0);

@@ -49,7 +49,7 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
           line, field.column,
           fmt::format("header: expected axis, sense, approach, p_mm, value_um, found {}", in_quotes(field.text)));
     } else if (place[static_cast<std::size_t>(known - kColumns.begin())] != row.fields.size()) {
-      findings.add(line, field.column, fmt::format("header: column {} stands twice", field.text));
+      findings.add(line, field.column, fmt::format("header: column {} occurs twice", field.text));
     } else {
       place[static_cast<std::size_t>(known - kColumns.begin())] = i;
     }

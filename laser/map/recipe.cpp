@@ -52,7 +52,7 @@ class RecipeReader {
                                    [&](const ComponentRecipe& c) { return c.component == *component; }) ||
                        std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(),
                                    [&](const DeclaredZero& z) { return z.component == *component; });
-    if (taken) reader_.complain(table, fmt::format("{} stands in the recipe twice: keep one", *code));
+    if (taken) reader_.complain(table, fmt::format("{} occurs twice in the recipe: keep one", *code));
     return component;
   }
 

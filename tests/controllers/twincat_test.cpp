@@ -193,7 +193,7 @@ TEST_CASE("a list whose name and number say different axes is not guessed at") {
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
   const auto unknown = parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 9\n"), "a.lis", {});
   REQUIRE_FALSE(unknown);
-  CHECK(unknown.error().message.find("which axis is it?") != std::string::npos);
+  CHECK(unknown.error().message.find("the axis is unknown") != std::string::npos);
 }
 
 TEST_CASE("a list of an axis not named X, Y or Z is refused, whatever its number, unless an axis is given") {
@@ -235,7 +235,7 @@ TEST_CASE("broken lists are refused all at once, with their places") {
   for (const char* part :
        {"a.lis:1:14: expected a number, found \"one\"", "a.lis:3:1: expected an entry of kw.ssfk",
         "a.lis:4:1: expected an entry such as kw.ssfk.unit 1", "a.lis:5:1: expected kw.ssfk.table[0] and so on",
-        "a.lis:6:22: expected a number, found \"1,5\"", "a.lis:7:1: unit stands twice (also in line 2)"})
+        "a.lis:6:22: expected a number, found \"1,5\"", "a.lis:7:1: unit occurs twice (also in line 2)"})
     CHECK_MESSAGE(said.find(part) != std::string::npos, said);
 }
 
@@ -252,7 +252,7 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
   CHECK(said(first + "kw.ssfk.table[1].setpoint 5\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n", 2)
             .find("does not rise") != std::string::npos);
   CHECK(said("kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 1e9\nkw.ssfk.table[0].neg 0\n", 1)
-            .find("none that a machine has") != std::string::npos);
+            .find("implausibly large") != std::string::npos);
   const std::string third = "kw.ssfk.table[2].setpoint 9\nkw.ssfk.table[2].pos 1e9\nkw.ssfk.table[2].neg 0\n";
   const std::string all =
       said(first + "kw.ssfk.table[1].setpoint 3\nkw.ssfk.table[1].pos 0\nkw.ssfk.table[1].neg 0\n" + third +

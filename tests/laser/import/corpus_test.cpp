@@ -9,7 +9,7 @@ TEST_CASE("every file of samples/real is read or refused with the right reason")
   const auto [read, refused] = check_corpus(
       "samples/real", {
                           {"ecmc-iso230-2/fat_sat_ISO230.dat", "iso230_assignments", 50},
-                          {"ecmc-iso230-2", {}, 0, "a test report: the readings stand in the .dat file"},
+                          {"ecmc-iso230-2", {}, 0, "a test report: the readings are in the .dat file"},
                           {"interferometer-interpolation-error", {}, 0, "Lissajous figure of an interferometer"},
                           {"linuxcnc-comp/probe_points.txt", {}, 0, "9 columns between blanks"},
                           {"linuxcnc-comp/screwcompX.dat", {}, 0, "11 rows and 3 columns between blanks"},

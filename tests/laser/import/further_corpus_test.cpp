@@ -25,7 +25,7 @@ TEST_CASE("every further real file is read or refused with the right reason") {
       {"ecmc-iso230-2/muts_back_x2_ISO230.dat", "iso230_assignments", 50},
       {"ecmc-iso230-2/muts_back_y_ISO230.dat", "iso230_assignments", 50},
       {"ecmc-iso230-2/muts_x_ISO230.dat", "iso230_assignments", 50},
-      {"ecmc-iso230-2", {}, 0, "a test report: the readings stand in the .dat file"},
+      {"ecmc-iso230-2", {}, 0, "a test report: the readings are in the .dat file"},
       {"epics-pv-logs/sensor1_calib.log", "channel_log"},
       {"epics-pv-logs/sensor2_calib.log", "channel_log"},
       {"epics-pv-logs/slit_11358_axis1_report.md", {}, 0, "a test report"},

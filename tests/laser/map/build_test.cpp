@@ -196,7 +196,7 @@ TEST_CASE("a recipe reports every fault with its line") {
   CHECK(text.find("r.toml:1") != std::string::npos);
   CHECK(text.find("found \"EXQ\"") != std::string::npos);
   CHECK(text.find("files: expected one file for EXX, found 0") != std::string::npos);
-  CHECK(text.find("EXX stands in the recipe twice") != std::string::npos);
+  CHECK(text.find("EXX occurs twice in the recipe") != std::string::npos);
   CHECK(text.find("reason: say why") != std::string::npos);
 }
 
