@@ -280,9 +280,9 @@ Json json_of_built(const Built& b, const FromModelArguments& arguments) {
           {"components", std::move(components)},
           {"squareness", std::move(squareness)},
           {"missing", std::move(missing)},
-          {"findings", json_of(b.findings)},
+          {"findings", findings_json(b.findings)},
           {"notes", b.notes},
-          {"header", json_of(b.compiled.map.header)}};
+          {"header", header_json(b.compiled.map.header)}};
 }
 
 Result<void> write(const Built& b, const FromModelArguments& arguments) {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 
 namespace ecs::app {
 namespace {
@@ -32,8 +32,29 @@ Extremes extremes_of(const laser::MapTable& table) {
   return {*least, *most};
 }
 
-std::string start_text(const laser::MapTable& table) {
-  return table.position_mm.empty() ? "-" : fmt::format("{:.6g}", table.position_mm.front());
+Cell start_cell(const laser::MapTable& table) {
+  if (table.position_mm.empty()) return {nullptr, "-"};
+  return {number_or_null(table.position_mm.front()), fmt::format("{:.6g}", table.position_mm.front())};
+}
+
+Cell increment_cell(const laser::MapTable& table) {
+  const auto step = increment_mm(table);
+  return {number_or_null(step), step ? fmt::format("{:.6g}", *step) : "varies"};
+}
+
+const AnswerTable<laser::MapTable>& map_tables() {
+  using Row = laser::MapTable;
+  static const AnswerTable<Row> table(
+      "{component:<4} {approach:<8} {start_mm:>12} {increment_mm:>14} {points:>7} {min:>11} {max:>11} {unit}",
+      {{"component", "", [](const Row& t) { return word_cell(name_of(t.component)); }},
+       {"approach", "approach", [](const Row& t) { return word_cell(word_for(t.approach)); }},
+       {"unit", "unit", [](const Row& t) { return word_cell(unit_of(t.component)); }},
+       {"start_mm", "start [mm]", start_cell},
+       {"increment_mm", "increment [mm]", increment_cell},
+       {"points", "points", [](const Row& t) { return count_cell(t.position_mm.size()); }},
+       {"min", "smallest", [](const Row& t) { return number_cell(extremes_of(t).least, 2); }},
+       {"max", "largest", [](const Row& t) { return number_cell(extremes_of(t).most, 2); }}});
+  return table;
 }
 
 }  // namespace
@@ -43,18 +64,7 @@ std::string_view word_for(Approach approach) {
   return approach == Approach::forward ? "forward" : "reverse";
 }
 
-std::string tables_text(const std::vector<laser::MapTable>& tables) {
-  std::string text = fmt::format("{:<4} {:<8} {:>12} {:>14} {:>7} {:>11} {:>11} {}\n", "", "approach", "start [mm]",
-                                 "increment [mm]", "points", "smallest", "largest", "unit");
-  for (const laser::MapTable& table : tables) {
-    const auto step = increment_mm(table);
-    const Extremes e = extremes_of(table);
-    text += fmt::format("{:<4} {:<8} {:>12} {:>14} {:>7} {:>11.2f} {:>11.2f} {}\n", name_of(table.component),
-                        word_for(table.approach), start_text(table), step ? fmt::format("{:.6g}", *step) : "varies",
-                        table.position_mm.size(), e.least, e.most, unit_of(table.component));
-  }
-  return text;
-}
+std::string tables_text(const std::vector<laser::MapTable>& tables) { return map_tables().text(tables); }
 
 std::string header_view(const laser::MapHeader& header) {
   const std::string text = laser::header_text(header);
@@ -68,16 +78,8 @@ std::string findings_text(const std::vector<laser::MapFinding>& findings) {
   return text;
 }
 
-Json json_of(const laser::MapTable& table, bool with_values) {
-  const Extremes e = extremes_of(table);
-  Json object{{"component", name_of(table.component)},
-              {"approach", word_for(table.approach)},
-              {"unit", unit_of(table.component)},
-              {"start_mm", table.position_mm.empty() ? Json(nullptr) : number_or_null(table.position_mm.front())},
-              {"increment_mm", number_or_null(increment_mm(table))},
-              {"points", table.position_mm.size()},
-              {"min", number_or_null(e.least)},
-              {"max", number_or_null(e.most)}};
+Json table_json(const laser::MapTable& table, bool with_values) {
+  Json object = map_tables().object(table);
   if (with_values) {
     object["position_mm"] = table.position_mm;
     object["compensation"] = table.compensation;
@@ -85,7 +87,7 @@ Json json_of(const laser::MapTable& table, bool with_values) {
   return object;
 }
 
-Json json_of(const laser::MapHeader& header) {
+Json header_json(const laser::MapHeader& header) {
   Json object{{"customer", text_or_null(header.customer)},
               {"machine", text_or_null(header.machine)},
               {"serial_number", text_or_null(header.serial_number)},
@@ -102,7 +104,7 @@ Json json_of(const laser::MapHeader& header) {
   return object;
 }
 
-Json json_of(const std::vector<laser::MapFinding>& findings) {
+Json findings_json(const std::vector<laser::MapFinding>& findings) {
   Json out = Json::array();
   for (const laser::MapFinding& f : findings) out.push_back({{"objection", f.objection}, {"message", f.message}});
   return out;

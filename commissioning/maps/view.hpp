@@ -18,8 +18,8 @@ namespace ecs::app {
 [[nodiscard]] std::string findings_text(const std::vector<laser::MapFinding>& findings);
 
 /// @param with_values  positions and values of each table as well
-[[nodiscard]] Json json_of(const laser::MapTable& table, bool with_values);
-[[nodiscard]] Json json_of(const laser::MapHeader& header);
-[[nodiscard]] Json json_of(const std::vector<laser::MapFinding>& findings);
+[[nodiscard]] Json table_json(const laser::MapTable& table, bool with_values);
+[[nodiscard]] Json header_json(const laser::MapHeader& header);
+[[nodiscard]] Json findings_json(const std::vector<laser::MapFinding>& findings);
 
 }  // namespace ecs::app

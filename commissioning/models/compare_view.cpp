@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -14,13 +14,62 @@ namespace {
 
 using model::Comparison;
 
+Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) { return {json_of(test), lack_of_fit_text(test)}; }
+
+const AnswerTable<model::DirectionSummary>& directions_table() {
+  using Row = model::DirectionSummary;
+  static const AnswerTable<Row> table(
+      "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}",
+      {{"sense", "sense", [](const Row& d) { return word_cell(name_of(d.sense)); }},
+       {"axis", "axis", [](const Row& d) { return word_cell(axis_json(d.axis)); }},
+       {"approach", "direction",
+        [](const Row& d) {
+          return Cell{d.approach, std::string(direction_text(d.approach))};
+        }},
+       {"bias_um", "bias", [](const Row& d) { return number_cell(d.bias_um, 3); }},
+       {"rms_um", "rms", [](const Row& d) { return number_cell(d.rms_um, 3); }},
+       {"peak_um", "peak", [](const Row& d) { return number_cell(d.peak_um, 3); }},
+       {"lack_of_fit", "lack of fit", [](const Row& d) { return lack_of_fit_cell(d.lack_of_fit); }},
+       {"readings", "readings", [](const Row& d) { return count_cell(d.readings); }}});
+  return table;
+}
+
 std::string directions_text(const Comparison& c) {
-  std::string text = "sense axis direction   readings     bias      rms     peak   lack of fit\n";
-  for (const model::DirectionSummary& one : c.directions)
-    text += fmt::format("{:<5} {:<4} {:<11} {:>8} {:>8.3f} {:>8.3f} {:>8.3f}   {}\n", name_of(one.sense),
-                        letter_of(one.axis), direction_text(one.approach), one.readings, one.bias_um, one.rms_um,
-                        one.peak_um, lack_of_fit_text(one.lack_of_fit));
-  return text + "bias, rms, peak of the residual (reading - model): um; um/m for EA EB EC\n";
+  return directions_table().text(c.directions) +
+         "bias, rms, peak of the residual (reading - model): um; um/m for EA EB EC\n";
+}
+
+template <std::size_t kCoordinate>
+Cell coordinate_cell(const model::WorstPlace& w) {
+  return {number_or_null(w.position_mm[kCoordinate]), position_text(w.position_mm[kCoordinate])};
+}
+
+const AnswerTable<model::WorstPlace>& worst_table() {
+  using Row = model::WorstPlace;
+  static const AnswerTable<Row> table(
+      "{row:>6} {sense:<5} {axis:<4} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {run:>4} {reading_um:>9} "
+      "{residual_um:>9}",
+      {{"row", "row",
+        [](const Row& w) {
+          return Cell{w.row, fmt::format("{}", w.row)};
+        }},
+       {"axis", "axis", [](const Row& w) { return word_cell(axis_json(w.axis)); }},
+       {"sense", "sense", [](const Row& w) { return word_cell(name_of(w.sense)); }},
+       {"x_mm", "x", coordinate_cell<0>},
+       {"y_mm", "y", coordinate_cell<1>},
+       {"z_mm", "z", coordinate_cell<2>},
+       {"approach", "dir",
+        [](const Row& w) {
+          return Cell{w.approach, w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev")};
+        }},
+       {"run", "run",
+        [](const Row& w) {
+          return Cell{w.run, fmt::format("{}", w.run)};
+        }},
+       {"reading_um", "reading", [](const Row& w) { return number_cell(w.reading_um, 2); }},
+       {"predicted_um", "", [](const Row& w) { return number_cell(w.predicted_um, 2); }},
+       {"residual_um", "residual", [](const Row& w) { return number_cell(w.residual_um, 2); }}});
+  return table;
 }
 
 std::vector<const model::ResidualView*> by_share(const Comparison& c) {
@@ -45,18 +94,6 @@ std::string variables_text(const Comparison& c) {
   return text;
 }
 
-std::string worst_text(const Comparison& c) {
-  if (c.worst.empty()) return {};
-  std::string text =
-      "\nworst places\n   row sense axis          x          y          z dir  run   reading  residual\n";
-  for (const model::WorstPlace& w : c.worst)
-    text += fmt::format("{:>6} {:<5} {:<4} {:>10} {:>10} {:>10} {:>3} {:>4} {:>9.2f} {:>9.2f}\n", w.row,
-                        name_of(w.sense), letter_of(w.axis), position_text(w.position_mm[0]),
-                        position_text(w.position_mm[1]), position_text(w.position_mm[2]),
-                        w.approach == 0 ? "" : (w.approach > 0 ? "fwd" : "rev"), w.run, w.reading_um, w.residual_um);
-  return text;
-}
-
 Json view_json(const model::ResidualView& view) {
   Json bins = Json::array();
   for (const model::ResidualBin& bin : view.bins)
@@ -69,28 +106,6 @@ Json view_json(const model::ResidualView& view) {
   return {{"variable", view.variable}, {"share", number_or_null(view.share)}, {"bins", std::move(bins)}};
 }
 
-Json direction_json(const model::DirectionSummary& one) {
-  return {{"sense", name_of(one.sense)},
-          {"axis", axis_json(one.axis)},
-          {"approach", one.approach},
-          {"bias_um", number_or_null(one.bias_um)},
-          {"rms_um", number_or_null(one.rms_um)},
-          {"peak_um", number_or_null(one.peak_um)},
-          {"lack_of_fit", json_of(one.lack_of_fit)},
-          {"readings", one.readings}};
-}
-
-Json worst_json(const model::WorstPlace& w) {
-  Json object{{"row", w.row}, {"axis", axis_json(w.axis)}, {"sense", name_of(w.sense)}};
-  object.update(position_json(w.position_mm));
-  object["approach"] = w.approach;
-  object["run"] = w.run;
-  object["reading_um"] = number_or_null(w.reading_um);
-  object["predicted_um"] = number_or_null(w.predicted_um);
-  object["residual_um"] = number_or_null(w.residual_um);
-  return object;
-}
-
 }  // namespace
 
 std::string comparison_text(const Comparison& c, std::size_t readings) {
@@ -98,7 +113,8 @@ std::string comparison_text(const Comparison& c, std::size_t readings) {
       paragraph(fmt::format("{} readings: rms {:.3f} um, peak {:.3f} um; noise of one reading {}; lack "
                             "of fit: {}",
                             readings, c.rms_um, c.peak_um, noise_text(c.noise), lack_of_fit_text(c.lack_of_fit)));
-  text += "\n" + directions_text(c) + variables_text(c) + worst_text(c);
+  text += "\n" + directions_text(c) + variables_text(c);
+  if (!c.worst.empty()) text += "\nworst places\n" + worst_table().text(c.worst);
   if (!c.outliers.empty())
     text += "\n" +
             paragraph(fmt::format("outliers: rows {} ({} readings)", rows_text(c.outliers), c.outliers.size()), 0, 2);
@@ -106,18 +122,16 @@ std::string comparison_text(const Comparison& c, std::size_t readings) {
 }
 
 Json json_of(const Comparison& c) {
-  Json directions = Json::array(), variables = Json::array(), worst = Json::array();
-  for (const model::DirectionSummary& one : c.directions) directions.push_back(direction_json(one));
+  Json variables = Json::array();
   for (const model::ResidualView* view : by_share(c)) variables.push_back(view_json(*view));
-  for (const model::WorstPlace& one : c.worst) worst.push_back(worst_json(one));
   return {{"rms_um", number_or_null(c.rms_um)},
           {"peak_um", number_or_null(c.peak_um)},
           {"noise_um", number_or_null(c.noise.noise_um)},
           {"noise_from_repeats", c.noise.from_repeats},
           {"lack_of_fit", json_of(c.lack_of_fit)},
-          {"directions", std::move(directions)},
+          {"directions", directions_table().array(c.directions)},
           {"variables", std::move(variables)},
-          {"worst", std::move(worst)},
+          {"worst", worst_table().array(c.worst)},
           {"outliers", c.outliers}};
 }
 

@@ -205,7 +205,7 @@ Json read_json(const ReadArguments& arguments, const ReadFiles& files, const Tak
   Json tables = Json::array(), squareness = Json::object(), warnings = Json::array(), replaced = Json::array();
   for (const WrittenFile& file : written)
     if (file.replaced) replaced.push_back(file.path);
-  for (const laser::MapTable& table : made.read.map.tables) tables.push_back(json_of(table, false));
+  for (const laser::MapTable& table : made.read.map.tables) tables.push_back(table_json(table, false));
   for (const Component square : made.read.squareness_found)
     squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
   for (const Problem& warning : files.tables.warnings) warnings.push_back(problem_json(warning));

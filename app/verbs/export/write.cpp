@@ -68,7 +68,7 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   auto made = format.write(work->source, options);
   if (!made) {
     Problem why = made.error();
-    if (why.file.empty()) why.file = work->map_name;
+    if (why.file.empty() && why.kind != ProblemKind::usage) why.file = work->map_name;
     return tl::unexpected(std::move(why));
   }
   const MeasurementLines lines =

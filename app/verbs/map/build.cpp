@@ -208,10 +208,10 @@ Json built_json(const Built& b, const BuildArguments& arguments) {
           {"components", outcomes_json(b)},
           {"squareness", std::move(squareness)},
           {"missing", std::move(missing)},
-          {"findings", json_of(b.findings)},
+          {"findings", findings_json(b.findings)},
           {"unused", b.recipe.unused},
           {"notes", b.map.notes},
-          {"header", json_of(b.map.map.header)}};
+          {"header", header_json(b.map.map.header)}};
 }
 
 Result<void> write(const Built& b, const BuildArguments& arguments) {

@@ -67,12 +67,12 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
     if (!*only || table.component == **only) tables.push_back(table);
   if (*only && tables.empty())
     return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found->name, name_of(**only)));
-  Json object{{"map", found->name}, {"header", json_of(found->map.header)}, {"tables", Json::array()}};
-  for (const laser::MapTable& table : tables) object["tables"].push_back(json_of(table, only->has_value()));
+  Json object{{"map", found->name}, {"header", header_json(found->map.header)}, {"tables", Json::array()}};
+  for (const laser::MapTable& table : tables) object["tables"].push_back(table_json(table, only->has_value()));
   std::string text = header_view(found->map.header) + "\n" + tables_text(tables);
   object["findings"] = nullptr;
   if (*findings) {
-    object["findings"] = json_of(**findings);
+    object["findings"] = findings_json(**findings);
     text += (*findings)->empty() ? "no findings\n" : findings_text(**findings);
   } else {
     text += "not checked: give --params for the objections to sending it\n";
@@ -92,7 +92,7 @@ Result<Outcome> header(VerbContext& context, const ShowArguments& arguments) {
   const auto found = found_map(context, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
   Json object{{"map", found->name}};
-  object.update(json_of(found->map.header));
+  object.update(header_json(found->map.header));
   return Outcome{header_view(found->map.header), one_line(object), kDone};
 }
 

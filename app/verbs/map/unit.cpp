@@ -27,9 +27,9 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
     return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
   const std::string csv = laser::to_map_csv(found->map);
   Json object{
-      {"map", text_or_null(arguments.output)}, {"header", json_of(found->map.header)}, {"tables", Json::array()}};
+      {"map", text_or_null(arguments.output)}, {"header", header_json(found->map.header)}, {"tables", Json::array()}};
   for (const laser::MapTable& table : found->map.tables)
-    object["tables"].push_back(json_of(table, arguments.output.empty()));
+    object["tables"].push_back(table_json(table, arguments.output.empty()));
   if (arguments.output.empty()) return Outcome{csv, one_line(object), kDone};
   if (const auto written = write_file(arguments.output, csv); !written) return tl::unexpected(written.error());
   return Outcome{fmt::format("map of the unit written to {}: {} tables", arguments.output, found->map.tables.size()),
