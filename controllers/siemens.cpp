@@ -83,10 +83,10 @@ std::vector<SiemensGroup> chosen(const ExportSource& source, const SiemensOption
   groups.insert(groups.end(), straightness.begin(), straightness.end());
   groups.insert(groups.end(), reversal.begin(), reversal.end());
   if (tables_in(groups) <= options.most_tables) return groups;
-  made.notes.push_back(fmt::format(
-      "{} cross tables would be needed, the control has {}: squareness stands inside the straightness tables "
-      "of the same axes, and only the largest reversals have their two directions",
-      tables_in(groups), options.most_tables));
+  made.notes.push_back(
+      fmt::format("{} cross tables would be needed, the control has {}: squareness is inside the straightness tables "
+                  "of the same axes, and only the largest reversals have their two directions",
+                  tables_in(groups), options.most_tables));
   return spared(source, options, reversal, made);
 }
 

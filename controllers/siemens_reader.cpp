@@ -116,7 +116,7 @@ class SiemensReader {
     auto assignment = siemens_assignment_in(content);
     if (assignment && ended_ != 0)
       return findings.add(number, 1,
-                          fmt::format("it stands behind the end of the program in line {}: a control does not read it; "
+                          fmt::format("it follows the end of the program in line {}: a control does not read it; "
                                       "take it out, or take that end out",
                                       ended_));
     if (!assignment) {

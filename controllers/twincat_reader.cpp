@@ -84,9 +84,9 @@ class TwinCatReader {
     const bool two = value_of("bilateral") == 1.0;
     const auto points = static_cast<long long>(value_of("kw_nr_max"));
     if (!table_.empty() && table_.rbegin()->first >= points)
-      findings.add(first_line(table_.rbegin()->second), 1,
-                   fmt::format("table[{}] stands behind the {} points that kw_nr_max announces", table_.rbegin()->first,
-                               points));
+      findings.add(
+          first_line(table_.rbegin()->second), 1,
+          fmt::format("table[{}] lies beyond the {} points that kw_nr_max announces", table_.rbegin()->first, points));
     for (long long i = 0; i < points; ++i) {
       point(i, two, forward, reverse);
       if (table_.count(i) == 0) break;

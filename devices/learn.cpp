@@ -149,15 +149,14 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
   const BitPlace& first = found.front().first;
   for (const auto& [place, behaviour] : found) {
     if (!move_together(behaviour, found.front().second))
-      return problem(
-          ProblemKind::refused,
-          fmt::format("{} and {} both changed {} times, but not together: it cannot be told which one is the "
-                      "button. Touch nothing else on the device, and learn again",
-                      text_of(first), text_of(place), wanted));
+      return problem(ProblemKind::refused,
+                     fmt::format("{} and {} both changed {} times, but not together: it is not clear which one is the "
+                                 "button. Touch nothing else on the device, and learn again",
+                                 text_of(first), text_of(place), wanted));
     if (place.number != first.number || place.byte != first.byte)
       return problem(
           ProblemKind::refused,
-          fmt::format("{} and {} changed together with every press: it cannot be told which one is the button. "
+          fmt::format("{} and {} changed together with every press: it is not clear which one is the button. "
                       "Write the one that you mean into a description by hand",
                       text_of(first), text_of(place)));
   }

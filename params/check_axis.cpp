@@ -128,11 +128,10 @@ void check_approach_direction(const DatumParameters& d, Axis axis, const Machine
   const bool away = (part < kAtTheEnd && d.approach_direction == Approach::forward) ||
                     (part > 1.0 - kAtTheEnd && d.approach_direction == Approach::reverse);
   if (away)
-    findings.warning(
-        {key_of(axis, "datum.approach_direction")},
-        fmt::format("away from the datum, which stands at the {} end of the travel ({} mm): the unit would "
-                    "wait for the switch in the wrong direction; a recorded datum sequence shows it",
-                    part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
+    findings.warning({key_of(axis, "datum.approach_direction")},
+                     fmt::format("away from the datum, which is at the {} end of the travel ({} mm): the unit would "
+                                 "wait for the switch in the wrong direction; a recorded datum sequence shows it",
+                                 part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
 }
 
 void check_transducer(const AxisParameters& a, Axis axis, const MachineAxis& on, Findings& findings) {

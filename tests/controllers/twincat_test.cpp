@@ -245,7 +245,7 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
     return read ? std::string("taken") : to_text(read.error());
   };
   CHECK(said(kTwoPoints, 3).find("kw.ssfk.table[2].setpoint is missing") != std::string::npos);
-  CHECK(said(kTwoPoints, 1).find("table[1] stands behind the 1 points") != std::string::npos);
+  CHECK(said(kTwoPoints, 1).find("table[1] lies beyond the 1 points") != std::string::npos);
   CHECK(said("kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\n", 1).find("table[0].neg is missing") !=
         std::string::npos);
   const std::string first = "kw.ssfk.table[0].setpoint 5\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg 0\n";
@@ -259,7 +259,7 @@ TEST_CASE("points that are missing, fall back, are too many or too large are ref
                "kw.ssfk.table[3].setpoint 10\nkw.ssfk.table[3].pos 0\n" + "kw.ssfk.table[6].pos 0\n",
            6);
   for (const char* part : {"position 0.0003 mm does not rise", "an error of", "table[3].neg is missing",
-                           "table[4].setpoint is missing", "table[6] stands behind the 6 points"})
+                           "table[4].setpoint is missing", "table[6] lies beyond the 6 points"})
     CHECK_MESSAGE(all.find(part) != std::string::npos, all);
   CHECK(all.find("table[5]") == std::string::npos);  // a first missing row stands for the rest
   CHECK(said("", 0).find("expected the number of points") != std::string::npos);

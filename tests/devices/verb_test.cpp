@@ -70,7 +70,7 @@ TEST_CASE("learn refuses a device whose counter moves with the button") {
   const Ran run = ran({"laser", "devices", "--learn", "-o", folder / "p.toml", "--timeout", "10"});
   foot.join();
   CHECK(run.code == 1);
-  CHECK(run.messages.find("it cannot be told which one is the button") != std::string::npos);
+  CHECK(run.messages.find("it is not clear which one is the button") != std::string::npos);
   CHECK(!std::filesystem::exists(folder / "p.toml"));
 }
 
