@@ -14,6 +14,7 @@
 #include "base/file.hpp"
 #include "ecs_emulator/unit/workshop_socket.hpp"
 #include "protocol/client/client.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/maps.hpp"
 #include "tests/support/workshop_machines.hpp"
 
@@ -24,13 +25,11 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// A served workshop in a thread of its own, in a folder of its own.
+/// A served workshop in a thread and a folder of its own.
 class Served {
  public:
   explicit Served(const std::string& extra = "", bool tcp = false) {
-    std::filesystem::create_directories(folder);
-    REQUIRE(write_file(folder / "machine.toml", small_machine() + extra).has_value());
-    options.machine = folder / "machine.toml";
+    options.machine = folder.with("machine.toml", small_machine() + extra);
     options.memory = folder / "battery";
     options.workshop = folder / "door";
     options.memory_modules = 1;
@@ -41,10 +40,7 @@ class Served {
       options.pty = folder / "line";
     begin();
   }
-  ~Served() {
-    end();
-    std::filesystem::remove_all(folder);
-  }
+  ~Served() { end(); }
   void begin() {
     stop = 0;
     std::promise<std::string> announced;
@@ -78,7 +74,7 @@ class Served {
                     [&](Component c, double, Approach) { return c == Component::EXX ? exx_um : 0.0; });
   }
 
-  std::filesystem::path folder = std::filesystem::temp_directory_path() / "ecs_serve_test";
+  Folder folder;
   ServeOptions options;
   volatile std::sig_atomic_t stop = 0;
   std::thread thread;
@@ -178,7 +174,7 @@ TEST_CASE("a second emulator is refused before it changes anything of the first"
   ServeOptions second = served.options;
   std::string why;
   SUBCASE("the same battery, by another way to its name") {
-    second.memory = served.folder / "." / "battery";
+    second.memory = served.folder / "./battery";
     second.workshop.clear();
     second.pty = served.folder / "other_line";
     why = fmt::format("(pid {}) works with this memory", ::getpid());
