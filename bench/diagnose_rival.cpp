@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/candidates.hpp"
 #include "model/fit/core.hpp"
 
 namespace ecs::bench {

@@ -11,6 +11,7 @@
 #include "base/plain_text.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -42,8 +43,8 @@ std::vector<std::string> words_in(const Json& object, const char* key) {
 
 std::string unit_of(const std::optional<model::EffectInstance>& effect, std::string_view name) {
   if (effect)
-    for (const model::ParameterInfo& info : model::info_of(effect->id).parameters)
-      if (info.name == name) return std::string(info.unit);
+    for (const model::ParameterDefinition& parameter : effect->definition().parameters)
+      if (parameter.name == name) return std::string(parameter.unit);
   return "";
 }
 
@@ -66,7 +67,7 @@ ReportedEffect effect_of(const Json& object) {
   const auto effect = effect_in(object);
   if (effect) {
     out.place = place_text(*effect);
-    out.title = model::info_of(effect->id).title;
+    out.title = effect->definition().title;
   }
   out.named = member(object, "named") == Json(true);
   if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);

@@ -9,6 +9,7 @@
 #include "app/report/svg.hpp"
 #include "commissioning/measurements/summary.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -194,12 +195,11 @@ std::string parameters_in_words(const model::EffectFit& fit) {
 Markup effects_table(const ReportedModel& model) {
   TableMarkup table({{"effect in the model"}, {"cause"}, {"values"}, {"rms [µm]", true}, {"compensated by"}});
   for (const model::EffectFit& fit : model.effects) {
-    const auto& info = model::info_of(fit.effect.id);
-    const bool user = fit.effect.id == model::EffectId::user;
     const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
                                     [&](const auto& s) { return s.effect == to_text(fit.effect); });
     const std::string how = share == model.what_if.shares.end() ? "" : (share->carried ? "" : "not: ") + share->how;
-    table.row({element("strong", place_text(fit.effect)), text(user ? fit.effect.name : std::string(info.title)),
+    table.row({element("strong", place_text(fit.effect)),
+               text(fit.effect.is_user() ? fit.effect.name : std::string(fit.effect.definition().title)),
                text(parameters_in_words(fit)), cell(fit.rms_um, 2), text(how)});
   }
   return table.markup();

@@ -21,6 +21,7 @@
 #include "laser/map/csv.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/diagnosis/map_own_levers.hpp"
+#include "model/effects/definition.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
@@ -85,9 +86,8 @@ void note_short_periods(Built& built, const Model& model) {
 
 /// Where an effect lands in the map or among the parameters; nothing for one that stays out.
 std::optional<Component> component_for(const EffectInstance& effect) {
-  if (effect.id == model::EffectId::angular || effect.id == model::EffectId::squareness) return effect.code;
-  if (!effect.axis || !effect.sense || model::info_of(effect.id).carrier != model::Carrier::error_map)
-    return std::nullopt;
+  if (effect.definition().has_lever()) return effect.code;
+  if (!effect.axis || !effect.sense || effect.definition().carrier != model::Carrier::error_map) return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
 }
 

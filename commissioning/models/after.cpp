@@ -4,18 +4,18 @@
 #include <map>
 #include <tuple>
 
+#include "model/effects/definition.hpp"
+
 namespace ecs::app {
 namespace {
 
-using model::Carrier;
 using model::Observations;
 
 /// Readings less every effect that the unit can compensate.
 std::vector<double> left_over(const model::Fit& fit, const Observations& data) {
   std::vector<double> left = data.reading;
   for (const model::EffectFit& effect : fit.effects) {
-    const Carrier carrier = model::info_of(effect.effect.id).carrier;
-    if (carrier != Carrier::error_map && carrier != Carrier::parameters) continue;
+    if (!effect.effect.definition().is_carried()) continue;
     for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
   }
   return left;

@@ -8,6 +8,7 @@
 
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -18,8 +19,8 @@ using model::Verdict;
 
 /// "cyclic:X:EX, reverse (periodic error)"
 std::string titled(const Candidate& candidate) {
-  std::string title(model::info_of(candidate.effect.id).title);
-  if (!title.empty() && candidate.effect.id != model::EffectId::user)
+  std::string title(candidate.effect.definition().title);
+  if (!title.empty() && !candidate.effect.is_user())
     title[0] = static_cast<char>(title[0] >= 'A' && title[0] <= 'Z' ? title[0] - 'A' + 'a' : title[0]);
   return fmt::format("{} ({})", place_text(candidate.effect), title);
 }

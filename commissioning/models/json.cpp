@@ -1,6 +1,7 @@
 #include "commissioning/models/json.hpp"
 
 #include "base/json.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -75,16 +76,16 @@ Json json_of(const EffectInstance& effect) {
 }
 
 std::optional<EffectInstance> effect_in(const Json& object) {
-  const auto id = model::effect_named(word_in(object, "effect"));
+  const model::EffectId id = model::effect_named(word_in(object, "effect"));
   if (!id) return std::nullopt;
   EffectInstance effect;
-  effect.id = *id;
+  effect.id = id;
   if (const std::string axis = word_in(object, "axis"); axis.size() == 1) effect.axis = axis_of(axis[0]);
   effect.sense = sense_named(word_in(object, "sense"));
   effect.code = component_of(word_in(object, "code"));
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
   effect.sensor = word_in(object, "sensor");
-  if (effect.id == model::EffectId::user) {
+  if (effect.is_user()) {
     const std::string name = word_in(object, "name");
     effect.name = name.starts_with("user:") ? name.substr(5) : name;
   }

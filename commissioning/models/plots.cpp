@@ -10,6 +10,7 @@
 
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -163,9 +164,9 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
   for (const model::Candidate& candidate : diagnosis.candidates) {
     if (!candidate.named) continue;
     model::EffectInstance effect = candidate.effect;
-    for (const model::ParameterInfo& info : model::info_of(effect.id).parameters)
-      if (const auto value = effect.fitted.find(std::string(info.name)); info.nonlinear && value != effect.fitted.end())
-        effect.parameters[std::string(info.name)] = value->second;
+    const std::string searched(effect.definition().searched_parameter());
+    if (const auto value = effect.fitted.find(searched); value != effect.fitted.end())
+      effect.parameters[searched] = value->second;
     with.effects.push_back(std::move(effect));
     names.push_back(to_text(candidate.effect));
   }

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
-#include "model/diagnosis/candidates.hpp"
+#include "model/effects/candidates.hpp"
 
 namespace ecs::app {
 

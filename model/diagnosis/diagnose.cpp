@@ -9,9 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/words.hpp"
+#include "model/effects/candidates.hpp"
+#include "model/effects/definition.hpp"
+#include "model/effects/needs.hpp"
 #include "model/effects/user_start.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/held_out.hpp"
@@ -70,9 +72,8 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group* a, const Group* b) { return a->member.gain > b->member.gain; });
   const auto listed = [&](const EffectInstance& effect) {
-    return std::any_of(list.begin(), list.end(), [&](const RankedCandidate& t) {
-      return same_place(t.effect, effect) && t.effect.sensor == effect.sensor && t.effect.approach == effect.approach;
-    });
+    return std::any_of(list.begin(), list.end(),
+                       [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
   };
   for (const Group* group : groups) {
     RankedCandidate one{instance(group->member), group->member, named, {}};
@@ -127,11 +128,11 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
   for (const Index column : ranked.choice.columns)
     if (column < every.size()) every(column) = sizes(first + static_cast<Index>(j++));
   std::optional<double> nonlinear;
-  if (!nonlinear_parameter_of(ranked.effect.id).empty()) nonlinear = ranked.choice.nonlinear;
-  if (!is_curve(ranked.effect.id))
+  if (!ranked.effect.definition().searched_parameter().empty()) nonlinear = ranked.choice.nonlinear;
+  if (!ranked.effect.traits().is_curve)
     return parameters_from(ranked.effect, every, MatrixXd(0, 0), nonlinear, std::nullopt);
   const VectorXd curve = all.of * every;
-  return {{"rms_um", std::string(info_of(ranked.effect.id).parameters.front().unit), rms_of(curve), {}, false, false}};
+  return {{"rms_um", std::string(ranked.effect.definition().parameters.front().unit), rms_of(curve), {}, false, false}};
 }
 
 struct ReportInput {
@@ -181,9 +182,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
 
 void take_parameters(Candidate& candidate, const Fit& after) {
   for (const EffectFit& effect : after.effects) {
-    if (!same_place(effect.effect, candidate.effect) || effect.effect.sensor != candidate.effect.sensor ||
-        effect.effect.approach != candidate.effect.approach)
-      continue;
+    if (!same_candidate(effect.effect, candidate.effect)) continue;
     candidate.parameters = effect.parameters;
     candidate.effect.curve = effect.effect.curve;
     candidate.effect.fitted = effect.effect.fitted;
@@ -288,7 +287,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
     candidate.because = reason_for(candidate, diagnosis, data);
-    candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals, data);
+    candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals);
     diagnosis.candidates.push_back(std::move(candidate));
   }
   if (diagnosis.verdict == Verdict::adequate) diagnosis.candidates.clear();

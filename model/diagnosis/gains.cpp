@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -81,7 +82,7 @@ Choice best_variant(const Family& family, const std::vector<std::vector<Index>>&
       gain = c * gains.first_square * (2.0 * gains.first_coefficient - c);
     }
     // a wave has its amplitude and phase even where the targets show little of one
-    const std::size_t priced = family.effect.id == EffectId::cyclic ? variant.size() : free;
+    const std::size_t priced = family.effect.traits().periodic ? variant.size() : free;
     const double score = gain - cost(priced);
     if (score > best_score) {
       best_score = score;
@@ -120,8 +121,8 @@ Choice best_curve(const std::vector<std::vector<Index>>& variants, const MatrixX
 
 Choice best_choice(const Family& family, const std::vector<std::vector<Index>>& variants, const MatrixXd& gram,
                    const VectorXd& z, const VectorXd& original, double absorbed, const CostOf& cost) {
-  if (family.effect.id == EffectId::cyclic) absorbed = std::max(absorbed, kAbsorbedPeriod);
-  if (is_curve(family.effect.id)) return best_curve(variants, gram, z, original, absorbed, cost);
+  if (family.effect.traits().periodic) absorbed = std::max(absorbed, kAbsorbedPeriod);
+  if (family.effect.traits().is_curve) return best_curve(variants, gram, z, original, absorbed, cost);
   return best_variant(family, variants, gram, z, original, absorbed, cost);
 }
 
@@ -129,11 +130,10 @@ std::vector<std::vector<Index>> variants_of(const EffectInstance& effect, const 
   const Index count = columns.of.cols();
   std::vector<Index> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), Index{0});
-  if (effect.id == EffectId::cyclic) return {{0, 1}, {0, 1, 2, 3}};
-  if (effect.id == EffectId::sag) return {{0}, {1}, {0, 1}};
-  if (effect.id == EffectId::warm_up || effect.id == EffectId::load)
-    return natural ? std::vector<std::vector<Index>>{{0}, {1}, {0, 1}} : std::vector<std::vector<Index>>{{1}, {1, 0}};
-  if (!is_curve(effect.id)) return {all};
+  const EffectDefinition& definition = effect.definition();
+  if (!natural && !definition.column_sets_elsewhere.empty()) return definition.column_sets_elsewhere;
+  if (!definition.column_sets.empty()) return definition.column_sets;
+  if (!definition.traits.is_curve) return {all};
   std::vector<std::vector<Index>> orders;
   const auto leading = static_cast<Index>(columns.leading);
   for (Index j = 1; j <= leading; ++j) orders.emplace_back(all.begin(), all.begin() + j);

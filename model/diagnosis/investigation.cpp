@@ -132,7 +132,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   base.residual = base.core.residual;
   for (std::size_t s = 0; s < assembly->slots.size(); ++s)  // a small error of a fitted period is absorbed too
     for (std::size_t j = 0; j < assembly->slots[s].nonlinear.size(); ++j) {
-      if (!assembly->slots[s].nonlinear_free[j] || assembly->slots[s].effect.id == EffectId::step) continue;
+      if (!assembly->slots[s].nonlinear_free[j] || !assembly->slots[s].has_slope()) continue;
       const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), assembly->slots[s].columns.cols());
       base.columns.conservativeResize(Eigen::NoChange, base.columns.cols() + 1);
       base.columns.rightCols(1) = assembly->slope(s, j, sizes, regressors);

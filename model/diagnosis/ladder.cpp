@@ -7,8 +7,9 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/candidates.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/report.hpp"
@@ -36,7 +37,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     if (allowed(effect, request)) list.push_back(effect);
   for (const EffectInstance& effect : model.candidates)
     if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
-  if (!list.empty() || request.id == EffectId::user) return list;
+  if (!list.empty() || request.id->place == Place::formulas) return list;
   if (request.axis && (request.sense || request.code)) {
     EffectInstance effect;
     effect.id = request.id;
@@ -70,7 +71,7 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
   const Whitener whitener(data, state.core.noise, state.core.left_out);
   const VectorXd y = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
   std::vector<EffectInstance> library, user;
-  for (const EffectInstance& place : places) (place.id == EffectId::user ? user : library).push_back(place);
+  for (const EffectInstance& place : places) (place.is_user() ? user : library).push_back(place);
   if (library.empty()) return user.empty() ? std::nullopt : std::optional(user.front());
   const Search search(regressors, whitener, state.assembly.columns(), y - state.assembly.fixed(data.size()), library);
   const auto found = search.expand(search.base(), library.size());
@@ -80,7 +81,7 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
 
 /// Nonlinear parameters and columns that are not used are held from here on.
 void hold_nonlinear(EffectInstance& effect, const EffectFit& fit) {
-  const std::string name(nonlinear_parameter_of(effect.id));
+  const std::string name(effect.definition().searched_parameter());
   for (const ParameterEstimate& parameter : fit.parameters)
     if (parameter.name == name) effect.parameters[name] = parameter.value;
 }
@@ -90,18 +91,18 @@ void hold_nonlinear(EffectInstance& effect, const EffectFit& fit) {
 Result<AddRequest> parse_add_request(std::string_view text) {
   const auto parts = split(text, ':');
   AddRequest request;
-  const auto id = effect_named(parts.front());
+  const EffectId id = effect_named(parts.front());
   if (!id) {
     std::vector<std::string> names;
-    for (const EffectInfo& info : effect_library()) names.emplace_back(info.name);
+    for (const EffectDefinition& definition : effect_library()) names.emplace_back(definition.id);
     const std::string like = nearest_word(parts.front(), names);
     return problem(ProblemKind::usage,
                    fmt::format("no effect \"{}\"; {}", parts.front(),
                                like.empty() ? fmt::format("expected one of {}", fmt::join(names, ", "))
                                             : fmt::format("did you mean \"{}\"?", like)));
   }
-  request.id = *id;
-  if (*id == EffectId::user) {
+  request.id = id;
+  if (id->place == Place::formulas) {
     if (parts.size() > 1) request.name = std::string(text.substr(text.find(':') + 1));
     return request;
   }
@@ -186,9 +187,9 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
   std::vector<double> left(data.reading);
   double now = 0.0, after = 0.0;
   for (const EffectFit& effect : fitted_model->effects) {
-    const EffectInfo& info = info_of(effect.effect.id);
-    const bool carried = info.carrier == Carrier::error_map || info.carrier == Carrier::parameters;
-    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, std::string(info.how)});
+    const EffectDefinition& definition = effect.effect.definition();
+    const bool carried = definition.is_carried();
+    what.shares.push_back({to_text(effect.effect), effect.rms_um, carried, std::string(definition.how)});
     if (!carried) continue;
     for (std::size_t k = 0; k < left.size(); ++k) left[k] -= effect.contribution[k];
   }

@@ -13,7 +13,7 @@ namespace ecs::model {
 
 /// What `ecs model add` was told; absent parts come from the best fit.
 struct AddRequest {
-  EffectId id = EffectId::offset;
+  EffectId id = nullptr;
   std::optional<Axis> axis;
   std::optional<Sense> sense;
   std::optional<Component> code;

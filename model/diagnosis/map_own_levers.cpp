@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/terms.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
@@ -55,7 +56,8 @@ std::vector<OwnLever> add_own_levers(model::CompiledModel& compiled, const model
   const MeasurementLines lines = params::measurement_lines_of(machine);
   for (const Term& row : own_lever_rows(machine))
     for (const model::EffectInstance& effect : fitted.effects) {
-      if (effect.id != model::EffectId::angular || effect.code != row.component || effect.curve.empty()) continue;
+      if (effect.definition().place != model::Place::rotation || effect.code != row.component || effect.curve.empty())
+        continue;
       const Axis axis = moving_axis(row.component);
       if (!machine.axes[index_of(axis)]) continue;
       const Component target = curve_of(static_cast<Sense>(row.observed), axis);

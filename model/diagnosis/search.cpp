@@ -6,8 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/gains.hpp"
+#include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
 #include "model/effects/user_start.hpp"
 
 namespace ecs::model {
@@ -22,6 +23,7 @@ constexpr double kUnseenPeriod = 8.0;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
 constexpr std::size_t kMostBankColumns = 10'000;
+constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
 MatrixXd without(const MatrixXd& q, MatrixXd columns) {
   if (q.cols() == 0) return columns;
@@ -88,37 +90,30 @@ Search::Search(const Regressors& regressors, const Whitener& whitener, const Mat
 
 void Search::build_families(const std::vector<EffectInstance>& candidates) {
   std::size_t scans = 0;
-  for (const EffectInstance& effect : candidates) scans += effect.id == EffectId::cyclic ? 1 : 0;
+  for (const EffectInstance& effect : candidates) scans += effect.traits().periodic ? std::size_t{1} : std::size_t{0};
   const std::size_t most = kMostBankColumns / 2 / std::max<std::size_t>(scans, 1);
   for (const EffectInstance& effect : candidates) {
     Family family;
     family.effect = effect;
     family.acting = regressors_.acting(effect);
     if (family.acting.rows.size() < 2) continue;
-    const Grid grid = grid_of(regressors_, effect, family.acting, std::min<std::size_t>(most, 1500));
-    family.grid = grid.values;
-    family.facts = grid.facts;
+    const EffectDefinition& definition = effect.definition();
+    const TriedValues tried =
+        tried_values(regressors_.data(), effect, family.acting, std::min<std::size_t>(most, kMostValues));
+    family.grid = tried.values;
+    family.facts = tried.facts;
     if (family.grid.empty() && family.facts.empty()) continue;
-    const bool searched = !nonlinear_parameter_of(effect.id).empty();
-    // periods are also chosen among three approaches and one or two harmonics
-    const double ways = effect.id == EffectId::cyclic ? 3.0 : 1.0;
-    family.search_cost = searched ? 2.0 * std::log(std::max(2.0, ways * grid.independent)) : 0.0;
-    family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(grid.facts.size())) : 0.0;
-    if (effect.id == EffectId::cyclic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
+    const bool searched = !definition.searched_parameter().empty();
+    family.search_cost = searched ? 2.0 * std::log(std::max(2.0, tried.independent)) : 0.0;
+    family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(tried.facts.size())) : 0.0;
+    if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
-    if (effect.id == EffectId::user)
+    if (effect.is_user())
       family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data())) *
                            (family.ln_readings + 2.0 * std::log(kUserTrials));
-    if (effect.id == EffectId::cosine) family.least = 0.0;
-    if (effect.id == EffectId::air_refraction) {
-      family.least = -0.2;
-      family.greatest = 2.2;
-    }
-    if (effect.id == EffectId::dead_path) {
-      family.least = -11.0;
-      family.greatest = 11.0;
-    }
-    if (effect.id >= EffectId::map_polarity && effect.id <= EffectId::map_direction_swap) {
+    family.least = definition.least_coefficient;
+    family.greatest = definition.greatest_coefficient;
+    if (definition.place == Place::map) {
       const Columns columns = regressors_.columns(effect, family.grid.front(), family.acting);
       if (columns.fixed.squaredNorm() + columns.of.squaredNorm() <= 0.0) continue;
     }
@@ -128,7 +123,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
 
 double Search::cost_of(const Family& family, double nonlinear, std::size_t linear) const {
   double cost = family.ln_readings * static_cast<double>(linear);
-  if (family.effect.id == EffectId::user) return cost + family.search_cost;
+  if (family.effect.is_user()) return cost + family.search_cost;
   if (family.grid.size() + family.facts.size() <= 1) return cost;
   if (nonlinear < family.shortest_seen) cost += kUnseenPeriod;
   bool fact = false;
@@ -168,15 +163,16 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
 
 Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinear) const {
   const Family& family = families_[f];
+  const EffectDefinition& definition = family.effect.definition();
   const bool places = has_places(f);
   const View view = places ? view_of(space, f) : View{};
   const auto exactly = [&](double v) { return places ? choice_in(view, f, v) : choice_at(space, f, v); };
   Choice best = exactly(nonlinear);
-  if (nonlinear_parameter_of(family.effect.id).empty() || family.grid.size() + family.facts.size() <= 1 ||
-      family.effect.id == EffectId::step)
+  if (definition.searched_parameter().empty() || family.grid.size() + family.facts.size() <= 1 ||
+      !definition.search.has_slope)
     return best;
   // neighbours on the grid bound the search; periods are searched in frequency
-  const bool inverse = family.effect.id == EffectId::cyclic;
+  const bool inverse = family.effect.traits().periodic;
   const auto to = [&](double v) { return inverse ? 1.0 / v : v; };
   double width = 0.0;
   if (inverse) {
@@ -258,8 +254,8 @@ Solution Search::solution(const std::vector<Choice>& chosen) const {
 Solution Search::refined(const std::vector<Choice>& chosen) const {
   Solution best = solution(chosen);
   const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
-    const EffectId id = families_[c.family].effect.id;
-    return is_curve(id) || !nonlinear_parameter_of(id).empty();
+    const EffectDefinition& definition = families_[c.family].effect.definition();
+    return definition.traits.is_curve || !definition.searched_parameter().empty();
   });
   if (chosen.size() < 2 || !movable) return best;
   for (int round = 0; round < 3; ++round) {
@@ -281,27 +277,13 @@ Solution Search::refined(const std::vector<Choice>& chosen) const {
 }
 
 EffectInstance effect_of(EffectInstance effect, const Choice& choice) {
-  const std::string nonlinear(nonlinear_parameter_of(effect.id));
-  if (!nonlinear.empty()) effect.fitted[nonlinear] = choice.nonlinear;
-  const auto uses = [&](Index column) {
-    return std::find(choice.columns.begin(), choice.columns.end(), column) != choice.columns.end();
-  };
-  if (effect.id == EffectId::cyclic && !uses(2)) effect.parameters["amplitude2_um"] = 0.0;
-  const auto hold = [&](Index column, const char* name) {
-    if (!uses(column)) effect.parameters[name] = 0.0;
-  };
-  if (effect.id == EffectId::sag) {
-    hold(0, "k2");
-    hold(1, "k3");
-  }
-  if (effect.id == EffectId::warm_up) {
-    hold(0, "c_um");
-    hold(1, "c_um_per_m");
-  }
-  if (effect.id == EffectId::load) {
-    hold(0, "um_per_kg");
-    hold(1, "um_per_kg_m");
-  }
+  const EffectDefinition& definition = effect.definition();
+  if (const std::string searched(definition.searched_parameter()); !searched.empty())
+    effect.fitted[searched] = choice.nonlinear;
+  if (definition.column_sets.empty()) return effect;
+  for (std::size_t j = 0; j < definition.column_count(); ++j)
+    if (std::find(choice.columns.begin(), choice.columns.end(), static_cast<Index>(j)) == choice.columns.end())
+      effect.parameters[parameter_of_coefficient(definition, j)] = 0.0;
   return effect;
 }
 

@@ -161,19 +161,11 @@ class Search {
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.
+/// @param natural  the axis is the natural one of the sense
 [[nodiscard]] std::vector<std::vector<Eigen::Index>> variants_of(const EffectInstance& effect, const Columns& columns,
                                                                  bool natural);
 
 /// A choice as it enters a model: columns not used held at zero, the nonlinear value as a start.
 [[nodiscard]] EffectInstance effect_of(EffectInstance effect, const Choice& choice);
-
-/// Values at which to try a nonlinear parameter, and those that the machine's facts suggest.
-struct Grid {
-  std::vector<double> values;
-  std::vector<double> facts;
-  double independent = 1.0;  ///< about how many of the values are different trials
-};
-[[nodiscard]] Grid grid_of(const Regressors& regressors, const EffectInstance& effect, const Acting& acting,
-                           std::size_t most_values);
 
 }  // namespace ecs::model

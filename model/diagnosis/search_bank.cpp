@@ -2,14 +2,12 @@
 // with simulated noise. Shapes of position are kept once per place, however often it was measured.
 // Does not live here: what the products gain (gains.cpp), screening and refining (search_screen.cpp, search.cpp).
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
-#include "model/data/turns.hpp"
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/gains.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/candidates.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 namespace {
@@ -20,33 +18,18 @@ using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
 /// With more places than that, products over the readings are cheaper than products over the places.
-constexpr Index kMostPlaces = 300;
+constexpr Index kMostNodes = 300;
 /// Columns handled at once, so that a piece stays in the cache.
 constexpr Index kPiece = 256;
 
-/// Its shape depends on the position of its axis alone.
-bool is_of_place(EffectId id) { return id == EffectId::cyclic || id == EffectId::step; }
-
-/// Sine and cosine of so many harmonics at a place, or the step.
-void fill_place(EffectId id, double place_mm, double nonlinear, Index count, double* out) {
-  if (id == EffectId::step) {
-    out[0] = place_mm > nonlinear ? 1.0 : 0.0;
-    return;
-  }
-  const double angle = 2.0 * std::numbers::pi * place_mm / nonlinear;
-  out[0] = sine_of(angle);
-  out[1] = cosine_of(angle);
-  if (count < 4) return;
-  out[2] = 2.0 * out[0] * out[1];
-  out[3] = 1.0 - 2.0 * out[0] * out[0];
-}
-
-MatrixXd place_columns(EffectId id, const std::vector<double>& place_mm, double nonlinear, Index count) {
+/// The first `count` columns of an effect that depends on the position of its axis alone.
+MatrixXd place_columns(const EffectDefinition& definition, const std::vector<double>& place_mm, double searched,
+                       Index count) {
   MatrixXd columns(static_cast<Index>(place_mm.size()), count);
-  std::array<double, 4> row{};
+  Eigen::RowVectorXd row(count);
   for (std::size_t i = 0; i < place_mm.size(); ++i) {
-    fill_place(id, place_mm[i], nonlinear, count, row.data());
-    for (Index j = 0; j < count; ++j) columns(static_cast<Index>(i), j) = row[static_cast<std::size_t>(j)];
+    definition.columns_of_place(place_mm[i], searched, {row.data(), static_cast<std::size_t>(count)});
+    columns.row(static_cast<Index>(i)) = row;
   }
   return columns;
 }
@@ -69,10 +52,11 @@ MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
 void Search::build_shapes(std::size_t f) {
   const Family& family = families_[f];
   FamilyBank& bank = banks_[f];
-  const EffectId id = family.effect.id;
+  const EffectDefinition& definition = family.effect.definition();
+  const bool of_place = definition.columns_of_place != nullptr;
   Shapes shapes;
   const std::vector<std::size_t>& rows = family.acting.rows;
-  if (is_of_place(id)) {
+  if (of_place) {
     std::vector<double> p;
     for (const std::size_t k : rows) p.push_back(regressors_.data().p_mm(k, *family.effect.axis));
     shapes.place_mm = distinct(p, 1e-9);
@@ -85,14 +69,14 @@ void Search::build_shapes(std::size_t f) {
     bank.nodes = static_cast<Index>(rows.size());
   }
 
-  const bool cyclic = id == EffectId::cyclic;
+  const bool periodic = definition.traits.periodic;
   Index total = 0;
   bank.first = items_.size();
   const auto add = [&](double value, Index count, bool coarse) {
     items_.push_back({f, value, total, count, 0, coarse});
     total += count;
   };
-  Index count = cyclic ? 2 : 1;
+  Index count = periodic ? 2 : 1;
   std::vector<MatrixXd> parts;
   const auto part_at = [&](double value) {
     const Columns columns = regressors_.columns(family.effect, value, family.acting);
@@ -102,20 +86,21 @@ void Search::build_shapes(std::size_t f) {
       part.row(static_cast<Index>(i)) = all.row(static_cast<Index>(rows[i]));
     return part;
   };
-  for (const bool coarse : {true, false})  // the blanks' thinner grid stands together
+  for (const bool coarse : {true, false})  // the thinner grid for simulated noise comes first, in one piece
     for (std::size_t i = 0; i < family.grid.size(); ++i) {
-      if (coarse != (!cyclic || i % 2 == 0)) continue;
-      if (!is_of_place(id)) {
+      if (coarse != (!periodic || i % 2 == 0)) continue;
+      if (!of_place) {
         parts.push_back(part_at(family.grid[i]));
         count = parts.back().cols();
       }
       add(family.grid[i], count, coarse);
     }
-  for (const double value : family.facts) add(value, cyclic ? 4 : count, false);
+  for (const double value : family.facts)
+    add(value, periodic ? static_cast<Index>(definition.column_count()) : count, false);
   bank.last = items_.size();
 
-  for (std::size_t other = 0; other < f && is_of_place(id); ++other)
-    if (families_[other].effect.id == id && families_[other].grid == family.grid &&
+  for (std::size_t other = 0; other < f && of_place; ++other)
+    if (families_[other].effect.id == family.effect.id && families_[other].grid == family.grid &&
         families_[other].facts == family.facts && banks_[other].shapes->place_mm == shapes.place_mm) {
       bank.shapes = banks_[other].shapes;
       return;
@@ -124,8 +109,8 @@ void Search::build_shapes(std::size_t f) {
   for (std::size_t i = bank.first; i < bank.last; ++i) {
     const Item& item = items_[i];
     shapes.columns.middleCols(item.start, item.count) =
-        is_of_place(id) ? place_columns(id, shapes.place_mm, item.nonlinear, item.count).cast<float>()
-                        : parts[i - bank.first].cast<float>();
+        of_place ? place_columns(definition, shapes.place_mm, item.nonlinear, item.count).cast<float>()
+                 : parts[i - bank.first].cast<float>();
   }
   bank.shapes = std::make_shared<const Shapes>(std::move(shapes));
 }
@@ -153,7 +138,7 @@ void Search::build_grams(std::size_t f) {
   const std::vector<std::size_t>& rows = families_[f].acting.rows;
   const Index n = base_.y.size();
   const Shapes& shapes = *bank.shapes;
-  if (!shapes.place_mm.empty() && bank.nodes <= kMostPlaces) {
+  if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes) {
     MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
     for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
     const MatrixXd white = whitener_(indicators);
@@ -192,8 +177,8 @@ void Search::build_bank() {
     Columns shape;
     for (std::size_t i = banks_[f].first; i < banks_[f].last; ++i)
       shape.of.resize(0, std::max(shape.of.cols(), items_[i].count));
-    if (effect.id == EffectId::cyclic) shape.of.resize(0, 4);
-    shape.leading = effect.id == EffectId::angular ? 2 : 0;
+    if (effect.traits().periodic) shape.of.resize(0, static_cast<Index>(effect.definition().column_count()));
+    shape.leading = effect.definition().leading_columns();
     banks_[f].variants = variants_of(effect, shape, natural);
   }
 }
@@ -212,8 +197,9 @@ Search::View Search::view_of(const Space& space, std::size_t f) const {
 Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) const {
   const Family& family = families_[f];
   const FamilyBank& bank = banks_[f];
-  const EffectId id = family.effect.id;
-  const MatrixXd columns = place_columns(id, bank.shapes->place_mm, nonlinear, id == EffectId::cyclic ? 4 : 1);
+  const EffectDefinition& definition = family.effect.definition();
+  const MatrixXd columns =
+      place_columns(definition, bank.shapes->place_mm, nonlinear, static_cast<Index>(definition.column_count()));
   const MatrixXd weighted = bank.weight * columns;
   MatrixXd gram = columns.transpose() * weighted;
   const VectorXd original = gram.diagonal();

@@ -6,6 +6,7 @@
 
 #include "model/diagnosis/gains.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 
 namespace ecs::model {
@@ -25,7 +26,7 @@ Choice Search::screened(const Item& item, const MatrixXd& gram, const VectorXd& 
   const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
   const auto cost = [&](std::size_t linear) { return cost_of(family, item.nonlinear, linear); };
   Choice choice;
-  if (has_fixed_size(family.effect.id)) {
+  if (family.effect.traits().fixed_size) {
     if (gram(0, 0) <= kAbsorbedScreening * original(0)) {
       choice.gain = -1.0;
     } else {
@@ -102,8 +103,8 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   for (std::size_t i = 0; i < std::min(exact, list.size()); ++i) {
     heed_cancel();
     const std::size_t f = list[i].family;
-    list[i] = families_[f].effect.id == EffectId::cyclic ? best_period(space, peaks[f])
-                                                         : refined_choice(space, f, list[i].nonlinear);
+    list[i] = families_[f].effect.traits().periodic ? best_period(space, peaks[f])
+                                                    : refined_choice(space, f, list[i].nonlinear);
   }
   std::erase_if(list, [](const Choice& choice) { return choice.gain <= 0.0; });
   std::stable_sort(list.begin(), list.end(), by_score);
@@ -118,18 +119,18 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
     double& best = top[static_cast<std::size_t>(b)];
     best = std::max(best, score);
   };
-  if (has_fixed_size(family.effect.id)) {
+  if (family.effect.traits().fixed_size) {
     const double cost = cost_of(family, item.nonlinear, 0);
     for (Index b = 0; b < z.cols(); ++b) raise(b, static_cast<double>(2.0F * z(0, b)) - gram(0, 0) - cost);
     return;
   }
   auto variants = banks_[item.family].variants;
-  std::vector<bool> allowed(static_cast<std::size_t>(item.count) + 1, !is_curve(family.effect.id));
-  if (is_curve(family.effect.id) && !variants.empty()) {
+  std::vector<bool> allowed(static_cast<std::size_t>(item.count) + 1, !family.effect.traits().is_curve);
+  if (family.effect.traits().is_curve && !variants.empty()) {
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
-  const double absorbed = family.effect.id == EffectId::cyclic ? kAbsorbedPeriod : kAbsorbedScreening;
+  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : kAbsorbedScreening;
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;
@@ -152,7 +153,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
           for (Index m = j; m < k; ++m) g(m, j) -= share * g(m, i);
         }
       }
-      const bool complete = is_curve(family.effect.id) ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
+      const bool complete = family.effect.traits().is_curve ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
       if (free == 0 || !complete) continue;
       const double cost = cost_of(family, item.nonlinear, free);
       for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);

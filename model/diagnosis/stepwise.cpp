@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "model/effects/definition.hpp"
+
 namespace ecs::model {
 namespace {
 
@@ -57,11 +59,10 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
   return chosen;
 }
 
-bool is_shape_of_position(EffectId id) { return is_curve(id) || id == EffectId::cyclic || id == EffectId::step; }
-
-bool is_drift(EffectId id) {
-  return id == EffectId::thermal_drift || id == EffectId::time_drift || id == EffectId::warm_up ||
-         id == EffectId::dead_path;
+/// Whether one effect may act twice in a sense: as several of its kind, each with its sensor or each for its axis.
+bool may_act_twice(const EffectInstance& one, const EffectInstance& other) {
+  return one.traits().several_alike || one.sensor != other.sensor ||
+         (one.traits().one_per_axis && one.axis != other.axis);
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes over the
@@ -74,17 +75,15 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
-      if (is_drift(one.id) && is_drift(other.id) && one.sense == other.sense) ++drifts;
-      if (is_shape_of_position(one.id) && is_shape_of_position(other.id) && one.axis == other.axis) {
+      if (one.traits().is_drift && other.traits().is_drift && one.sense == other.sense) ++drifts;
+      if (one.traits().shape_of_position && other.traits().shape_of_position && one.axis == other.axis) {
         ++shapes;
         functions += chosen[j].parameters;
-        if (is_curve(other.id)) most = std::max(most, chosen[j].columns.size());
+        if (other.traits().is_curve) most = std::max(most, chosen[j].columns.size());
       }
-      if (j >= i || one.id != other.id || one.id == EffectId::user) continue;
+      if (j >= i || one.id != other.id) continue;
       const bool twice = one.sense == other.sense && one.code == other.code;
-      if (twice && one.id != EffectId::cyclic && !(one.id == EffectId::thermal_drift && one.sensor != other.sensor) &&
-          !(one.id < EffectId::warm_up && one.axis != other.axis))
-        return false;
+      if (twice && !may_act_twice(one, other)) return false;
     }
     if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
@@ -96,11 +95,11 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
 /// Whether a shape replaces another because it is the same, not because it bends to anything: at most one free
 /// parameter more, free curves among themselves apart.
 bool is_alike(const Search& search, const Choice& member, const Choice& other) {
-  const EffectId a = search.families()[member.family].effect.id, b = search.families()[other.family].effect.id;
+  const EffectTraits& a = search.families()[member.family].effect.traits();
+  const EffectTraits& b = search.families()[other.family].effect.traits();
   constexpr std::size_t kOfShape = 3;  // place or period, size, form, however little of them these targets show
-  const auto is_smooth = [](EffectId id) { return is_curve(id) || id == EffectId::sag; };
-  if (is_smooth(a) && is_smooth(b)) return true;
-  const bool bends = b == EffectId::cyclic || b == EffectId::step;
+  if (a.is_smooth && b.is_smooth) return true;
+  const bool bends = b.shape_of_position && !b.is_curve;
   const std::size_t parameters = bends ? std::max(other.parameters, kOfShape) : other.parameters;
   return parameters <= member.parameters + 1;
 }
@@ -178,7 +177,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     std::vector<Choice> all = search.expand(rest.space, kRivalExact);
     for (Choice& other : all) {
       if (other.family == group.member.family) continue;
-      const bool movable = !nonlinear_parameter_of(search.families()[other.family].effect.id).empty();
+      const bool movable = !search.families()[other.family].effect.definition().searched_parameter().empty();
       if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
         if (other.score() >= entry_score && group.weaker.size() < kMostWeaker) group.weaker.push_back(other);
         continue;

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "model/data/curve_basis.hpp"
-#include "model/diagnosis/candidates.hpp"
+#include "model/effects/candidates.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {

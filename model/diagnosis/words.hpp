@@ -17,6 +17,6 @@ inline constexpr double kPercent = 100.0;
 
 /// @param rivals  effects that these data cannot tell from it; empty: how to confirm it
 [[nodiscard]] std::string separating_measurement(const EffectInstance& effect,
-                                                 const std::vector<EffectInstance>& rivals, const Observations& data);
+                                                 const std::vector<EffectInstance>& rivals);
 
 }  // namespace ecs::model

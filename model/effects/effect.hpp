@@ -1,4 +1,4 @@
-// The effect library: every named physical cause that can stand in an error model, and one place of it in a machine.
+// An effect at its place in a machine: what a model holds. Which effects there are says the library (definition.hpp).
 // Does not live here: what an effect contributes to a reading (regressors.hpp), model files (model/fit/model_file.hpp).
 #pragma once
 
@@ -14,72 +14,16 @@
 
 namespace ecs::model {
 
-/// One cause each; the names are those of model files (docs/physics.md, effect library).
-enum class EffectId : std::uint8_t {
-  offset,
-  scale,
-  progressive,
-  cyclic,
-  backlash,
-  reversal_curve,
-  step,
-  sag,
-  angular,
-  squareness,
-  measurement_line,
-  thermal_scale,
-  thermal_drift,
-  warm_up,
-  time_drift,
-  air_refraction,
-  dead_path,
-  cosine,
-  servo_lag,
-  load,
-  reversal_spike,
-  map_polarity,
-  map_gain,
-  map_shift,
-  map_direction_swap,
-  user,  ///< written by the user as formulas
-};
+struct EffectDefinition;
+struct EffectTraits;
 
-/// A parameter as model files and JSON name it.
-struct ParameterInfo {
-  std::string_view name;
-  std::string_view unit;     ///< "" for a pure number
-  double least = 0.0;        ///< physical range; both 0: any value
-  double greatest = 0.0;     ///<
-  bool nonlinear = false;    ///< the contribution is not proportional to it
-  std::string_view meaning;  ///< in plain words
-};
+/// Which effect of the library: its definition, compared by identity. Null only before it is set.
+using EffectId = const EffectDefinition*;
 
-/// What the unit can do about an effect.
-enum class Carrier : std::uint8_t {
-  error_map,   ///< a table of the error map
-  parameters,  ///< a value among the unit's parameters (squareness, polarity, scaling, datum)
-  set_up,      ///< nothing to compensate: the measurement or the commissioning is to be put right
-  none,        ///< varies with something the unit does not see
-};
-
-struct EffectInfo {
-  EffectId id = EffectId::offset;
-  std::string_view name;         ///< "cyclic"
-  std::string_view title;        ///< "Periodic error"
-  std::string_view formula;      ///< contribution to a reading, as printed in the manual
-  std::string_view cause;        ///< physical cause, plain words
-  std::string_view tells_apart;  ///< what tells it from its neighbours
-  std::vector<ParameterInfo> parameters;
-  bool of_approach = false;  ///< acts only on readings of known approach of its own moving axis
-  Carrier carrier = Carrier::none;
-  std::string_view how;  ///< how the unit compensates it, or why it cannot
-};
-
-/// All effects of the library in the order of EffectId, `user` last.
-[[nodiscard]] const std::vector<EffectInfo>& effect_library();
-[[nodiscard]] const EffectInfo& info_of(EffectId id);
+/// The name of model files, "cyclic". @pre not null
 [[nodiscard]] std::string_view name_of(EffectId id);
-[[nodiscard]] std::optional<EffectId> effect_named(std::string_view name);
+/// Null where the library has no effect of that name.
+[[nodiscard]] EffectId effect_named(std::string_view name);
 
 /// Readings on which an effect with an `approach` acts.
 enum class ApproachMode : std::uint8_t { both, forward, reverse };
@@ -115,7 +59,7 @@ struct FittedCurve {
 
 /// An effect at its place in a machine.
 struct EffectInstance {
-  EffectId id = EffectId::offset;
+  EffectId id = nullptr;
   std::optional<Axis> axis;       ///< absent where the effect has none (the whole map)
   std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
@@ -127,6 +71,12 @@ struct EffectInstance {
   std::map<std::string, double> parameters;  ///< given: held. Absent ones are fitted from the data
   std::map<std::string, double> fitted;      ///< values of the last fit; used where there are no data to fit
   FittedCurve curve;                         ///< of the last fit, for effects that are curves
+
+  /// @pre id is set
+  [[nodiscard]] const EffectDefinition& definition() const { return *id; }
+  [[nodiscard]] const EffectTraits& traits() const;
+  /// Written by the user as formulas.
+  [[nodiscard]] bool is_user() const;
   friend bool operator==(const EffectInstance&, const EffectInstance&) = default;
 };
 
@@ -135,5 +85,7 @@ struct EffectInstance {
 
 /// Same cause at the same place; parameters, approach and sensor may differ.
 [[nodiscard]] bool same_place(const EffectInstance& a, const EffectInstance& b);
+/// Same place, approach and sensor; parameters may differ.
+[[nodiscard]] bool same_candidate(const EffectInstance& a, const EffectInstance& b);
 
 }  // namespace ecs::model

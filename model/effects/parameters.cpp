@@ -6,97 +6,124 @@
 namespace ecs::model {
 namespace {
 
-using enum EffectId;
-
 std::optional<double> given(const EffectInstance& effect, std::string_view name) {
   const auto found = effect.parameters.find(std::string(name));
   return found == effect.parameters.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// Coefficients that a parameter stands for.
+std::size_t coefficients_of(Coding coding) {
+  if (coding == Coding::amplitude) return 2;
+  return coding == Coding::coefficient || coding == Coding::square_root ? 1 : 0;
+}
+
+/// A parameter with its coefficients.
+struct Coded {
+  std::size_t parameter = 0;    ///< place among the parameters of the definition
+  std::size_t coefficient = 0;  ///< its first
+};
+std::vector<Coded> coded(const EffectDefinition& definition) {
+  std::vector<Coded> all;
+  std::size_t coefficient = 0;
+  for (std::size_t i = 0; i < definition.parameters.size(); ++i) {
+    const std::size_t count = coefficients_of(definition.parameters[i].coding);
+    if (count > 0) all.push_back({i, coefficient});
+    coefficient += count;
+  }
+  return all;
+}
+
 /// Amplitude and phase of a·sin + b·cos, with sigmas by propagation.
 void add_harmonic(std::vector<ParameterEstimate>& out, const Eigen::VectorXd& c, const Eigen::MatrixXd& covariance,
-                  Eigen::Index at, const std::string& amplitude, const std::string& phase) {
+                  Eigen::Index at, std::span<const ParameterDefinition, 2> names) {
   if (at + 1 >= c.size()) return;
   const double a = c(at), b = c(at + 1);
   const double size = std::hypot(a, b);
-  ParameterEstimate amplitude_of{amplitude, "um", size, {}, false, false};
-  ParameterEstimate phase_of{phase, "rad", std::atan2(b, a), {}, false, false};
+  ParameterEstimate amplitude{std::string(names[0].name), std::string(names[0].unit), size, {}, false, false};
+  ParameterEstimate phase{std::string(names[1].name), std::string(names[1].unit), std::atan2(b, a), {}, false, false};
   if (covariance.rows() > at + 1 && size > 0.0) {
     const double vaa = covariance(at, at), vbb = covariance(at + 1, at + 1), vab = covariance(at, at + 1);
-    amplitude_of.sigma = std::sqrt(std::max(0.0, (a * a * vaa + b * b * vbb + 2.0 * a * b * vab))) / size;
-    phase_of.sigma = std::sqrt(std::max(0.0, (b * b * vaa + a * a * vbb - 2.0 * a * b * vab))) / (size * size);
+    amplitude.sigma = std::sqrt(std::max(0.0, (a * a * vaa + b * b * vbb + 2.0 * a * b * vab))) / size;
+    phase.sigma = std::sqrt(std::max(0.0, (b * b * vaa + a * a * vbb - 2.0 * a * b * vab))) / (size * size);
   }
-  out.push_back(amplitude_of);
-  out.push_back(phase_of);
+  out.push_back(amplitude);
+  out.push_back(phase);
+}
+
+/// Coefficient `within` (0 sine, 1 cosine) of a wave that amplitude and phase give; nothing: to be fitted. A harmonic
+/// that is not given beside a wave that is given whole is 0.
+std::optional<double> held_in_wave(const EffectInstance& effect, std::size_t parameter, std::size_t within) {
+  const auto& parameters = effect.definition().parameters;
+  const auto amplitude = given(effect, parameters[parameter].name);
+  const auto phase = given(effect, parameters[parameter + 1].name);
+  if (amplitude && *amplitude == 0.0) return 0.0;
+  const bool harmonic = parameter >= 2 && parameters[parameter - 2].coding == Coding::amplitude;
+  if (harmonic && !amplitude && given(effect, parameters[parameter - 2].name) &&
+      given(effect, parameters[parameter - 1].name))
+    return 0.0;
+  if (!amplitude || !phase) return std::nullopt;
+  return *amplitude * (within == 0 ? std::cos(*phase) : std::sin(*phase));
 }
 
 }  // namespace
 
+std::size_t EffectDefinition::column_count() const {
+  std::size_t count = 0;
+  for (const ParameterDefinition& parameter : parameters) count += coefficients_of(parameter.coding);
+  return count;
+}
+
 std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, const Eigen::VectorXd& linear,
-                                               const Eigen::MatrixXd& covariance, std::optional<double> nonlinear,
-                                               std::optional<double> nonlinear_sigma) {
+                                               const Eigen::MatrixXd& covariance, std::optional<double> searched,
+                                               std::optional<double> searched_sigma) {
+  const EffectDefinition& definition = effect.definition();
   std::vector<ParameterEstimate> out;
-  const auto sigma_of = [&](Eigen::Index j) -> std::optional<double> {
-    if (covariance.rows() <= j) return std::nullopt;
-    return std::sqrt(std::max(0.0, covariance(j, j)));
+  const auto add = [&](const ParameterDefinition& parameter, double value, std::optional<double> sigma, bool held) {
+    out.push_back({std::string(parameter.name), std::string(parameter.unit), value, sigma, held, false});
   };
-  if (nonlinear) {
-    for (const ParameterInfo& info : info_of(effect.id).parameters)
-      if (info.nonlinear)
-        out.push_back({std::string(info.name), std::string(info.unit), *nonlinear, nonlinear_sigma,
-                       given(effect, info.name).has_value(), false});
+  for (const ParameterDefinition& parameter : definition.parameters) {
+    if (parameter.coding == Coding::searched && searched)
+      add(parameter, *searched, searched_sigma, given(effect, parameter.name).has_value());
+    if (parameter.coding == Coding::fixed) add(parameter, 1.0, {}, false);
   }
-  if (effect.id == cyclic) {
-    add_harmonic(out, linear, covariance, 0, "amplitude_um", "phase_rad");
-    add_harmonic(out, linear, covariance, 2, "amplitude2_um", "phase2_rad");
-    return out;
-  }
-  if (effect.id == cosine && linear.size() > 0) {
-    const double angle = std::sqrt(std::max(0.0, linear(0)));
-    std::optional<double> sigma = sigma_of(0);
-    if (sigma) sigma = *sigma / (2.0 * std::max(angle, std::sqrt(*sigma)));
-    out.push_back({"angle_mrad", "mrad", angle, sigma, false, false});
-    return out;
-  }
-  if (effect.id == map_polarity) {
-    out.push_back({"fraction", "", 1.0, {}, false, false});
-    return out;
-  }
-  if (is_curve(effect.id)) return out;
-  Eigen::Index j = 0;
-  for (const ParameterInfo& info : info_of(effect.id).parameters) {
-    if (info.nonlinear) continue;
+  for (const auto& [place, first] : coded(definition)) {
+    const ParameterDefinition& parameter = definition.parameters[place];
+    const auto j = static_cast<Eigen::Index>(first);
     if (j >= linear.size()) break;
-    const double value = effect.id == map_gain ? 1.0 + linear(j) : linear(j);
-    out.push_back({std::string(info.name), std::string(info.unit), value, sigma_of(j), false, false});
-    ++j;
+    if (parameter.coding == Coding::amplitude) {
+      add_harmonic(out, linear, covariance, j, std::span<const ParameterDefinition, 2>(&parameter, 2));
+      continue;
+    }
+    std::optional<double> sigma;
+    if (covariance.rows() > j) sigma = std::sqrt(std::max(0.0, covariance(j, j)));
+    if (parameter.coding == Coding::square_root) {
+      const double root = std::sqrt(std::max(0.0, linear(j)));
+      if (sigma) sigma = *sigma / (2.0 * std::max(root, std::sqrt(*sigma)));
+      add(parameter, root, sigma, false);
+    } else {
+      add(parameter, parameter.neutral + linear(j), sigma, false);
+    }
   }
   return out;
 }
 
 std::optional<double> held_coefficient(const EffectInstance& effect, std::size_t j) {
-  if (effect.id == cyclic) {
-    const bool first = j < 2;
-    const auto amplitude = given(effect, first ? "amplitude_um" : "amplitude2_um");
-    const auto phase = given(effect, first ? "phase_rad" : "phase2_rad");
-    if (amplitude && *amplitude == 0.0) return 0.0;
-    if (!first && !amplitude && given(effect, "amplitude_um") && given(effect, "phase_rad")) return 0.0;
-    if (!amplitude || !phase) return std::nullopt;
-    return *amplitude * (j % 2 == 0 ? std::cos(*phase) : std::sin(*phase));
-  }
-  if (effect.id == cosine) {
-    const auto angle = given(effect, "angle_mrad");
-    return angle ? std::optional(*angle * *angle) : std::nullopt;
-  }
-  std::size_t k = 0;
-  for (const ParameterInfo& info : info_of(effect.id).parameters) {
-    if (info.nonlinear) continue;
-    if (k++ != j) continue;
-    auto value = given(effect, info.name);
-    if (value && effect.id == map_gain) *value -= 1.0;
-    return value;
+  for (const auto& [place, first] : coded(effect.definition())) {
+    const ParameterDefinition& parameter = effect.definition().parameters[place];
+    if (j < first || j >= first + coefficients_of(parameter.coding)) continue;
+    if (parameter.coding == Coding::amplitude) return held_in_wave(effect, place, j - first);
+    const auto value = given(effect, parameter.name);
+    if (!value) return std::nullopt;
+    return parameter.coding == Coding::square_root ? *value * *value : *value - parameter.neutral;
   }
   return std::nullopt;
+}
+
+std::string parameter_of_coefficient(const EffectDefinition& definition, std::size_t j) {
+  for (const auto& [place, first] : coded(definition))
+    if (j >= first && j < first + coefficients_of(definition.parameters[place].coding))
+      return std::string(definition.parameters[place].name);
+  return "";
 }
 
 }  // namespace ecs::model

@@ -45,7 +45,7 @@ std::vector<std::size_t> free_places(const EffectInstance& effect, const Observa
 }  // namespace
 
 std::size_t nonlinear_user_parameters(const EffectInstance& effect, const Observations& data) {
-  return effect.id == EffectId::user ? free_places(effect, data).size() : 0;
+  return effect.is_user() ? free_places(effect, data).size() : 0;
 }
 
 EffectInstance with_best_start(const Model& model, const EffectInstance& candidate, const Regressors& regressors) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "model/effects/definition.hpp"
+
 namespace ecs::model {
 namespace {
 
@@ -55,7 +57,7 @@ Result<Slot> library_slot(const EffectInstance& effect, const Regressors& regres
   Slot slot;
   slot.effect = effect;
   slot.acting = regressors.acting(effect);
-  const std::string name(nonlinear_parameter_of(effect.id));
+  const std::string name(effect.definition().searched_parameter());
   if (!name.empty()) {
     const auto given = effect.parameters.find(name);
     const auto fitted = effect.fitted.find(name);
@@ -72,7 +74,7 @@ Result<Assembly> Assembly::of(const Model& model, const Regressors& regressors) 
   Assembly assembly;
   std::vector<Problem> problems;
   for (const EffectInstance& effect : model.effects) {
-    auto slot = effect.id == EffectId::user ? user_slot(effect, regressors) : library_slot(effect, regressors);
+    auto slot = effect.is_user() ? user_slot(effect, regressors) : library_slot(effect, regressors);
     if (!slot)
       problems.push_back(slot.error());
     else
@@ -107,7 +109,7 @@ void Assembly::renew(std::size_t s, const Regressors& regressors) {
   std::vector<Index> free;
   for (Index j = 0; j < all.of.cols(); ++j) {
     const auto held =
-        is_curve(slot.effect.id) ? std::nullopt : held_coefficient(slot.effect, static_cast<std::size_t>(j));
+        slot.effect.traits().is_curve ? std::nullopt : held_coefficient(slot.effect, static_cast<std::size_t>(j));
     if (held) {
       slot.held_sizes(j) = *held;
       slot.fixed += *held * all.of.col(j);
@@ -115,10 +117,10 @@ void Assembly::renew(std::size_t s, const Regressors& regressors) {
       free.push_back(j);
     }
   }
-  if (!is_curve(slot.effect.id) || slot.used.empty()) slot.used = free;
+  if (!slot.effect.traits().is_curve || slot.used.empty()) slot.used = free;
   slot.columns.resize(n, static_cast<Index>(slot.used.size()));
   for (std::size_t j = 0; j < slot.used.size(); ++j) slot.columns.col(static_cast<Index>(j)) = all.of.col(slot.used[j]);
-  if (is_curve(slot.effect.id) && !slot.effect.curve.empty() && slot.effect.parameters.contains("rms_um")) {
+  if (slot.effect.traits().is_curve && !slot.effect.curve.empty() && slot.effect.parameters.contains("rms_um")) {
     // a curve held as it stands in the model file
     slot.fixed = regressors.of_curve(slot.effect, slot.acting);
     slot.columns.resize(n, 0);

@@ -25,6 +25,9 @@ struct Slot {
   std::optional<UserFormulas> formulas;                  ///< of a user effect
   std::vector<std::size_t> user_linear, user_nonlinear;  ///< places in effect.user
 
+  /// Whether the contribution has a derivative in its nonlinear parameters.
+  [[nodiscard]] bool has_slope() const { return effect.definition().search.has_slope; }
+
   Eigen::MatrixXd columns;     ///< (readings × used)
   Eigen::VectorXd fixed;       ///< held part (readings)
   Eigen::VectorXd held_sizes;  ///< of every column of the effect; 0 for the fitted ones

@@ -8,16 +8,16 @@
 #include <fmt/ranges.h>
 
 #include "model/diagnosis/ladder.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 namespace {
 
-using enum EffectId;
-
 /// The component that a table of this effect belongs to; nothing if no single table can carry it.
 std::optional<Component> table_of_effect(const EffectInstance& effect) {
-  if (effect.id == angular) return effect.code;
-  if (info_of(effect.id).carrier != Carrier::error_map || !effect.axis || !effect.sense) return std::nullopt;
+  if (effect.definition().carrier != Carrier::error_map) return std::nullopt;
+  if (effect.definition().has_lever()) return effect.code;
+  if (!effect.axis || !effect.sense) return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
 }
 
@@ -31,11 +31,11 @@ std::vector<double> grid_of(const params::MachineAxis& axis, double increment_mm
   return grid;
 }
 
-/// What the effect adds along its own axis at these positions; for `angular` the angle itself.
+/// What the effect adds along its own axis at these positions; of a rotation the angle itself.
 Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance& effect,
                                        const params::Machine& machine, const std::vector<double>& grid, int approach) {
   std::vector<double> values;
-  if (effect.id == angular) {
+  if (effect.definition().place == Place::rotation) {
     if (effect.curve.empty())
       return problem(ProblemKind::bad_input,
                      fmt::format("{}: has no curve; fit the model to data first", to_text(effect)));
@@ -64,7 +64,7 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
 }
 
 bool differs_by_approach(const EffectInstance& effect) {
-  return info_of(effect.id).of_approach || effect.approach != ApproachMode::both;
+  return effect.traits().of_approach || effect.approach != ApproachMode::both;
 }
 
 }  // namespace
@@ -75,9 +75,8 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   CompiledModel out;
   std::map<Component, std::vector<const EffectInstance*>> tables;
   for (const EffectInstance& effect : fitted.effects) {
-    const EffectInfo& info = info_of(effect.id);
     const auto component = table_of_effect(effect);
-    if (effect.id == squareness && effect.code) {
+    if (effect.definition().place == Place::squareness && effect.code) {
       const auto value = effect.parameters.contains("um_per_m") ? effect.parameters : effect.fitted;
       if (const auto found = value.find("um_per_m"); found != value.end()) {
         out.squareness[index_of(*effect.code)] += found->second;
@@ -89,7 +88,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
       tables[*component].push_back(&effect);
       out.carried.push_back(fmt::format("{}: table {}", to_text(effect), name_of(*component)));
     } else {
-      out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), info.how));
+      out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), effect.definition().how));
     }
   }
   out.map.header.machine = machine.name;

@@ -6,8 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
 #include "model/fit/outliers.hpp"
 
 namespace ecs::model {
@@ -16,6 +17,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr std::size_t kFewValues = 16;  ///< of a searched parameter, for its range alone
 
 VectorXd readings_of(const Observations& data) {
   return Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
@@ -94,10 +97,10 @@ void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whi
     }
     const Search search(regressors, whitener, others, rest, {slot.effect});
     const auto found = search.expand(search.base(), 1);
-    const Grid grid = grid_of(regressors, slot.effect, slot.acting, 16);
-    slot.nonlinear.front() = !found.empty()         ? found.front().nonlinear
-                             : !grid.values.empty() ? grid.values.front()
-                                                    : 1.0;
+    const TriedValues tried = tried_values(regressors.data(), slot.effect, slot.acting, kFewValues);
+    slot.nonlinear.front() = !found.empty()          ? found.front().nonlinear
+                             : !tried.values.empty() ? tried.values.front()
+                                                     : 1.0;
     assembly.renew(s, regressors);
   }
 }
@@ -107,7 +110,7 @@ void choose_curve_functions(Assembly& assembly, const Regressors& regressors, co
   const VectorXd y = readings_of(regressors.data());
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     Slot& slot = assembly.slots[s];
-    if (!is_curve(slot.effect.id) || slot.columns.cols() == 0) continue;
+    if (!slot.effect.traits().is_curve || slot.columns.cols() == 0) continue;
     MatrixXd others(y.size(), 0);
     VectorXd rest = y;
     for (std::size_t other = 0; other < assembly.slots.size(); ++other) {
@@ -135,7 +138,7 @@ std::vector<FreeNonlinear> free_nonlinear(const Assembly& assembly) {
   std::vector<FreeNonlinear> list;
   for (std::size_t s = 0; s < assembly.slots.size(); ++s)
     for (std::size_t j = 0; j < assembly.slots[s].nonlinear.size(); ++j)
-      if (assembly.slots[s].nonlinear_free[j] && assembly.slots[s].effect.id != EffectId::step) list.push_back({s, j});
+      if (assembly.slots[s].nonlinear_free[j] && assembly.slots[s].has_slope()) list.push_back({s, j});
   return list;
 }
 
@@ -162,11 +165,12 @@ Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) 
     const Limits all;
     return {parameter.least.value_or(all.least), parameter.greatest.value_or(all.greatest)};
   }
-  if (slot.effect.id == EffectId::map_shift) return {};
+  const SearchDefinition& search = slot.effect.definition().search;
+  if (search.either_sign) return {};
   const double now = std::abs(slot.nonlinear[j]);
   Limits limits{1e-3 * now, std::numeric_limits<double>::infinity()};
-  if (slot.effect.id != EffectId::warm_up && slot.effect.id != EffectId::reversal_spike) return limits;
-  const Grid tried = grid_of(regressors, slot.effect, slot.acting, 16);
+  if (!search.within_tried) return limits;
+  const TriedValues tried = tried_values(regressors.data(), slot.effect, slot.acting, kFewValues);
   if (tried.values.empty()) return limits;
   const auto [least, greatest] = std::minmax_element(tried.values.begin(), tried.values.end());
   return {std::min(0.5 * *least, now), std::max(2.0 * *greatest, now)};

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
@@ -29,7 +30,7 @@ FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const Vecto
     places.push_back(basis.least_mm() + (basis.greatest_mm() - basis.least_mm()) * i / kPoints);
   for (const std::size_t k : slot.acting.rows) places.push_back(data.p_mm(k, *slot.effect.axis));
   places = distinct(places, 1e-6);
-  const std::size_t leading = slot.effect.id == EffectId::angular ? 2 : 0;
+  const std::size_t leading = slot.effect.definition().leading_columns();
   for (const double p : places) {
     double value = 0.0;
     for (std::size_t j = 0; j < slot.used.size(); ++j) {
@@ -110,16 +111,16 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
   std::vector<std::optional<double>> nonlinear_sigma(slot.nonlinear.size());
   Index n = first_nonlinear;
   for (std::size_t j = 0; j < slot.nonlinear.size(); ++j)
-    if (slot.nonlinear_free[j] && slot.effect.id != EffectId::step) {
+    if (slot.nonlinear_free[j] && slot.has_slope()) {
       nonlinear_sigma[j] = std::sqrt(std::max(0.0, core.covariance(n, n)));
       ++n;
     }
   if (slot.formulas) {
     fit.parameters = user_estimates(slot, sizes, covariance, nonlinear_sigma);
-  } else if (is_curve(slot.effect.id)) {
+  } else if (slot.effect.traits().is_curve) {
     if (count > 0) fit.effect.curve = curve_of(slot, regressors, sizes);
     fit.parameters.push_back({"rms_um",
-                              std::string(info_of(slot.effect.id).parameters.front().unit),
+                              std::string(slot.effect.definition().parameters.front().unit),
                               rms_of(fit.effect.curve.value),
                               {},
                               count == 0,
@@ -239,8 +240,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     fit.effects.push_back(effect_fit(assembly, s, regressors, core, nonlinear));
     const Slot& slot = assembly.slots[s];
-    if (slot.effect.id != EffectId::step)
-      nonlinear += std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true);
+    if (slot.has_slope()) nonlinear += std::count(slot.nonlinear_free.begin(), slot.nonlinear_free.end(), true);
     if (slot.acting.skipped > 0)
       fit.notes.push_back(fmt::format("{}: {} of {} readings skipped, they lack {}", to_text(slot.effect),
                                       slot.acting.skipped, slot.acting.skipped + slot.acting.rows.size(),
@@ -293,19 +293,19 @@ Result<std::vector<double>> predicted(const Model& model, const Observations& at
   std::vector<Problem> problems;
   Model held = model;
   for (EffectInstance& effect : held.effects) {
-    if (effect.id == EffectId::user) {
+    if (effect.is_user()) {
       for (UserParameter& parameter : effect.user)
         if (const auto value = effect.fitted.find(parameter.name); !parameter.value && value != effect.fitted.end())
           parameter.value = value->second;
       if (std::all_of(effect.user.begin(), effect.user.end(),
                       [](const UserParameter& p) { return p.value.has_value(); }))
         continue;
-    } else if (is_curve(effect.id)) {
+    } else if (effect.traits().is_curve) {
       effect.parameters["rms_um"] = 0.0;
       if (!effect.curve.empty()) continue;
     } else {
       for (const auto& [name, value] : effect.fitted) effect.parameters.try_emplace(name, value);
-      if (!effect.parameters.empty() || info_of(effect.id).parameters.empty()) continue;
+      if (!effect.parameters.empty() || effect.definition().parameters.empty()) continue;
     }
     problems.push_back(
         {ProblemKind::bad_input,

@@ -9,21 +9,13 @@
 
 #include "base/result.hpp"
 #include "model/data/observations.hpp"
+#include "model/effects/parameter_estimate.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::model {
 
 struct FitOptions {
   bool plain = false;  ///< ordinary least squares: every reading counts the same, no outliers
-};
-
-struct ParameterEstimate {
-  std::string name;
-  std::string unit;
-  double value = 0.0;
-  std::optional<double> sigma;  ///< absent: held, or the data do not determine it
-  bool held = false;            ///< given in the model file
-  bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
 };
 
 struct EffectFit {

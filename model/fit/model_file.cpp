@@ -12,6 +12,7 @@
 #include "base/toml_reader.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/measurement_set.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 namespace {
@@ -22,7 +23,7 @@ const std::vector<std::string> kEffectKeys{"id",   "axis",    "sense",      "app
 
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
-  for (const EffectInfo& info : effect_library()) names.emplace_back(info.name);
+  for (const EffectDefinition& definition : effect_library()) names.emplace_back(definition.id);
   return names;
 }
 
@@ -192,47 +193,32 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
   take_numbers(reader, table, "fitted", effect.fitted, known);
 }
 
-bool needs_axis(EffectId id) {
-  switch (id) {
-    case EffectId::offset:
-    case EffectId::thermal_drift:
-    case EffectId::time_drift:
-    case EffectId::dead_path:
-    case EffectId::warm_up:
-    case EffectId::load:
-    case EffectId::squareness:
-      return false;
-    default:
-      return id < EffectId::map_polarity;
-  }
-}
-
 /// What an effect must have besides its id, and what follows from what it has.
 void complete(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
+  const EffectDefinition& definition = effect.definition();
   const auto want = [&](bool given, std::string_view what) {
-    if (!given) reader.complain(table, fmt::format("{}: expected {}", name_of(effect.id), what));
+    if (!given) reader.complain(table, fmt::format("{}: expected {}", definition.id, what));
   };
-  const bool levered = effect.id == EffectId::angular || effect.id == EffectId::squareness;
-  const bool of_map = effect.id >= EffectId::map_polarity && effect.id <= EffectId::map_direction_swap;
-  if (effect.id == EffectId::angular) {
-    want(effect.code && is_angular(*effect.code), "code = one of EAX … ECZ");
-    if (effect.code && is_angular(*effect.code)) effect.axis = moving_axis(*effect.code);
-    effect.sense = std::nullopt;
-  }
-  if (effect.id == EffectId::squareness) {
+  const bool rotation = effect.code && is_angular(*effect.code);
+  if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");
+  if (definition.place == Place::known_component) want(rotation, "code = the known angular component, EAX … ECZ");
+  if ((definition.place == Place::rotation || definition.place == Place::known_component) && rotation)
+    effect.axis = moving_axis(*effect.code);
+  if (definition.place == Place::squareness) {
     want(effect.code && is_squareness(*effect.code), "code = C0Y, B0Z or A0Z");
     if (effect.code) effect.axis = *effect.code == Component::C0Y ? Axis::Y : Axis::Z;
-    effect.sense = std::nullopt;
   }
-  if (effect.id == EffectId::measurement_line) {
-    want(effect.code && is_angular(*effect.code), "code = the known angular component, EAX … ECZ");
-    if (effect.code && is_angular(*effect.code)) effect.axis = moving_axis(*effect.code);
-  }
-  if (needs_axis(effect.id)) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\"");
-  if (!levered && !of_map && effect.axis && !effect.sense) effect.sense = static_cast<Sense>(*effect.axis);
-  if (!levered && !of_map) want(effect.sense.has_value(), "sense = \"EX\" … \"EC\"");
-  if (!needs_axis(effect.id) && !of_map && !effect.axis && effect.sense) effect.axis = direction_of(*effect.sense);
-  if (effect.id == EffectId::thermal_drift) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
+  if (definition.has_lever()) effect.sense = std::nullopt;
+  const bool needs_axis =
+      definition.place != Place::sense && definition.place != Place::squareness && definition.place != Place::map;
+  if (needs_axis) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\"");
+  if (definition.has_lever() || definition.place == Place::map) return;
+  if (effect.axis && !effect.sense) effect.sense = static_cast<Sense>(*effect.axis);
+  want(effect.sense.has_value(), "sense = \"EX\" … \"EC\"");
+  if (!needs_axis && !effect.axis && effect.sense) effect.axis = direction_of(*effect.sense);
+  const bool by_sensor =
+      std::find(definition.needs.begin(), definition.needs.end(), Need::sensor) != definition.needs.end();
+  if (by_sensor) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
 }
 
 std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& table) {
@@ -242,7 +228,7 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
     reader.complain(table, fmt::format("effect: expected an id, one of {}", fmt::join(effect_names(), ", ")));
   const auto word = reader.word(table, "id");
   if (!word) return std::nullopt;
-  const auto id = effect_named(*word);
+  const EffectId id = effect_named(*word);
   if (!id) {
     const std::string like = nearest_word(*word, effect_names());
     reader.complain(*table.get("id"),
@@ -251,7 +237,7 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
                                              : fmt::format("did you mean \"{}\"?", like)));
     return std::nullopt;
   }
-  effect.id = *id;
+  effect.id = id;
   effect.axis = named(reader, table, "axis", "\"X\", \"Y\" or \"Z\"",
                       [](std::string_view w) { return w.size() == 1 ? axis_of(w.front()) : std::nullopt; });
   effect.sense =
@@ -265,14 +251,14 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
   if (!effect.sensor.empty() && !laser::is_sensor_column(effect.sensor))
     reader.complain(*table.get("sensor"), fmt::format("sensor: expected a column t_…_degC, got \"{}\"", effect.sensor));
   effect.name = reader.word(table, "name").value_or("");
-  if (effect.id == EffectId::user) {
+  if (effect.is_user()) {
     take_user(reader, table, effect);
     return effect;
   }
   if (table.contains("formula"))
     reader.complain(*table.get("formula"), "formula: only effects with id = \"user\" have one");
   std::vector<std::string> known;
-  for (const ParameterInfo& info : info_of(effect.id).parameters) known.emplace_back(info.name);
+  for (const ParameterDefinition& parameter : effect.definition().parameters) known.emplace_back(parameter.name);
   take_numbers(reader, table, "parameters", effect.parameters, known);
   take_numbers(reader, table, "fitted", effect.fitted, known);
   if (const toml::table* curve = reader.child(table, "curve")) {

@@ -4,6 +4,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::model {
@@ -57,11 +58,11 @@ std::string user_text(const EffectInstance& effect) {
 std::string effect_text(const EffectInstance& effect, std::string_view table) {
   std::string text = fmt::format("\n[[{}]]\nid = \"{}\"\n", table, name_of(effect.id));
   if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
-  if (effect.sense && effect.id != EffectId::user) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
+  if (effect.sense && !effect.is_user()) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
   if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
   if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
   if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(effect.sensor));
-  if (effect.id == EffectId::user)
+  if (effect.is_user())
     text += user_text(effect);
   else if (!effect.parameters.empty())
     text += fmt::format("parameters = {}\n", table_of(effect.parameters));

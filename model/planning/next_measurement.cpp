@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "model/diagnosis/words.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
@@ -161,9 +162,9 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
 std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
                                              const MeasuringTimes& times) {
   const bool on_the_fly =
-      std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.id == EffectId::servo_lag; });
+      std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) { return e.traits().in_motion; });
   const bool of_approach = std::any_of(rivals.begin(), rivals.end(), [](const EffectInstance& e) {
-    return info_of(e.id).of_approach || e.approach != ApproachMode::both;
+    return e.traits().of_approach || e.approach != ApproachMode::both;
   });
   std::vector<PresentLine> lines = present_lines(data, times);
   const auto concerns = [&](const PresentLine& line) {
@@ -202,8 +203,7 @@ void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question q
 }
 
 /// Why nothing separates a group.
-std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options,
-                    const Observations& data) {
+std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options) {
   double apart = 0.0, seen = 0.0;
   const auto count = static_cast<Index>(group.rivals.size());
   for (std::size_t i = 0; i < options; ++i) {
@@ -224,7 +224,7 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
   return fmt::format(
       "no single run of up to five repeats is sure to tell one of {} from another; the most that any would do is "
       "{:.1f} sigma, for some of them. {}",
-      names, apart, separating_measurement(group.rivals.front(), others, data));
+      names, apart, separating_measurement(group.rivals.front(), others));
 }
 
 Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
@@ -238,13 +238,13 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   bool zero_matters = false;
   for (std::size_t i = 0; i < group.rivals.size(); ++i) {
     explanations.push_back(explained_by(group.names[i], group.rivals[i], *belief, all, regressors));
-    zero_matters = zero_matters || shows_at_zero(group.rivals[i].id);
+    zero_matters = zero_matters || group.rivals[i].traits().shows_at_zero;
   }
   const Separations separations(all, options, *belief, explanations, zero_matters);
   const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
   take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
   if (next.proposals.empty())
-    next.notes.push_back(why_not(group, separations, options.size(), in.data));
+    next.notes.push_back(why_not(group, separations, options.size()));
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(fmt::format("no run of up to five repeats reaches {:.0f} sigma; these do most", kSeparates));
   return {};

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
@@ -27,43 +28,11 @@ constexpr double kDependent = 1e-4;
 constexpr double kTakesPart = 0.05;
 /// Size of an effect that the model does not give, in units of the noise: a choice, clearly seen and not large.
 constexpr double kAssumedSize = 5.0;
-/// Nonlinear values assumed where nothing gives them, as parts of what the plan covers: eight periods in the travel, a
-/// third of the time, a fifth of the travel since a reversal; no less than these [mm, s]. Choices: well inside what the
-/// plan can show.
-constexpr double kPeriods = 8.0, kTimeConstants = 3.0, kSpikes = 5.0;
-constexpr double kLeastLength_mm = 1e-3, kLeastTime_s = 1.0;
 
 /// A free nonlinear parameter of a slot.
 struct FreeParameter {
   std::size_t slot = 0, j = 0;
 };
-
-/// A value to try a nonlinear parameter at where neither the model nor a fit gives one.
-double assumed_value(const Slot& slot, const Observations& plan) {
-  double least = kBeyondAll, greatest = -kBeyondAll, last_s = 0.0, longest_mm = 0.0;
-  for (const std::size_t k : slot.acting.rows) {
-    const double p = slot.effect.axis ? plan.p_mm(k, *slot.effect.axis) : 0.0;
-    least = std::min(least, p);
-    greatest = std::max(greatest, p);
-    if (!plan.time_s.empty() && !std::isnan(plan.time_s[k])) last_s = std::max(last_s, plan.time_s[k]);
-    if (!plan.travel_since_reversal_mm.empty()) longest_mm = std::max(longest_mm, plan.travel_since_reversal_mm[k]);
-  }
-  switch (slot.effect.id) {
-    case EffectId::cyclic: {
-      const auto& axis = plan.machine.axes[index_of(*slot.effect.axis)];
-      if (axis && axis->screw_pitch_mm) return *axis->screw_pitch_mm;
-      return std::max((greatest - least) / kPeriods, kLeastLength_mm);
-    }
-    case EffectId::step:
-      return 0.5 * (least + greatest);
-    case EffectId::warm_up:
-      return std::max(last_s / kTimeConstants, kLeastTime_s);
-    case EffectId::reversal_spike:
-      return std::max(longest_mm / kSpikes, kLeastLength_mm);
-    default:
-      return 1.0;
-  }
-}
 
 /// Sizes of a slot's columns that the model gives; nothing where it has no values.
 std::optional<VectorXd> sizes_given(const Model& model, std::size_t s, const Slot& slot, const Observations& plan) {
@@ -100,9 +69,9 @@ class PlanJudge {
     for (std::size_t s = 0; s < assembly_.slots.size(); ++s) {
       Slot& slot = assembly_.slots[s];
       if (!slot.nonlinear.empty() && std::isnan(slot.nonlinear.front())) {
-        slot.nonlinear.front() = assumed_value(slot, plan);
-        assumed_.push_back(fmt::format("{}: {} = {:.4g}", to_text(slot.effect), nonlinear_parameter_of(slot.effect.id),
-                                       slot.nonlinear.front()));
+        slot.nonlinear.front() = slot.effect.definition().search.assumed(plan, slot.effect, slot.acting);
+        assumed_.push_back(fmt::format("{}: {} = {:.4g}", to_text(slot.effect),
+                                       slot.effect.definition().searched_parameter(), slot.nonlinear.front()));
       }
       assembly_.renew(s, regressors_);
     }
@@ -117,7 +86,7 @@ class PlanJudge {
       }
       sizes_.push_back(*sizes);
       for (std::size_t j = 0; j < slot.nonlinear_free.size(); ++j)
-        if (slot.nonlinear_free[j] && slot.effect.id != EffectId::step) free_.push_back({s, j});
+        if (slot.nonlinear_free[j] && slot.has_slope()) free_.push_back({s, j});
     }
   }
 
@@ -207,9 +176,7 @@ class PlanJudge {
     const MatrixXd own = core_.covariance.block(at, at, count, count);
     double sum = 0.0, rows = 0.0;
     for (const std::size_t k : slot.acting.rows) {
-      double factor = 1.0;
-      if (slot.effect.id == EffectId::angular) factor = slot.columns(static_cast<Index>(k), 0);
-      if (slot.effect.id == EffectId::reversal_curve) factor = 0.5 * regressors_.data().approach[k];
+      const double factor = slot.effect.definition().curve_factor({regressors_.data(), k, slot.effect});
       const VectorXd row = slot.columns.row(static_cast<Index>(k)).transpose() / factor;
       sum += row.dot(own * row);
       rows += 1.0;
@@ -232,7 +199,7 @@ class PlanJudge {
       }
       return;
     }
-    if (is_curve(effect.effect.id) && !effect.parameters.front().undetermined && !effect.parameters.front().held)
+    if (effect.effect.traits().is_curve && !effect.parameters.front().undetermined && !effect.parameters.front().held)
       effect.parameters.front().sigma = curve_sigma(s);
     for (std::size_t i = 0; i < free_.size(); ++i) {
       if (free_[i].slot != s || !nonlinear_undetermined_[i]) continue;
@@ -243,7 +210,7 @@ class PlanJudge {
   void nonlinear_undetermined(std::size_t s, std::size_t i, EffectFit& effect, PlanCheck& check) const {
     const Slot& slot = assembly_.slots[s];
     const std::string parameter = slot.formulas ? slot.effect.user[slot.user_nonlinear[free_[i].j]].name
-                                                : std::string(nonlinear_parameter_of(slot.effect.id));
+                                                : std::string(slot.effect.definition().searched_parameter());
     for (ParameterEstimate& estimate : effect.parameters)
       if (estimate.name == parameter) {
         estimate.undetermined = true;

@@ -7,31 +7,22 @@
 
 #include <fmt/format.h>
 
-#include "model/diagnosis/candidates.hpp"
 #include "model/diagnosis/search.hpp"
+#include "model/effects/candidates.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
 #include "model/planning/sentences.hpp"
 
 namespace ecs::model {
 namespace {
 
-using enum EffectId;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool same_effect(const EffectInstance& a, const EffectInstance& b) {
-  return same_place(a, b) && a.sensor == b.sensor && a.approach == b.approach && to_text(a) == to_text(b);
-}
-
 bool lists(const Candidate& candidate, const EffectInstance& other) {
   const auto& list = candidate.indistinguishable_from;
   return std::find(list.begin(), list.end(), to_text(other)) != list.end();
-}
-
-/// Causes whose size depends on a condition that a run can set: as large as the noise where that is set.
-bool of_condition(EffectId id) {
-  return id == thermal_scale || id == thermal_drift || id == air_refraction || id == dead_path || id == load;
 }
 
 /// Least separation [sigma] at which a cause counts as seen: as what separates rivals.
@@ -55,10 +46,6 @@ std::string name_with_sensor(const EffectInstance& effect) {
   return name;
 }
 
-bool shows_at_zero(EffectId id) {
-  return id == offset || id == dead_path || id == thermal_drift || id == time_drift || id == warm_up || id == load;
-}
-
 OpenGroup open_group(const Diagnosis& diagnosis) {
   OpenGroup group;
   if (diagnosis.candidates.empty()) return group;
@@ -71,7 +58,7 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
   group.rivals.push_back(first->effect);
   for (const Candidate& other : diagnosis.candidates) {
     if (&other == first) continue;
-    const bool rival = lists(*first, other.effect) && !same_effect(other.effect, first->effect);
+    const bool rival = lists(*first, other.effect) && !same_candidate(other.effect, first->effect);
     if (rival && !other.named)
       group.rivals.push_back(other.effect);
     else if (other.named)
@@ -123,19 +110,20 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
   absorb(base, whitener(MatrixXd(belief.columns.topRows(present))));
   std::vector<std::pair<double, Explanation>> unseen;
   for (const EffectInstance& effect : candidate_instances(now)) {
-    const bool free_shape = effect.id == progressive || effect.id == reversal_curve || has_fixed_size(effect.id) ||
-                            !nonlinear_parameter_of(effect.id).empty();
+    const EffectTraits& traits = effect.traits();
+    const bool free_shape = (traits.is_curve && !traits.keeps_mean_and_slope) || traits.fixed_size ||
+                            !effect.definition().searched_parameter().empty();
     const bool believed = std::any_of(model.effects.begin(), model.effects.end(),
-                                      [&](const EffectInstance& e) { return same_effect(e, effect); });
+                                      [&](const EffectInstance& e) { return same_candidate(e, effect); });
     if (free_shape || believed) continue;
     Explanation one;
     one.name = name_with_sensor(effect);
     // of an angle its slope: the mean is lost where the readout is zeroed on another line
-    const Index shown = effect.id == angular ? 1 : 0;
+    const Index shown = traits.keeps_mean_and_slope ? 1 : 0;
     one.columns = regressors.columns(effect, 0.0).of.leftCols(shown + 1);
     const VectorXd shape = one.columns.col(shown);
     double size = rms_where_not_zero(shape.head(present));
-    if (of_condition(effect.id) || size <= 0.0)
+    if (traits.of_condition || size <= 0.0)
       size = std::max(size, rms_where_not_zero(shape.tail(shape.size() - present)));
     if (size <= 0.0) continue;
     one.truth = shape * (noise.pure.noise_um / size);

@@ -21,9 +21,6 @@ struct OpenGroup {
 /// "thermal_drift:X:EX (t_spindle_degC)"
 [[nodiscard]] std::string name_with_sensor(const EffectInstance& effect);
 
-/// Whether the effect shows at the place where the readout was zeroed.
-[[nodiscard]] bool shows_at_zero(EffectId id);
-
 /// Whether a dependence on the variable says what a new run shows: not where each run is another, or each hour.
 [[nodiscard]] bool says_what_comes(const std::string& variable);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/diagnosis/search.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -42,7 +43,7 @@ MatrixXd slopes_of(Assembly& assembly, const Assembly& fitted_assembly, const Ve
   MatrixXd slopes(static_cast<Index>(all.data().size()), 0);
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     const Slot& slot = assembly.slots[s];
-    if (slot.effect.id == EffectId::step) continue;
+    if (!slot.has_slope()) continue;
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {
       if (!slot.nonlinear_free[j]) continue;
       const Index first = fitted_assembly.first_column(s);
@@ -56,7 +57,7 @@ MatrixXd slopes_of(Assembly& assembly, const Assembly& fitted_assembly, const Ve
 /// Columns of an effect that are fitted, what it holds as its fixed part.
 Columns free_columns(const Regressors& regressors, const EffectInstance& effect, double nonlinear) {
   const Columns all = regressors.columns(effect, nonlinear);
-  if (is_curve(effect.id) || effect.id == EffectId::user) return all;
+  if (effect.traits().is_curve || effect.is_user()) return all;
   Columns free;
   free.fixed = all.fixed.size() > 0 ? all.fixed : VectorXd(VectorXd::Zero(all.of.rows()));
   free.of.resize(all.of.rows(), 0);
@@ -106,7 +107,7 @@ VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const Vecto
 /// Leading columns of a curve that the present readings call for (Schwarz); all of anything else.
 Index columns_called_for(const EffectInstance& effect, const Columns& columns, const MatrixXd& base,
                          const VectorXd& target, const Whitener& whitener) {
-  if (!is_curve(effect.id)) return columns.of.cols();
+  if (!effect.traits().is_curve) return columns.of.cols();
   const auto n = static_cast<double>(target.size());
   const MatrixXd own = whitener(MatrixXd(columns.of.topRows(target.size())));
   Space space;
@@ -180,7 +181,7 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
 Explanation explained_by(const std::string& name, const EffectInstance& effect, const Belief& belief,
                          const WithProposals& all, const Regressors& regressors) {
   const auto present = static_cast<Index>(all.present);
-  const std::string parameter(nonlinear_parameter_of(effect.id));
+  const std::string parameter(effect.definition().searched_parameter());
   const auto value = effect.fitted.find(parameter);
   const double nonlinear = value == effect.fitted.end() ? 0.0 : value->second;
   const Columns columns = free_columns(regressors, effect, nonlinear);
@@ -195,7 +196,7 @@ Explanation explained_by(const std::string& name, const EffectInstance& effect, 
   const VectorXd sizes =
       sizes_beside(whitener(base), whitener(MatrixXd(columns.of.topRows(present).leftCols(used))), whitener(target));
   one.truth = one.fixed + columns.of.leftCols(used) * sizes;
-  if (!parameter.empty() && effect.id != EffectId::step && !effect.parameters.contains(parameter)) {
+  if (!parameter.empty() && effect.definition().search.has_slope && !effect.parameters.contains(parameter)) {
     const double change = std::max(std::abs(nonlinear) * kSlopeStep, kLeastSlopeStep);
     const Columns moved = free_columns(regressors, effect, nonlinear + change);
     append(one.columns, (moved.of.leftCols(used) * sizes + moved.fixed - one.truth) / change);

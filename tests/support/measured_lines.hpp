@@ -7,6 +7,7 @@
 #include "laser/measurement_set.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "params/machine.hpp"
+#include "tests/support/effect_names.hpp"
 
 namespace ecs::model::test {
 
@@ -72,7 +73,7 @@ inline EffectInstance effect(EffectId id, Axis axis, Sense sense) {
 /// Offset and scale of one line.
 inline Model straight(Axis axis = Axis::X, Sense sense = Sense::EX) {
   Model model;
-  model.effects = {effect(EffectId::offset, axis, sense), effect(EffectId::scale, axis, sense)};
+  model.effects = {effect(effects::offset, axis, sense), effect(effects::scale, axis, sense)};
   return model;
 }
 

@@ -8,14 +8,14 @@
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/view.hpp"
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
 
 using model::Carrier;
-using model::EffectInfo;
-using model::ParameterInfo;
+using model::EffectDefinition;
+using model::ParameterDefinition;
 
 std::string_view word_for(Carrier carrier) {
   switch (carrier) {
@@ -30,60 +30,61 @@ std::string_view word_for(Carrier carrier) {
   }
 }
 
-bool is_bounded(const ParameterInfo& parameter) { return parameter.least != 0.0 || parameter.greatest != 0.0; }
+bool is_searched(const ParameterDefinition& parameter) { return parameter.coding == model::Coding::searched; }
 
-std::string parameter_text(const ParameterInfo& parameter) {
+std::string parameter_text(const ParameterDefinition& parameter) {
   std::string text =
       fmt::format("{}{}{}: {}", parameter.name, parameter.unit.empty() ? "" : " ", parameter.unit, parameter.meaning);
-  if (is_bounded(parameter)) text += fmt::format(", {} to {}", shortest(parameter.least), shortest(parameter.greatest));
-  if (parameter.nonlinear) text += " (searched)";
+  if (parameter.limits)
+    text += fmt::format(", {} to {}", shortest(parameter.limits->least), shortest(parameter.limits->greatest));
+  if (is_searched(parameter)) text += " (searched)";
   return text;
 }
 
-std::string whole_text(const EffectInfo& info) {
-  std::string text = fmt::format("{}: {}\n", info.name, info.title);
-  text += paragraph(fmt::format("formula:      {}", info.formula), 2, 16);
-  text += paragraph(fmt::format("cause:        {}", info.cause), 2, 16);
-  text += paragraph(fmt::format("separated by: {}", info.tells_apart), 2, 16);
-  for (const ParameterInfo& parameter : info.parameters)
+std::string whole_text(const EffectDefinition& effect) {
+  std::string text = fmt::format("{}: {}\n", effect.id, effect.title);
+  text += paragraph(fmt::format("formula:      {}", effect.formula), 2, 16);
+  text += paragraph(fmt::format("cause:        {}", effect.cause), 2, 16);
+  text += paragraph(fmt::format("separated by: {}", effect.tells_apart), 2, 16);
+  for (const ParameterDefinition& parameter : effect.parameters)
     text += paragraph("parameter:    " + parameter_text(parameter), 2, 16);
-  if (info.of_approach) text += "  acts only on readings of known approach of its own moving axis\n";
-  return text + paragraph(fmt::format("compensated:  {}; {}", word_for(info.carrier), info.how), 2, 16);
+  if (effect.traits.of_approach) text += "  acts only on readings of known approach of its own moving axis\n";
+  return text + paragraph(fmt::format("compensated:  {}; {}", word_for(effect.carrier), effect.how), 2, 16);
 }
 
 std::string list_text() {
   std::string text = fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by");
-  for (const EffectInfo& info : model::effect_library())
-    text += fmt::format("{:<19} {:<42} {}\n", info.name, info.formula, word_for(info.carrier));
+  for (const EffectDefinition& effect : model::effect_library())
+    text += fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula, word_for(effect.carrier));
   return text + "`ecs model effects NAME` explains one\n";
 }
 
-Json json_of_effect(const EffectInfo& info) {
+Json json_of_effect(const EffectDefinition& effect) {
   Json parameters = Json::array();
-  for (const ParameterInfo& parameter : info.parameters)
+  for (const ParameterDefinition& parameter : effect.parameters)
     parameters.push_back({{"name", parameter.name},
                           {"unit", parameter.unit},
-                          {"least", is_bounded(parameter) ? Json(parameter.least) : Json(nullptr)},
-                          {"greatest", is_bounded(parameter) ? Json(parameter.greatest) : Json(nullptr)},
-                          {"searched", parameter.nonlinear},
+                          {"least", parameter.limits ? Json(parameter.limits->least) : Json(nullptr)},
+                          {"greatest", parameter.limits ? Json(parameter.limits->greatest) : Json(nullptr)},
+                          {"searched", is_searched(parameter)},
                           {"meaning", parameter.meaning}});
-  return {{"effect", info.name},
-          {"title", info.title},
-          {"formula", info.formula},
-          {"cause", info.cause},
-          {"tells_apart", info.tells_apart},
+  return {{"effect", effect.id},
+          {"title", effect.title},
+          {"formula", effect.formula},
+          {"cause", effect.cause},
+          {"tells_apart", effect.tells_apart},
           {"parameters", std::move(parameters)},
-          {"of_approach", info.of_approach},
-          {"carrier", word_for(info.carrier)},
-          {"compensated", info.carrier == Carrier::error_map || info.carrier == Carrier::parameters},
-          {"how", info.how}};
+          {"of_approach", effect.traits.of_approach},
+          {"carrier", word_for(effect.carrier)},
+          {"compensated", effect.is_carried()},
+          {"how", effect.how}};
 }
 
 Result<Outcome> one_effect(const std::string& name) {
-  const auto id = model::effect_named(name);
-  if (id) return Outcome{whole_text(model::info_of(*id)), one_line(json_of_effect(model::info_of(*id))), kDone};
+  const model::EffectId id = model::effect_named(name);
+  if (id) return Outcome{whole_text(*id), one_line(json_of_effect(*id)), kDone};
   std::vector<std::string> names;
-  for (const EffectInfo& info : model::effect_library()) names.emplace_back(info.name);
+  for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);
   return problem(ProblemKind::usage,
                  fmt::format("no effect \"{}\"{}; there are {}", name,
@@ -93,7 +94,7 @@ Result<Outcome> one_effect(const std::string& name) {
 Result<Outcome> effects(const std::string& name) {
   if (!name.empty()) return one_effect(name);
   Json all = Json::array();
-  for (const EffectInfo& info : model::effect_library()) all.push_back(json_of_effect(info));
+  for (const EffectDefinition& effect : model::effect_library()) all.push_back(json_of_effect(effect));
   return Outcome{list_text(), one_line(Json{{"effects", std::move(all)}}), kDone};
 }
 

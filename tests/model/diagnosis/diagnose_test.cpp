@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model/diagnosis/candidates.hpp"
+#include "model/effects/candidates.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "tests/support/measured_lines.hpp"
 
@@ -15,7 +15,7 @@ using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using doctest::Approx;
-using enum ecs::model::EffectId;
+using namespace ecs::model::test::effects;
 
 namespace {
 
@@ -118,7 +118,7 @@ TEST_CASE("a wave that even targets cannot follow is not a rival of what it look
 
 TEST_CASE("a user's candidate is fitted in all its parameters before it is compared") {
   Model model = straight();
-  EffectInstance bump = effect(EffectId::user, Axis::X, Sense::EX);
+  EffectInstance bump = effect(effects::user, Axis::X, Sense::EX);
   bump.name = "bump";
   bump.formulas = {{Sense::EX, "a*exp(-((x_mm-at)/width)^2)"}};
   bump.user = {

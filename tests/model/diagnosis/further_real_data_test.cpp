@@ -8,7 +8,7 @@ using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using doctest::Approx;
-using enum EffectId;
+using namespace ecs::model::test::effects;
 using enum Verdict;
 
 namespace {

@@ -54,7 +54,7 @@ laser::MeasurementSet pointing(const std::string& text) {
 
 EffectInstance term(const std::string& name, const char* ex, const char* ey) {
   EffectInstance one;
-  one.id = EffectId::user;
+  one.id = effects::user;
   one.name = name;
   if (ex != nullptr) one.formulas.push_back({Sense::EX, ex});
   if (ey != nullptr) one.formulas.push_back({Sense::EY, ey});

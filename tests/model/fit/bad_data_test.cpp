@@ -13,7 +13,7 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using enum EffectId;
+using namespace ecs::model::test::effects;
 using enum Verdict;
 using Set = laser::MeasurementSet;
 

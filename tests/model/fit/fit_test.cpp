@@ -14,7 +14,7 @@ using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
 using doctest::Approx;
-using enum ecs::model::EffectId;
+using namespace ecs::model::test::effects;
 
 namespace {
 
@@ -100,7 +100,7 @@ TEST_CASE("terms that the data cannot tell apart are named, and nothing breaks")
 
 TEST_CASE("a user's formulas share their parameters across senses, linear or not") {
   Model model;
-  EffectInstance user = effect(EffectId::user, Axis::X, Sense::EX);
+  EffectInstance user = effect(effects::user, Axis::X, Sense::EX);
   user.name = "tilt";
   user.formulas = {{Sense::EX, "a*sin(x_mm/b)"}, {Sense::EY, "2*a*cos(x_mm/b) + c"}};
   user.user = {{"a", "um", {}, {}, {}, {}}, {"b", "mm", {}, 130.0, 50.0, 500.0}, {"c", "um", {}, {}, {}, {}}};
@@ -121,7 +121,7 @@ TEST_CASE("a user's formulas share their parameters across senses, linear or not
 
 TEST_CASE("a formula with an unknown name is refused with the columns there are") {
   Model model;
-  EffectInstance user = effect(EffectId::user, Axis::X, Sense::EX);
+  EffectInstance user = effect(effects::user, Axis::X, Sense::EX);
   user.name = "tilt";
   user.formulas = {{Sense::EX, "a*t_oil_degC"}};
   user.user = {{"a", "um", {}, {}, {}, {}}};

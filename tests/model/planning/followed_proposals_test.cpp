@@ -11,7 +11,7 @@
 using namespace ecs;
 using namespace ecs::model;
 using namespace ecs::model::test;
-using enum ecs::model::EffectId;
+using namespace ecs::model::test::effects;
 
 namespace {
 

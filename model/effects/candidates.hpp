@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "model/data/observations.hpp"
-#include "model/effects/effect.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::model {
 
@@ -14,16 +13,14 @@ namespace ecs::model {
 /// Axes whose coordinate takes at least two values in readings of this sense.
 [[nodiscard]] std::vector<Axis> varied_axes(const Observations& data, Sense sense);
 
-/// In an order that depends on the library alone. Faults of the map only where a map was active; effects that need a
-/// sensor, feed, load, time or a known component only where the data have it.
+/// Every place at which the definitions of the library seek their effect, in an order that depends on the library
+/// alone: by sense, then at its natural axis, along axes, at reversals, each by preference; then levers, then faults of
+/// the map, where one was active. Effects whose needs the data lack are left out (untried_effects).
 [[nodiscard]] std::vector<EffectInstance> candidate_instances(const Observations& data);
 
 /// What every measured curve has, to begin a model with: an offset (each instrument begins at a zero of its own), for
 /// each axis that moves a slope, and lost motion where both approaches were measured. One of them left out, a diagnosis
 /// would explain it by several others.
 [[nodiscard]] std::vector<EffectInstance> usual_effects(const Observations& data);
-
-/// Effects left out because the data lack what they need, in words.
-[[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
 
 }  // namespace ecs::model

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/chain.hpp"
-#include "model/effects/regressors.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model {
 namespace {
@@ -54,6 +54,10 @@ double map_compensation(const Observations& data, std::size_t k, const EffectIns
     sum += factor * value_of(*data.map, table.component, data.position_mm[k][index_of(axis)] + shift_mm, approach);
   }
   return sum;
+}
+
+double map_compensation(const ReadingAt& at) {
+  return map_compensation(at.data, at.k, at.effect, 0.0, at.data.approach[at.k]);
 }
 
 }  // namespace ecs::model

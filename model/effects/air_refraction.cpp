@@ -1,0 +1,32 @@
+// Wavelength not corrected for air, p·Δn (Edlén 1966; Birch and Downs 1994).
+#include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition air_refraction() {
+  return {
+      .id = "air_refraction",
+      .title = "Air not corrected",
+      .formula = "p dn(T_air, pressure, humidity)",
+      .cause = "the laser's wavelength was not corrected for air",
+      .tells_apart = "a slope that follows the refractive index of air",
+      .parameters =
+          {{.name = "factor", .unit = "", .meaning = "1 = not corrected at all", .limits = ValueRange{0.0, 2.0}}},
+      .carrier = Carrier::set_up,
+      .how = "an error of the measurement: correct the readings for air",
+      .separated_by = separations::kOtherPressure,
+      .turns_into = {{Limit::tied_to_runs, "offset"}},
+      .traits = {.of_condition = true},
+      .needs = {Need::air},
+      .preference = 90,
+      .columns = [](const ReadingAt& at,
+                    std::span<double> row) { row[0] = at.p_m() * air_deviation_ppm(at.data, at.k); },
+      .least_coefficient = -0.2,
+      .greatest_coefficient = 2.2,
+      .along_axis = [](const Site& site) { return site.once(site.is_positioning()); },
+  };
+}
+
+}  // namespace ecs::model::effects

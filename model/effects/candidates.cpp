@@ -1,0 +1,176 @@
+#include "model/effects/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "model/data/curve_basis.hpp"
+#include "model/effects/needs.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr Sense kSenses[] = {Sense::EX, Sense::EY, Sense::EZ, Sense::EA, Sense::EB, Sense::EC};
+
+bool has(const Observations& data, Sense sense) {
+  return std::find(data.sense.begin(), data.sense.end(), sense) != data.sense.end();
+}
+
+std::vector<Axis> moved_axes(const Observations& data, Sense sense) {
+  std::vector<Axis> axes;
+  for (const Axis a : kAllAxes)
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.sense[k] == sense && data.axis[k] == a) {
+        axes.push_back(a);
+        break;
+      }
+  return axes;
+}
+
+bool both_approaches(const Observations& data, Sense sense, Axis axis) {
+  bool forward = false, reverse = false;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.sense[k] != sense || data.axis[k] != axis) continue;
+    forward = forward || data.approach[k] > 0;
+    reverse = reverse || data.approach[k] < 0;
+  }
+  return forward && reverse;
+}
+
+std::size_t places(const Observations& data, Sense sense, Axis axis) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.sense[k] == sense) values.push_back(data.p_mm(k, axis));
+  return distinct(std::move(values), 1e-6).size();
+}
+
+/// The library by preference.
+const std::vector<EffectId>& by_preference() {
+  static const std::vector<EffectId> sorted = [] {
+    std::vector<EffectId> all;
+    for (const EffectDefinition& definition : effect_library()) all.push_back(&definition);
+    std::stable_sort(all.begin(), all.end(), [](EffectId a, EffectId b) { return a->preference < b->preference; });
+    return all;
+  }();
+  return sorted;
+}
+
+Site site_at(const Observations& data, Sense sense, Axis axis, bool any_axis_varies) {
+  return {data, sense, axis, places(data, sense, axis), any_axis_varies};
+}
+
+/// What the definitions seek at a site of this kind; only those that every line has, if so asked.
+void add_at(const Site& site, CandidatesAt EffectDefinition::*kind, bool usual_only, std::vector<EffectInstance>& out) {
+  for (const EffectId id : by_preference()) {
+    if (id->*kind == nullptr || (usual_only && !id->traits.is_usual) || lacks_needs(site.data, *id)) continue;
+    for (EffectInstance& one : (id->*kind)(site)) {
+      one.id = id;
+      out.push_back(std::move(one));
+    }
+  }
+}
+
+void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
+  std::set<Component> seen;
+  for (const Term& term : data.terms) {
+    if (!term.has_lever || !term.uses_coordinate) continue;
+    if (!has(data, static_cast<Sense>(term.observed)) || !seen.insert(term.component).second) continue;
+    EffectInstance effect;
+    effect.id = effect_at(is_squareness(term.component) ? Place::squareness : Place::rotation);
+    effect.axis = is_squareness(term.component) ? term.lever : moving_axis(term.component);
+    effect.code = term.component;
+    out.push_back(effect);
+  }
+}
+
+void add_map_faults(const Observations& data, std::vector<EffectInstance>& out) {
+  if (!data.map || std::find(data.compensated.begin(), data.compensated.end(), true) == data.compensated.end()) return;
+  std::vector<EffectInstance> places;
+  std::set<Component> components;
+  std::set<Axis> axes;
+  for (const laser::MapTable& table : data.map->tables) {
+    components.insert(table.component);
+    axes.insert(moving_axis(table.component));
+  }
+  for (const Component component : components) {
+    EffectInstance one;
+    one.axis = moving_axis(component);
+    one.sense = sense_of(component);
+    if (is_angular(component)) {
+      one.sense = std::nullopt;
+      one.code = component;
+    }
+    places.push_back(one);
+  }
+  for (const Axis axis : axes) {
+    const auto of_axis = [&](Component c) { return moving_axis(c) == axis; };
+    if (std::count_if(components.begin(), components.end(), of_axis) < 2) continue;  // it is that component
+    EffectInstance one;
+    one.axis = axis;
+    places.push_back(one);
+  }
+  places.emplace_back();  // the whole map
+  for (const EffectId id : by_preference())
+    for (EffectInstance place : places) {
+      if (id->place != Place::map) continue;
+      place.id = id;
+      out.push_back(place);
+    }
+}
+
+}  // namespace
+
+std::vector<EffectInstance> Site::once(bool worth_trying) const {
+  if (!worth_trying) return {};
+  EffectInstance effect;
+  effect.axis = axis;
+  effect.sense = sense;
+  return {effect};
+}
+
+Axis natural_axis(const Observations& data, Sense sense) {
+  const std::vector<Axis> moved = moved_axes(data, sense);
+  const Axis own = direction_of(sense);
+  if (moved.empty() || std::find(moved.begin(), moved.end(), own) != moved.end()) return own;
+  return moved.front();
+}
+
+std::vector<Axis> varied_axes(const Observations& data, Sense sense) {
+  std::vector<Axis> axes;
+  for (const Axis a : kAllAxes)
+    if (places(data, sense, a) >= 2) axes.push_back(a);
+  return axes;
+}
+
+std::vector<EffectInstance> candidate_instances(const Observations& data) {
+  std::vector<EffectInstance> out;
+  for (const Sense sense : kSenses) {
+    if (!has(data, sense)) continue;
+    const std::vector<Axis> varied = varied_axes(data, sense);
+    const auto site = [&](Axis axis) { return site_at(data, sense, axis, !varied.empty()); };
+    add_at(site(natural_axis(data, sense)), &EffectDefinition::of_sense, false, out);
+    for (const Axis axis : varied) add_at(site(axis), &EffectDefinition::along_axis, false, out);
+    for (const Axis axis : moved_axes(data, sense))
+      if (both_approaches(data, sense, axis)) add_at(site(axis), &EffectDefinition::of_reversal, false, out);
+  }
+  add_levered(data, out);
+  add_map_faults(data, out);
+  return out;
+}
+
+std::vector<EffectInstance> usual_effects(const Observations& data) {
+  constexpr std::size_t kForSlope = 3;
+  std::vector<EffectInstance> usual;
+  for (const Sense sense : kSenses) {
+    if (!has(data, sense)) continue;
+    const auto site = [&](Axis axis) { return site_at(data, sense, axis, true); };
+    add_at(site(natural_axis(data, sense)), &EffectDefinition::of_sense, true, usual);
+    for (const Axis axis : moved_axes(data, sense)) {
+      if (places(data, sense, axis) >= kForSlope) add_at(site(axis), &EffectDefinition::along_axis, true, usual);
+      if (both_approaches(data, sense, axis)) add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
+    }
+  }
+  return usual;
+}
+
+}  // namespace ecs::model

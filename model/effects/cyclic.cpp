@@ -1,0 +1,143 @@
+// A wave over the position, A·sin(2πp/P + φ) and its second harmonic: screw pitch, grating pitch, gear mesh,
+// electronic subdivision. Searched at frequencies that are even and oversampled, up to the Nyquist frequency of the
+// targets (Lomb 1976; Scargle 1982; VanderPlas 2018, 7; for uneven targets Eyer and Bartholdi 1999), and at the pitches
+// of the machine; the common step of targets by Euclid's algorithm.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "model/data/turns.hpp"
+#include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
+
+namespace ecs::model::effects {
+namespace {
+
+/// Euclid's algorithm ends at this share of the least step: what is left is rounding of the file.
+constexpr double kRestOfStep = 1e-3;
+/// Least common step, in mean distances of targets: below it the targets have none in practice.
+constexpr double kLeastStep = 0.02;
+/// Targets from which a period is looked for: a wave has three parameters, the model at least an offset and a slope.
+constexpr std::size_t kFewestTargets = 6;
+/// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice.
+constexpr double kHighestTurns = 5.0;
+/// Fewer turns over the travel are a curve, not a period.
+constexpr double kFewestTurns = 1.5;
+/// Frequencies tried per 1/travel: three keep the nearest within a sixth of a turn over the travel (VanderPlas 2018:
+/// five to ten; here the best are refined).
+constexpr double kOversampling = 3.0;
+/// Rounding of the highest frequency.
+constexpr double kRounding = 1.0001;
+/// A period is also chosen among so many: three approaches, or one or two harmonics.
+constexpr double kWays = 3.0;
+/// Parts and multiples of a pitch: gears, belts, poles of a motor and starts of a thread, in the order of trust.
+constexpr std::array kPartsOfPitch{1.0, 0.5, 2.0, 1.0 / 3.0, 0.25, 0.2, 3.0, 4.0, 5.0, 0.1};
+/// Period assumed for planning: eight in the travel, no shorter than this [mm]; well inside what a plan can show.
+constexpr double kPeriodsAssumed = 8.0, kLeastPeriod_mm = 1e-3;
+
+/// Greatest step of which all positions are multiples, 0 if it is below `least`.
+double common_step(const std::vector<double>& p, double least) {
+  double step = 0.0;
+  for (std::size_t i = 1; i < p.size(); ++i) {
+    double a = std::max(step, p[i] - p[i - 1]), b = std::min(step, p[i] - p[i - 1]);
+    while (b > kRestOfStep * least) {
+      const double rest = std::abs(a - b * std::round(a / b));
+      a = b;
+      b = rest;
+    }
+    step = a;
+    if (step < least) return 0.0;
+  }
+  return step;
+}
+
+/// Pitches of the axis, their fractions and multiples, of which enough turns fit into the travel.
+std::vector<double> pitches(const Observations& data, Axis axis, double travel_mm) {
+  std::vector<double> facts;
+  const auto& machine_axis = data.machine.axes[index_of(axis)];
+  if (!machine_axis) return facts;
+  for (const auto& pitch : {machine_axis->screw_pitch_mm, machine_axis->scale_pitch_mm}) {
+    if (!pitch) continue;
+    for (const double part : kPartsOfPitch)
+      if (*pitch * part * kFewestTurns < travel_mm) facts.push_back(*pitch * part);
+  }
+  return facts;
+}
+
+TriedValues periods(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t most) {
+  TriedValues tried;
+  const std::vector<double> p = acting_positions(data, acting, *effect.axis);
+  if (p.size() < kFewestTargets) return tried;
+  const double travel = p.back() - p.front();
+  const double mean_step = travel / static_cast<double>(p.size() - 1);
+  const double step = common_step(p, kLeastStep * mean_step);
+  double highest = step > 0.0 ? 0.5 / step : kHighestTurns / mean_step;
+  highest = std::min(highest, kHighestTurns / mean_step);
+  const double lowest = kFewestTurns / travel;
+  const auto wanted = static_cast<std::size_t>(std::max(1.0, kOversampling * travel * (highest - lowest)));
+  const std::size_t count = std::min(wanted, most);
+  for (std::size_t i = 0; i <= count; ++i) {
+    const double frequency = lowest + static_cast<double>(i) / (kOversampling * travel);
+    if (step > 0.0 && frequency > highest * kRounding) break;
+    tried.values.push_back(1.0 / frequency);
+  }
+  tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()) / kOversampling);
+  tried.facts = pitches(data, *effect.axis, travel);
+  return tried;
+}
+
+double assumed_period(const Observations& plan, const EffectInstance& effect, const Acting& acting) {
+  const auto& axis = plan.machine.axes[index_of(*effect.axis)];
+  if (axis && axis->screw_pitch_mm) return *axis->screw_pitch_mm;
+  const auto [least, greatest] = acting_range(plan, acting, *effect.axis);
+  return std::max((greatest - least) / kPeriodsAssumed, kLeastPeriod_mm);
+}
+
+}  // namespace
+
+EffectDefinition cyclic() {
+  return {
+      .id = "cyclic",
+      .title = "Periodic error",
+      .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
+      .cause = "screw pitch, grating pitch, gear mesh or electronic subdivision",
+      .tells_apart = "one period over the whole travel, often a pitch of screw or scale",
+      .parameters = {{"period_mm", "mm", "length of one period", Coding::searched},
+                     {"amplitude_um", "um", "of the fundamental", Coding::amplitude},
+                     {"phase_rad", "rad", "of the fundamental, sin(2 pi p/P + phase)", Coding::phase},
+                     {"amplitude2_um", "um", "of the second harmonic", Coding::amplitude},
+                     {"phase2_rad", "rad", "of the second harmonic", Coding::phase}},
+      .carrier = Carrier::error_map,
+      .how = "a table of the error map with increments well below the period",
+      .separated_by = {90, "Measure three periods of {axis} in steps of {tenth:.3g} mm in the middle of the travel.",
+                       false},
+      .turns_into = {{Limit::at_greatest, "scale"}, {Limit::at_greatest, "progressive"}},
+      .traits = {.periodic = true, .shape_of_position = true, .one_per_axis = true, .several_alike = true},
+      .preference = 30,
+      .columns_of_place =
+          [](double p_mm, double searched, std::span<double> row) {
+            const double angle = 2.0 * std::numbers::pi * p_mm / searched;
+            for (std::size_t j = 0; j + 1 < row.size(); j += 2) {
+              const double harmonic = static_cast<double>(j / 2 + 1);
+              row[j] = sine_of(harmonic * angle);
+              row[j + 1] = cosine_of(harmonic * angle);
+            }
+          },
+      .column_sets = {{0, 1}, {0, 1, 2, 3}},
+      .search = {.tried = periods, .assumed = assumed_period},
+      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestTargets); },
+      .of_reversal =
+          [](const Site& site) {
+            std::vector<EffectInstance> all;
+            for (const ApproachMode mode : {ApproachMode::forward, ApproachMode::reverse})
+              for (EffectInstance& one : site.once(site.places >= kFewestTargets)) {
+                all.push_back(std::move(one));
+                all.back().approach = mode;
+              }
+            return all;
+          },
+  };
+}
+
+}  // namespace ecs::model::effects

@@ -1,0 +1,32 @@
+// Uncompensated path between the optics at reset, L·Δn (Steinmetz 1990).
+#include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition dead_path() {
+  return {
+      .id = "dead_path",
+      .title = "Dead path",
+      .formula = "L_d dn",
+      .cause = "uncompensated path between the optics at reset",
+      .tells_apart = "follows the refractive index of air, the same at every position",
+      .parameters =
+          {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},
+      .carrier = Carrier::set_up,
+      .how = "an error of the measurement: reset with the optics close together",
+      .separated_by = separations::kOtherPressure,
+      .turns_into = {{Limit::tied_to_runs, "offset"}},
+      .traits = {.is_drift = true, .of_condition = true, .shows_at_zero = true, .until_new_set_up = true},
+      .place = Place::sense,
+      .needs = {Need::air},
+      .preference = 130,
+      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = air_deviation_ppm(at.data, at.k); },
+      .least_coefficient = -11.0,
+      .greatest_coefficient = 11.0,
+      .of_sense = [](const Site& site) { return site.once(!is_rotation(site.sense)); },
+  };
+}
+
+}  // namespace ecs::model::effects

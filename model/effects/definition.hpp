@@ -1,0 +1,214 @@
+// What the library knows of an effect: its words, parameters and limits, how it acts on readings, at which values it is
+// searched and where it may be a candidate. Each effect is defined in a file of its own (<id>.cpp, listed in
+// registry.cpp); algorithms ask for traits, never for an id.
+// Does not live here: an effect at its place in a machine (effect.hpp), columns over observations (regressors.hpp).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/data/observations.hpp"
+#include "model/effects/effect.hpp"
+
+namespace ecs::model {
+
+struct ValueRange {
+  double least = 0.0;
+  double greatest = 0.0;
+};
+
+/// How a parameter that people read follows from the linear coefficients of the fit.
+enum class Coding : std::uint8_t {
+  coefficient,    ///< neutral value + the next coefficient
+  amplitude,      ///< hypot of the next two coefficients, of sine and cosine
+  phase,          ///< their atan2; follows its amplitude
+  square_root,    ///< root of the next coefficient
+  searched,       ///< none: the contribution is not proportional to it
+  size_of_curve,  ///< none: root mean square of the fitted curve
+  fixed,          ///< none: always 1
+};
+
+/// A parameter as model files and JSON name it.
+struct ParameterDefinition {
+  std::string_view name;
+  std::string_view unit;  ///< "" for a pure number
+  std::string_view meaning;
+  Coding coding = Coding::coefficient;
+  std::optional<ValueRange> limits{};  ///< physical range; absent: any value
+  double neutral = 0.0;                ///< value at which the effect contributes nothing
+};
+
+/// What the unit can do about an effect.
+enum class Carrier : std::uint8_t {
+  error_map,   ///< a table of the error map
+  parameters,  ///< a value among the unit's parameters (squareness, polarity, scaling, datum)
+  set_up,      ///< nothing to compensate: the measurement or the commissioning is to be put right
+  none,        ///< varies with something the unit does not see
+};
+
+/// Which of axis, sense and code an instance has, and so which readings it acts on.
+enum class Place : std::uint8_t {
+  sense,            ///< readings of `sense`; the axis may be left out: it is the natural one of the sense
+  axis_and_sense,   ///< readings of `sense`, by the coordinate of `axis`
+  known_component,  ///< as axis_and_sense; `code` names a rotation among [[known]]
+  rotation,         ///< `code` EAX … ECZ: every direction in which the terms give it a lever
+  squareness,       ///< `code` C0Y, B0Z, A0Z: likewise
+  map,              ///< compensated readings, through the tables of the map: all, of one axis or of one component
+  formulas,         ///< the senses of the user's formulas
+};
+
+/// Facts by which search, fit, planning and words treat effects; each says what follows from it.
+struct EffectTraits {
+  // what is fitted
+  bool is_curve = false;              ///< smooth functions of rising roughness, as many as the evidence asks for
+  bool keeps_mean_and_slope = false;  ///< of a curve: these are its own and come first among its columns
+  bool fixed_size = false;            ///< no coefficient: the data say yes or no
+  bool periodic = false;              ///< sines and cosines of its searched parameter; searched in frequency
+  // what it looks like
+  bool of_approach = false;        ///< acts only on readings of known approach of its own moving axis
+  bool shape_of_position = false;  ///< free shape over one axis: three together follow any curve
+  bool is_smooth = false;          ///< bends slowly over the travel
+  bool is_drift = false;           ///< changes in time, the same at all positions: three together follow any drift
+  bool of_condition = false;       ///< its size depends on a condition that a run can set
+  bool in_motion = false;          ///< shows only in readings taken on the fly
+  bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
+  bool until_new_set_up = false;   ///< ends when the optics are aligned and reset anew (column `set_up`)
+  // how often it can be there
+  bool is_usual = false;       ///< every measured line has it: part of a new model
+  bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis
+  bool several_alike = false;  ///< may act several times at one place
+};
+
+/// What data must have for an effect to act.
+enum class Need : std::uint8_t { time, sensor, material_temperature, air, feed, load, travel_since_reversal, known };
+
+/// What an effect looks like at a limit of a searched parameter or of its data.
+enum class Limit : std::uint8_t { at_least, at_greatest, tied_to_runs };
+struct Becomes {
+  Limit limit = Limit::at_greatest;
+  std::string_view effect;  ///< id
+};
+
+/// The measurement that confirms an effect or separates it from its rivals.
+struct SeparatingMeasurement {
+  int precedence = 100;         ///< among rivals the one with the least is proposed
+  std::string_view sentence;    ///< fmt; {axis}: the letter, {tenth}: a tenth of the period [mm]
+  bool also_for_rivals = true;  ///< false: only where the effect itself is the first candidate
+};
+
+/// Readings on which an effect acts.
+struct Acting {
+  std::vector<std::size_t> rows;  ///< canonical order, ascending
+  std::size_t skipped = 0;        ///< it would act, but the row lacks a cell
+  std::string lacking;            ///< the column that is missing, "" if none
+};
+
+/// One reading, for a contribution. @pre the effect acts on it
+struct ReadingAt {
+  const Observations& data;
+  std::size_t k = 0;  ///< canonical order
+  const EffectInstance& effect;
+  double searched = 0.0;  ///< value of the searched parameter
+
+  /// Coordinate of the effect's axis from the datum; 0 where it has none.
+  [[nodiscard]] double p_mm() const { return effect.axis ? data.p_mm(k, *effect.axis) : 0.0; }
+  [[nodiscard]] double p_m() const { return p_mm() / 1000.0; }
+  [[nodiscard]] double approach() const { return data.approach[k]; }
+};
+
+/// Values at which a searched parameter is tried: fine enough not to step over anything, facts of the machine apart.
+struct TriedValues {
+  std::vector<double> values;
+  std::vector<double> facts{};  ///< suggested by the machine
+  double independent = 1.0;     ///< about how many of the values are different trials
+};
+
+/// Where the single nonlinear parameter of an effect is sought.
+struct SearchDefinition {
+  /// @param most  values at the utmost
+  TriedValues (*tried)(const Observations& data, const EffectInstance& effect, const Acting& acting,
+                       std::size_t most) = nullptr;
+  /// Value to plan with where neither the model nor a fit gives one. @param plan  readings still to be taken
+  double (*assumed)(const Observations& plan, const EffectInstance& effect, const Acting& acting) = nullptr;
+  bool has_slope = true;      ///< the contribution has a derivative in it
+  bool either_sign = false;   ///< a fit may take it through 0
+  bool within_tried = false;  ///< a fit keeps it between half the least and twice the greatest value tried
+};
+
+/// A sense and an axis of a data set at which candidates are sought.
+struct Site {
+  const Observations& data;
+  Sense sense = Sense::EX;
+  Axis axis = Axis::X;
+  std::size_t places = 0;        ///< different coordinates of the axis in readings of the sense
+  bool any_axis_varies = false;  ///< some coordinate varies in readings of the sense
+
+  [[nodiscard]] bool is_positioning() const { return !is_rotation(sense) && direction_of(sense) == axis; }
+  /// One instance here (its `id` is set by the caller), or none.
+  [[nodiscard]] std::vector<EffectInstance> once(bool worth_trying = true) const;
+};
+using CandidatesAt = std::vector<EffectInstance> (*)(const Site& site);
+
+/// One cause. Functions may be null where the effect has no such part.
+struct EffectDefinition {
+  std::string_view id;           ///< "cyclic"
+  std::string_view title;        ///< "Periodic error"
+  std::string_view formula;      ///< contribution to a reading, as printed in the manual
+  std::string_view cause;        ///< physical cause, plain words
+  std::string_view tells_apart;  ///< what tells it from its neighbours
+  std::vector<ParameterDefinition> parameters{};
+  Carrier carrier = Carrier::none;
+  std::string_view how{};  ///< how the unit compensates it, or why it cannot
+  SeparatingMeasurement separated_by{};
+  std::vector<Becomes> turns_into{};
+
+  EffectTraits traits{};
+  Place place = Place::axis_and_sense;
+  std::vector<Need> needs{};
+  int preference = 0;  ///< among effects that do equally well the one with the least is named first
+
+  // Contribution to a reading = columns · coefficients, or the fixed part, in um (um/m in readings of a rotation).
+  void (*columns)(const ReadingAt& at, std::span<double> row) = nullptr;
+  /// In place of `columns` where only position and searched parameter matter; `row` may be shorter than all columns.
+  void (*columns_of_place)(double p_mm, double searched, std::span<double> row) = nullptr;
+  double (*fixed_part)(const ReadingAt& at) = nullptr;    ///< of an effect of fixed size
+  double (*curve_factor)(const ReadingAt& at) = nullptr;  ///< what the curve is multiplied by
+  /// Columns that may be used together; empty: all. The second where the axis is not the natural one of the sense.
+  std::vector<std::vector<std::ptrdiff_t>> column_sets{};
+  std::vector<std::vector<std::ptrdiff_t>> column_sets_elsewhere{};
+  /// Range in which a search keeps a single coefficient; wider than the physical one by what noise may add.
+  std::optional<double> least_coefficient{}, greatest_coefficient{};
+  SearchDefinition search{};
+
+  // Where it may be a candidate; `needs` are met already.
+  CandidatesAt of_sense = nullptr;     ///< once a sense, at its natural axis
+  CandidatesAt along_axis = nullptr;   ///< for each axis whose coordinate varies
+  CandidatesAt of_reversal = nullptr;  ///< for each axis that was moved both ways
+
+  /// Name of its searched parameter, "" if it has none.
+  [[nodiscard]] std::string_view searched_parameter() const;
+  /// Number of linear coefficients; of a curve 0.
+  [[nodiscard]] std::size_t column_count() const;
+  /// Columns of a curve that come before its smooth functions: mean and slope, or none.
+  [[nodiscard]] std::size_t leading_columns() const { return traits.keeps_mean_and_slope ? 2 : 0; }
+  /// The unit can compensate it.
+  [[nodiscard]] bool is_carried() const { return carrier == Carrier::error_map || carrier == Carrier::parameters; }
+  /// Acts through a lever or an angle between axes: has a code and no sense.
+  [[nodiscard]] bool has_lever() const { return place == Place::rotation || place == Place::squareness; }
+};
+
+/// All effects, in the order in which they are listed; effects of the user last.
+[[nodiscard]] const std::vector<EffectDefinition>& effect_library();
+
+/// The effect at places of this kind. @pre one effect of the library is
+[[nodiscard]] EffectId effect_at(Place place);
+
+inline const EffectTraits& EffectInstance::traits() const { return definition().traits; }
+inline bool EffectInstance::is_user() const { return definition().place == Place::formulas; }
+
+}  // namespace ecs::model

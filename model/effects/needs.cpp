@@ -1,0 +1,118 @@
+#include "model/effects/needs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/effects/quantities.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr std::string_view kMaterial = "t_material_degC";
+
+struct NeedFacts {
+  Need need;
+  std::string_view what;     ///< as a note about the whole data set names it
+  std::string_view columns;  ///< as a note about rows names it; "": see needed_columns
+  bool (*lacking)(const Observations& data);
+  double (*cell)(const Observations& data, std::size_t k, const EffectInstance& effect);  ///< NaN: lacks it
+};
+
+bool has_air(const Observations& data) {
+  return data.sensors_degC.contains("t_air_degC") && !data.pressure_hPa.empty() && !data.humidity_pct.empty();
+}
+
+using Data = const Observations&;
+using Effect = const EffectInstance&;
+
+/// In the order of the notes.
+constexpr NeedFacts kNeeds[] = {
+    {Need::time, "time_s", "time_s", [](Data data) { return data.time_s.empty(); },
+     [](Data data, std::size_t k, Effect) { return cell(data.time_s, k); }},
+    {Need::sensor, "temperature sensor", "", [](Data data) { return data.sensors_degC.empty(); },
+     [](Data data, std::size_t k, Effect effect) { return sensor_degC(data, effect.sensor, k); }},
+    {Need::material_temperature, kMaterial, kMaterial, [](Data data) { return !data.sensors_degC.contains(kMaterial); },
+     [](Data data, std::size_t k, Effect) { return sensor_degC(data, kMaterial, k); }},
+    {Need::air, "t_air_degC, pressure_hPa and humidity_pct together", "t_air_degC, pressure_hPa, humidity_pct",
+     [](Data data) { return !has_air(data); },
+     [](Data data, std::size_t k, Effect) { return air_deviation_ppm(data, k); }},
+    {Need::feed, "feed_mm_min", "feed_mm_min", [](Data data) { return data.feed_mm_min.empty(); },
+     [](Data data, std::size_t k, Effect) { return cell(data.feed_mm_min, k); }},
+    {Need::load, "load_kg", "load_kg", [](Data data) { return data.load_kg.empty(); },
+     [](Data data, std::size_t k, Effect) { return cell(data.load_kg, k); }},
+    {Need::travel_since_reversal, "travel_since_reversal_mm", "travel_since_reversal_mm",
+     [](Data data) { return data.travel_since_reversal_mm.empty(); },
+     [](Data data, std::size_t k, Effect) { return cell(data.travel_since_reversal_mm, k); }},
+    {Need::known, "[[known]] component", "the known component", [](Data data) { return data.known.empty(); },
+     [](Data data, std::size_t, Effect effect) {
+       return effect.code ? known_value(data, *effect.code, 0.0) : kNotMeasured;
+     }},
+};
+
+const NeedFacts& facts_of(Need need) {
+  return *std::find_if(std::begin(kNeeds), std::end(kNeeds),
+                       [&](const NeedFacts& facts) { return facts.need == need; });
+}
+
+bool needs(const EffectDefinition& definition, Need need) {
+  return std::find(definition.needs.begin(), definition.needs.end(), need) != definition.needs.end();
+}
+
+/// "no load_kg: load cannot be tried"
+template <class Chosen>
+std::string note_of(std::string_view what, const Chosen& chosen) {
+  std::vector<std::string_view> names;
+  for (const EffectDefinition& definition : effect_library())
+    if (chosen(definition)) names.push_back(definition.id);
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += fmt::format("{}{}", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
+  return fmt::format("no {}: {} cannot be tried", what, list);
+}
+
+}  // namespace
+
+bool lacks_needs(const Observations& data, const EffectDefinition& definition) {
+  return std::any_of(definition.needs.begin(), definition.needs.end(),
+                     [&](Need need) { return facts_of(need).lacking(data); });
+}
+
+bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect) {
+  const auto& needed = effect.definition().needs;
+  return std::none_of(needed.begin(), needed.end(),
+                      [&](Need need) { return std::isnan(facts_of(need).cell(data, k, effect)); });
+}
+
+std::string needed_columns(const EffectInstance& effect) {
+  std::string columns;
+  for (const Need need : effect.definition().needs) {
+    const std::string_view own = need == Need::sensor ? std::string_view(effect.sensor) : facts_of(need).columns;
+    columns += fmt::format("{}{}", columns.empty() ? "" : ", ", own);
+  }
+  return columns;
+}
+
+std::vector<std::string> untried_effects(const Observations& data) {
+  std::vector<std::string> notes;
+  const bool any_sensor = !data.sensors_degC.empty();
+  for (const NeedFacts& facts : kNeeds) {
+    if (facts.need == Need::known || !facts.lacking(data)) continue;
+    if (facts.need == Need::material_temperature && !any_sensor) continue;  // said with the sensors
+    notes.push_back(note_of(facts.what, [&](const EffectDefinition& definition) {
+      return needs(definition, facts.need) ||
+             (facts.need == Need::sensor && needs(definition, Need::material_temperature));
+    }));
+  }
+  if (std::all_of(data.approach.begin(), data.approach.end(), [](int d) { return d == 0; }))
+    notes.emplace_back("no approach: effects of approach cannot be tried");
+  if (data.terms.count == 0)
+    notes.push_back(note_of("machine", [](const EffectDefinition& definition) { return definition.has_lever(); }));
+  if (data.known.empty())
+    notes.push_back(note_of(facts_of(Need::known).what,
+                            [](const EffectDefinition& definition) { return needs(definition, Need::known); }));
+  return notes;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,23 @@
+// What data must have for effects to act: the cells of a row, and whether a data set has them at all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/effects/definition.hpp"
+
+namespace ecs::model {
+
+/// Whether the data set lacks what every instance of the effect needs.
+[[nodiscard]] bool lacks_needs(const Observations& data, const EffectDefinition& definition);
+
+/// Whether row k has the cells that the effect needs.
+[[nodiscard]] bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect);
+
+/// The columns that an instance needs, as a note names them; "" if none.
+[[nodiscard]] std::string needed_columns(const EffectInstance& effect);
+
+/// Effects left out because the data lack what they need, in words.
+[[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
+
+}  // namespace ecs::model

@@ -1,0 +1,38 @@
+// What effects take from a reading: sensors, air, levers, known components, the map that was active.
+// Does not live here: what effects make of them (one file each).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "model/effects/definition.hpp"
+
+namespace ecs::model {
+
+inline constexpr double kReference_degC = 20.0;
+
+/// Temperature of a sensor in reading k [degC]; kNotMeasured where there is none.
+[[nodiscard]] double sensor_degC(const Observations& data, std::string_view column, std::size_t k);
+/// The first temperature that a sensor measured, in canonical order [degC].
+[[nodiscard]] double first_degC(const Observations& data, std::string_view column);
+
+/// Refractive index of the air in reading k less that of the reference air [1e-6]; kNotMeasured where a cell lacks.
+[[nodiscard]] double air_deviation_ppm(const Observations& data, std::size_t k);
+
+/// Value of a `[[known]]` component [um, um/m]; kNotMeasured where it is not known.
+[[nodiscard]] double known_value(const Observations& data, Component code, double position_mm);
+
+/// Σ sign · lever [m] of the component in reading k; 0 where it does not act.
+[[nodiscard]] double lever_m(const Observations& data, std::size_t k, Component code);
+
+/// True where the axis is the one being moved and the approach is known.
+[[nodiscard]] bool is_own_motion(const Observations& data, std::size_t k, Axis axis);
+
+/// The map's compensation in reading k, um (um/m for rotations), of the tables chosen by `effect` (axis, code; all if
+/// it names none), with the moving axis shifted by `shift_mm` and the approach taken `as_approach`.
+[[nodiscard]] double map_compensation(const Observations& data, std::size_t k, const EffectInstance& effect,
+                                      double shift_mm, int as_approach);
+/// The same as the unit applied it.
+[[nodiscard]] double map_compensation(const ReadingAt& at);
+
+}  // namespace ecs::model

@@ -1,0 +1,26 @@
+// Lost motion that varies along the axis, s(p)·d/2: a worn nut, a sagging screw.
+#include "model/effects/definition.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition reversal_curve() {
+  return {
+      .id = "reversal_curve",
+      .title = "Reversal error along the axis",
+      .formula = "s(p) d/2",
+      .cause = "lost motion that varies along the axis: worn nut, screw sag",
+      .tells_apart = "forward and reverse curves drift apart along the axis",
+      .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
+      .carrier = Carrier::error_map,
+      .how = "forward and reverse tables",
+      .separated_by = separations::kAfterReversal,
+      .traits =
+          {.is_curve = true, .of_approach = true, .shape_of_position = true, .is_smooth = true, .one_per_axis = true},
+      .preference = 20,
+      .curve_factor = [](const ReadingAt& at) { return 0.5 * at.approach(); },
+      .of_reversal = [](const Site& site) { return site.once(site.places >= 6); },
+  };
+}
+
+}  // namespace ecs::model::effects

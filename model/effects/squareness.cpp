@@ -1,0 +1,25 @@
+// Two axes not square to each other: one direction leans with the position of another axis.
+#include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition squareness() {
+  return {
+      .id = "squareness",
+      .title = "Squareness",
+      .formula = "linear in another axis",
+      .cause = "two axes not square to each other",
+      .tells_apart = "one direction leans in proportion to the position of another axis",
+      .parameters = {{"um_per_m", "um/m", "angle"}},
+      .carrier = Carrier::parameters,
+      .how = "the squareness parameter",
+      .separated_by = separations::kSecondLine,
+      .traits = {.one_per_axis = true},
+      .place = Place::squareness,
+      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = lever_m(at.data, at.k, *at.effect.code); },
+  };
+}
+
+}  // namespace ecs::model::effects

@@ -1,0 +1,50 @@
+// A jump h·[p > p0] at one place: a joint in a scale, a damaged screw.
+#include <algorithm>
+
+#include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
+
+namespace ecs::model::effects {
+namespace {
+
+/// Halfway between neighbouring targets; no more than a choice of processor time allows.
+TriedValues places(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t) {
+  constexpr std::size_t kMost = 200;
+  const std::vector<double> p = acting_positions(data, acting, *effect.axis);
+  const std::size_t stride = std::max<std::size_t>(1, p.size() / kMost);
+  TriedValues tried;
+  for (std::size_t i = stride; i < p.size(); i += stride) tried.values.push_back(0.5 * (p[i] + p[i - 1]));
+  tried.independent = static_cast<double>(p.size());
+  return tried;
+}
+
+double middle(const Observations& plan, const EffectInstance& effect, const Acting& acting) {
+  const auto [least, greatest] = acting_range(plan, acting, *effect.axis);
+  return 0.5 * (least + greatest);
+}
+
+}  // namespace
+
+EffectDefinition step() {
+  return {
+      .id = "step",
+      .title = "Step",
+      .formula = "h [p > p0]",
+      .cause = "joint between two pieces of scale, damaged screw",
+      .tells_apart = "a jump at one place, level on both sides",
+      .parameters = {{"height_um", "um", "jump"},
+                     {"position_mm", "mm", "place of the jump, from the datum", Coding::searched}},
+      .carrier = Carrier::error_map,
+      .how = "a table of the error map",
+      .separated_by = {110, "Measure {axis} in fine steps across the jump, both ways.", false},
+      .turns_into = {{Limit::at_least, "offset"}, {Limit::at_greatest, "offset"}},
+      .traits = {.shape_of_position = true, .one_per_axis = true},
+      .preference = 40,
+      .columns_of_place = [](double p_mm, double searched,
+                             std::span<double> row) { row[0] = p_mm > searched ? 1.0 : 0.0; },
+      .search = {.tried = places, .assumed = middle, .has_slope = false},
+      .along_axis = [](const Site& site) { return site.once(site.places >= 8); },
+  };
+}
+
+}  // namespace ecs::model::effects

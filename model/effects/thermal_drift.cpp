@@ -1,0 +1,40 @@
+// Growth of spindle or column with one sensor, c·(T − T0), T0 its first temperature (ISO 230-3).
+#include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition thermal_drift() {
+  return {
+      .id = "thermal_drift",
+      .title = "Thermal drift",
+      .formula = "c (T - T0)",
+      .cause = "spindle or column grows with temperature",
+      .tells_apart = "the same at every position; follows one sensor",
+      .parameters = {{"um_per_degC", "um/degC", "growth"}},
+      .carrier = Carrier::none,
+      .how = "the unit has no temperature input",
+      .separated_by = separations::kOtherTemperature,
+      .turns_into = {{Limit::tied_to_runs, "offset"}},
+      .traits = {.is_drift = true, .of_condition = true, .shows_at_zero = true, .one_per_axis = true},
+      .place = Place::sense,
+      .needs = {Need::sensor},
+      .preference = 70,
+      .columns =
+          [](const ReadingAt& at, std::span<double> row) {
+            row[0] = sensor_degC(at.data, at.effect.sensor, at.k) - first_degC(at.data, at.effect.sensor);
+          },
+      .of_sense =
+          [](const Site& site) {
+            std::vector<EffectInstance> all;
+            for (const auto& [sensor, column] : site.data.sensors_degC) {
+              all.push_back(site.once().front());
+              all.back().sensor = sensor;
+            }
+            return all;
+          },
+  };
+}
+
+}  // namespace ecs::model::effects

@@ -1,0 +1,30 @@
+// Expansion of screw or scale, α·p·(T − 20 °C), T of the material (ISO 230-3, reference temperature of ISO 1).
+#include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition thermal_scale() {
+  return {
+      .id = "thermal_scale",
+      .title = "Thermal expansion",
+      .formula = "alpha p (T - 20)",
+      .cause = "screw or scale expands with temperature",
+      .tells_apart = "a slope that follows the material's temperature",
+      .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},
+      .carrier = Carrier::none,
+      .how = "a scale that follows temperature; the unit has no sensor, so set the scale for the working temperature",
+      .separated_by = separations::kOtherTemperature,
+      .traits = {.of_condition = true, .one_per_axis = true},
+      .needs = {Need::material_temperature},
+      .preference = 70,
+      .columns =
+          [](const ReadingAt& at, std::span<double> row) {
+            row[0] = at.p_m() * (sensor_degC(at.data, "t_material_degC", at.k) - kReference_degC);
+          },
+      .along_axis = [](const Site& site) { return site.once(); },
+  };
+}
+
+}  // namespace ecs::model::effects

@@ -1,0 +1,21 @@
+// Effects that the user writes as formulas (user_formula.hpp): anything of theirs is in the model file.
+#include "model/effects/definition.hpp"
+#include "model/effects/separations.hpp"
+
+namespace ecs::model::effects {
+
+EffectDefinition user() {
+  return {
+      .id = "user",
+      .title = "Written by the user",
+      .formula = "formulas of the model file",
+      .cause = "as the user says",
+      .tells_apart = "as the user says",
+      .how = "only effects of the library compile into a map",
+      .separated_by = separations::kFinerTargets,
+      .traits = {.several_alike = true},
+      .place = Place::formulas,
+  };
+}
+
+}  // namespace ecs::model::effects

@@ -1,0 +1,71 @@
+// Growth of a machine that warms itself, without a sensor that sees it: c·(1 − exp(−t/tau)) and the same × p
+// (ISO 230-3:2020, 7; Bryan 1990).
+#include <algorithm>
+#include <cmath>
+
+#include "model/effects/definition.hpp"
+#include "model/effects/separations.hpp"
+#include "model/effects/tried_values.hpp"
+
+namespace ecs::model::effects {
+
+namespace {
+
+/// Time constants: a twentieth to one and a half of the time measured (beyond, an exponential is an offset or a line);
+/// ten of them, a factor of 1.5 apart, about four of which are different trials.
+constexpr double kShortestTimes = 20.0, kLongestOfTime = 1.5, kTrialsOfTime = 4.0;
+constexpr std::size_t kTimes = 10;
+/// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
+constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
+
+TriedValues time_constants(const Observations& data, const EffectInstance&, const Acting& acting, std::size_t) {
+  TriedValues tried{.values = {0.0}};
+  if (acting.rows.empty()) return tried;
+  const double last_s = extent_of(data.time_s, acting).second;
+  tried.values.clear();
+  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, kLongestOfTime * last_s, kTimes);
+  tried.independent = kTrialsOfTime;
+  return tried;
+}
+
+double assumed_time_constant(const Observations& plan, const EffectInstance&, const Acting& acting) {
+  double last_s = 0.0;
+  for (const std::size_t k : acting.rows)
+    if (!plan.time_s.empty() && !std::isnan(plan.time_s[k])) last_s = std::max(last_s, plan.time_s[k]);
+  return std::max(last_s / kTimesAssumed, kLeastTime_s);
+}
+
+}  // namespace
+
+EffectDefinition warm_up() {
+  return {
+      .id = "warm_up",
+      .title = "Warming up",
+      .formula = "c (1 - exp(-t/tau)), and the same times p",
+      .cause = "self-heating without a sensor",
+      .tells_apart = "fast at first, then it levels off",
+      .parameters = {{"tau_s", "s", "time constant", Coding::searched},
+                     {"c_um", "um", "final shift"},
+                     {"c_um_per_m", "um/m", "final change of scale"}},
+      .carrier = Carrier::none,
+      .how = "let the machine warm up before measuring and cutting",
+      .separated_by = separations::kFromCold,
+      .turns_into = {{Limit::at_least, "offset"}, {Limit::at_greatest, "time_drift"}},
+      .traits = {.is_drift = true, .shows_at_zero = true},
+      .place = Place::sense,
+      .needs = {Need::time},
+      .preference = 110,
+      .columns =
+          [](const ReadingAt& at, std::span<double> row) {
+            row[0] = -std::expm1(-at.data.time_s[at.k] / at.searched);
+            row[1] = row[0] * at.p_m();
+          },
+      .column_sets = {{0}, {1}, {0, 1}},
+      .column_sets_elsewhere = {{1}, {1, 0}},
+      .search = {.tried = time_constants, .assumed = assumed_time_constant, .within_tried = true},
+      .of_sense = [](const Site& site) { return site.once(!site.any_axis_varies); },
+      .along_axis = [](const Site& site) { return site.once(); },
+  };
+}
+
+}  // namespace ecs::model::effects
