@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "model/data/refractivity.hpp"
+#include "laser/analysis/refraction.hpp"
 
 namespace ecs::model {
 
@@ -20,8 +20,9 @@ double first_degC(const Observations& data, std::string_view column) {
 }
 
 double air_deviation_ppm(const Observations& data, std::size_t k) {
-  return refractivity_deviation_ppm(sensor_degC(data, "t_air_degC", k), cell(data.pressure_hPa, k),
-                                    cell(data.humidity_pct, k));
+  const laser::BeamAir air{sensor_degC(data, "t_air_degC", k), cell(data.pressure_hPa, k), cell(data.humidity_pct, k)};
+  const bool measured = !std::isnan(air.temperature_degC + air.pressure_hPa + air.humidity_pct);
+  return measured ? laser::refractive_index_deviation_ppm(air) : kNotMeasured;
 }
 
 double known_value(const Observations& data, Component code, double position_mm) {

@@ -16,7 +16,8 @@ inline constexpr double kReference_degC = 20.0;
 /// The first temperature that a sensor measured, in canonical order [degC].
 [[nodiscard]] double first_degC(const Observations& data, std::string_view column);
 
-/// Refractive index of the air in reading k less that of the reference air [1e-6]; kNotMeasured where a cell lacks.
+/// Refractive index of the air in reading k less that of the reference air (20 degC, 1013.25 hPa, 50 %) [1e-6];
+/// kNotMeasured where a cell lacks.
 [[nodiscard]] double air_deviation_ppm(const Observations& data, std::size_t k);
 
 /// Value of a `[[known]]` component [um, um/m]; kNotMeasured where it is not known.
