@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "model/diagnosis/search.hpp"
 #include "model/effects/candidates.hpp"
 #include "model/fit/core.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::bench {
 

@@ -20,8 +20,9 @@
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
 #include "model/diagnosis/ladder.hpp"
-#include "model/diagnosis/map_own_levers.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/compiled_model.hpp"
+#include "model/fit/map_own_levers.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
@@ -29,6 +30,7 @@ namespace {
 
 using model::EffectInstance;
 using model::Model;
+using model::OwnLever;
 
 /// Everything the answer tells.
 struct Built {

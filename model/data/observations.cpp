@@ -96,7 +96,7 @@ void take_columns(Observations& data, const MeasurementSet& set, const std::vect
 
 }  // namespace
 
-Observations observations_of(const MeasurementSet& set, const Model& model,
+Observations observations_of(const MeasurementSet& set, const KnownTables& tables,
                              const std::optional<params::Machine>& machine) {
   Observations data;
   const std::vector<std::size_t> order = canonical_order(set);
@@ -110,13 +110,13 @@ Observations observations_of(const MeasurementSet& set, const Model& model,
     data.approach.push_back(static_cast<int>(r.approach));
     data.position_mm.push_back(r.position_mm);
     data.has_compensated_column = data.has_compensated_column || r.compensated.has_value();
-    data.compensated.push_back(r.compensated.value_or(model.map.has_value()));
+    data.compensated.push_back(r.compensated.value_or(tables.map.has_value()));
   }
   data.has_run_column = std::any_of(data.run.begin(), data.run.end(), [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
   take_machine(data, machine);
-  data.map = model.map;
-  data.known = model.known;
+  data.map = tables.map;
+  data.known = tables.components;
   return data;
 }
 

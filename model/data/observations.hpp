@@ -10,13 +10,28 @@
 #include <vector>
 
 #include "core/terms.hpp"
+#include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
-#include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::model {
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// A component measured separately (`[[known]]`); linear between points, end values hold.
+struct KnownComponent {
+  Component code = Component::EAX;
+  std::vector<double> p_mm;   ///< ascending
+  std::vector<double> value;  ///< um, um/m for angular codes
+  friend bool operator==(const KnownComponent&, const KnownComponent&) = default;
+};
+
+/// Tables that are given with the readings: the map that was active while they were taken, and components known from
+/// elsewhere.
+struct KnownTables {
+  std::optional<laser::ErrorMap> map;
+  std::vector<KnownComponent> components;
+};
 
 /// One column of numbers, kNotMeasured where a row has none. Empty: the data do not have this column at all.
 using Column = std::vector<double>;
@@ -54,7 +69,7 @@ struct Observations {
 };
 
 /// @param machine  absent: datum and measurement lines at 0, no lever arms
-[[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
+[[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const KnownTables& tables,
                                            const std::optional<params::Machine>& machine);
 
 /// The rows `chosen` (places in canonical order, ascending), everything else the same.

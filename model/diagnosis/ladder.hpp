@@ -1,12 +1,11 @@
-// Adding effects one by one and watching the error fall; taking them back; what is left after compensation; the map
-// that a model compiles to. Does not live here: which effect to add (diagnose.hpp).
+// Adding effects one by one and watching the error fall; taking them back; what is left after compensation.
+// Does not live here: which effect to add (diagnose.hpp).
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "laser/map/error_map.hpp"
 #include "model/fit/fit.hpp"
 
 namespace ecs::model {
@@ -53,15 +52,5 @@ struct WhatIf {
   std::vector<Share> shares;
 };
 [[nodiscard]] Result<WhatIf> what_if(const Model& model, const Observations& data);
-
-/// The error map of a model, and what stays out of it.
-struct CompiledModel {
-  laser::ErrorMap map;
-  std::vector<std::string> carried;
-  std::vector<std::string> not_carried;  ///< with the reason
-  ComponentValues squareness{};          ///< C0Y, B0Z, A0Z for the unit's parameters, um/m
-};
-/// @param fitted  a model with values
-[[nodiscard]] Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm);
 
 }  // namespace ecs::model

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "model/diagnosis/search.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 

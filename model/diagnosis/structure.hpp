@@ -7,8 +7,8 @@
 
 #include <Eigen/Dense>
 
-#include "model/diagnosis/search.hpp"
 #include "model/fit/noise.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 

@@ -7,7 +7,6 @@
 #include "model/effects/tried_values.hpp"
 
 namespace ecs::model::effects {
-
 namespace {
 
 /// Lengths: from a third of the shortest travel since a reversal (a thousandth of the longest at least) to one and a

@@ -8,7 +8,6 @@
 #include "model/effects/tried_values.hpp"
 
 namespace ecs::model::effects {
-
 namespace {
 
 /// Time constants: a twentieth to one and a half of the time measured (beyond, an exponential is an offset or a line);

@@ -12,6 +12,7 @@
 #include "base/result.hpp"
 #include "model/effects/regressors.hpp"
 #include "model/effects/user_formula.hpp"
+#include "model/fit/model_file.hpp"
 
 namespace ecs::model {
 

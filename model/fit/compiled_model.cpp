@@ -1,5 +1,5 @@
-// A model made into an error map: every table value the sum of the effects that a table can carry, with the sign of a
-// compensation. Does not live here: adding effects (model/diagnosis/ladder.cpp), the map's bytes (laser/map/image.hpp).
+#include "model/fit/compiled_model.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/fit.hpp"
 
 namespace ecs::model {
 namespace {
@@ -19,16 +19,6 @@ std::optional<Component> table_of_effect(const EffectInstance& effect) {
   if (effect.definition().has_lever()) return effect.code;
   if (!effect.axis || !effect.sense) return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
-}
-
-/// Positions from one end of the travel to the other.
-std::vector<double> grid_of(const params::MachineAxis& axis, double increment_mm) {
-  std::vector<double> grid;
-  const auto count =
-      static_cast<std::size_t>(std::floor((axis.travel_mm[1] - axis.travel_mm[0]) / increment_mm + 1e-9));
-  for (std::size_t i = 0; i <= count; ++i) grid.push_back(axis.travel_mm[0] + increment_mm * static_cast<double>(i));
-  if (axis.travel_mm[1] - grid.back() > 1e-6) grid.push_back(axis.travel_mm[1]);
-  return grid;
 }
 
 /// What the effect adds along its own axis at these positions; of a rotation the angle itself.
@@ -69,6 +59,15 @@ bool differs_by_approach(const EffectInstance& effect) {
 
 }  // namespace
 
+std::vector<double> table_positions(const params::MachineAxis& axis, double increment_mm) {
+  std::vector<double> grid;
+  const auto count =
+      static_cast<std::size_t>(std::floor((axis.travel_mm[1] - axis.travel_mm[0]) / increment_mm + 1e-9));
+  for (std::size_t i = 0; i <= count; ++i) grid.push_back(axis.travel_mm[0] + increment_mm * static_cast<double>(i));
+  if (axis.travel_mm[1] - grid.back() > 1e-6) grid.push_back(axis.travel_mm[1]);
+  return grid;
+}
+
 Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm) {
   if (!(increment_mm > 0.0))
     return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
@@ -96,7 +95,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   std::vector<Problem> problems;
   for (const auto& [component, effects] : tables) {
     const params::MachineAxis& axis = *machine.axes[index_of(moving_axis(component))];
-    const std::vector<double> grid = grid_of(axis, increment_mm);
+    const std::vector<double> grid = table_positions(axis, increment_mm);
     const bool two =
         std::any_of(effects.begin(), effects.end(), [](const EffectInstance* e) { return differs_by_approach(*e); });
     std::vector<std::string> names;

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "model/diagnosis/search.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
 #include "model/fit/outliers.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 namespace {

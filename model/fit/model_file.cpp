@@ -321,6 +321,11 @@ void take_history(TomlReader& reader, const toml::table& root, Model& model) {
 
 }  // namespace
 
+Observations observations_of(const laser::MeasurementSet& set, const Model& model,
+                             const std::optional<params::Machine>& machine) {
+  return observations_of(set, KnownTables{model.map, model.known}, machine);
+}
+
 Result<Model> parse_model(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
   TomlReader reader(name);
   const auto root = reader.parsed(text);

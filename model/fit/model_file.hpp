@@ -11,17 +11,10 @@
 
 #include "base/result.hpp"
 #include "laser/map/error_map.hpp"
+#include "model/data/observations.hpp"
 #include "model/effects/effect.hpp"
 
 namespace ecs::model {
-
-/// A component measured separately (`[[known]]`); linear between points, end values hold.
-struct KnownComponent {
-  Component code = Component::EAX;
-  std::vector<double> p_mm;   ///< ascending
-  std::vector<double> value;  ///< um, um/m for angular codes
-  friend bool operator==(const KnownComponent&, const KnownComponent&) = default;
-};
 
 /// One rung of the ladder: what was added, and how far the error fell.
 struct LadderStep {
@@ -45,6 +38,10 @@ struct Model {
   std::vector<LadderStep> history;
   std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
 };
+
+/// The readings with the map and the known components of a model.
+[[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
+                                           const std::optional<params::Machine>& machine);
 
 /// Reads a model; every wrong key, value and place in one pass. The map file is sought beside the model.
 /// @param name  the file as problems name it

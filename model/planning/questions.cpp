@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "model/diagnosis/search.hpp"
 #include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
+#include "model/fit/search.hpp"
 #include "model/planning/sentences.hpp"
 
 namespace ecs::model {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/diagnosis/search.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {

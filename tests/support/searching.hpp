@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/diagnosis/ladder.hpp"
-#include "model/diagnosis/search.hpp"
+#include "model/fit/search.hpp"
 #include "tests/support/measured_lines.hpp"
 
 namespace ecs::model::test {

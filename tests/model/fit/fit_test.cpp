@@ -7,6 +7,7 @@
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/compare.hpp"
+#include "model/fit/compiled_model.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "tests/support/measured_lines.hpp"
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/diagnosis/gains.hpp"
-#include "model/diagnosis/search.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/gains.hpp"
 #include "model/fit/held_out.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 namespace {

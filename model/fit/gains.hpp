@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "model/diagnosis/search.hpp"
+#include "model/fit/search.hpp"
 
 namespace ecs::model {
 

@@ -1,4 +1,4 @@
-#include "model/diagnosis/map_own_levers.hpp"
+#include "model/fit/map_own_levers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "core/terms.hpp"
 #include "model/effects/definition.hpp"
 
-namespace ecs::app {
+namespace ecs::model {
 namespace {
 
 using laser::MapTable;
@@ -27,15 +27,6 @@ std::vector<Term> own_lever_rows(const params::Machine& machine) {
   return rows;
 }
 
-std::vector<double> evenly(const params::MachineAxis& axis, double increment_mm) {
-  std::vector<double> grid;
-  const double travel = axis.travel_mm[1] - axis.travel_mm[0];
-  const auto count = static_cast<std::size_t>(std::floor(travel / increment_mm + 1e-9));
-  for (std::size_t i = 0; i <= count; ++i) grid.push_back(axis.travel_mm[0] + increment_mm * static_cast<double>(i));
-  if (axis.travel_mm[1] - grid.back() > 1e-6) grid.push_back(axis.travel_mm[1]);
-  return grid;
-}
-
 bool has_table(const laser::ErrorMap& map, Component component) {
   return std::any_of(map.tables.begin(), map.tables.end(),
                      [&](const MapTable& table) { return table.component == component; });
@@ -50,19 +41,19 @@ void sort_tables(laser::ErrorMap& map) {
 
 }  // namespace
 
-std::vector<OwnLever> add_own_levers(model::CompiledModel& compiled, const model::Model& fitted,
-                                     const params::Machine& machine, double increment_mm) {
+std::vector<OwnLever> add_own_levers(CompiledModel& compiled, const Model& fitted, const params::Machine& machine,
+                                     double increment_mm) {
   std::vector<OwnLever> added;
   const MeasurementLines lines = params::measurement_lines_of(machine);
   for (const Term& row : own_lever_rows(machine))
-    for (const model::EffectInstance& effect : fitted.effects) {
-      if (effect.definition().place != model::Place::rotation || effect.code != row.component || effect.curve.empty())
+    for (const EffectInstance& effect : fitted.effects) {
+      if (effect.definition().place != Place::rotation || effect.code != row.component || effect.curve.empty())
         continue;
       const Axis axis = moving_axis(row.component);
       if (!machine.axes[index_of(axis)]) continue;
       const Component target = curve_of(static_cast<Sense>(row.observed), axis);
       if (!has_table(compiled.map, target)) {
-        const auto grid = evenly(*machine.axes[index_of(axis)], increment_mm);
+        const auto grid = table_positions(*machine.axes[index_of(axis)], increment_mm);
         compiled.map.tables.push_back({target, Approach::unknown, grid, std::vector<double>(grid.size(), 0.0)});
       }
       const MapTable angle{row.component, Approach::unknown, effect.curve.p_mm, effect.curve.value};
@@ -83,4 +74,4 @@ std::vector<OwnLever> add_own_levers(model::CompiledModel& compiled, const model
   return added;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::model

@@ -1,4 +1,4 @@
-#include "model/diagnosis/gains.hpp"
+#include "model/fit/gains.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // Fall of χ² by each further column: sequential sums of squares from the Cholesky factor of the products (Golub and Van
 // Loan 2013, 4.2); the price per column is Schwarz's (1978), by the caller.
-#include "model/diagnosis/gains.hpp"
+#include "model/fit/gains.hpp"
 
 #include <algorithm>
 #include <cmath>

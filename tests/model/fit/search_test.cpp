@@ -1,4 +1,4 @@
-#include "model/diagnosis/search.hpp"
+#include "model/fit/search.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "model/diagnosis/gains.hpp"
+#include "model/fit/gains.hpp"
 #include "tests/support/normal_matrix.hpp"
 #include "tests/support/searching.hpp"
 

@@ -1,4 +1,4 @@
-#include "model/effects/user_start.hpp"
+#include "model/fit/user_start.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "model/diagnosis/search.hpp"
+#include "model/fit/search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <numeric>
 #include <utility>
 
-#include "model/diagnosis/gains.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
-#include "model/effects/user_start.hpp"
+#include "model/fit/gains.hpp"
+#include "model/fit/user_start.hpp"
 
 namespace ecs::model {
 namespace {

@@ -1,0 +1,30 @@
+// The error map that a model compiles to, and what the unit cannot compensate.
+// Does not live here: the levers that a unit expects inside its curves (map_own_levers.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "core/component.hpp"
+#include "laser/map/error_map.hpp"
+#include "model/fit/model_file.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::model {
+
+/// Positions of a table from one end of the travel to the other, the far end included [mm, machine coordinates].
+/// @pre increment_mm > 0
+[[nodiscard]] std::vector<double> table_positions(const params::MachineAxis& axis, double increment_mm);
+
+/// The error map of a model, and what stays out of it.
+struct CompiledModel {
+  laser::ErrorMap map;
+  std::vector<std::string> carried;
+  std::vector<std::string> not_carried;  ///< with the reason
+  ComponentValues squareness{};          ///< C0Y, B0Z, A0Z for the unit's parameters, um/m
+};
+/// @param fitted  a model with values
+[[nodiscard]] Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm);
+
+}  // namespace ecs::model
