@@ -66,13 +66,15 @@ Json position_json(const Vector3& position_mm) {
 }
 
 Json json_of(const EffectInstance& effect) {
-  return {{"effect", name_of(effect.id)},
-          {"axis", effect.axis ? Json(axis_json(*effect.axis)) : Json(nullptr)},
-          {"sense", effect.sense ? Json(name_of(*effect.sense)) : Json(nullptr)},
-          {"approach", name_of(effect.approach)},
-          {"code", effect.code ? Json(name_of(*effect.code)) : Json(nullptr)},
-          {"sensor", text_or_null(effect.sensor)},
-          {"name", to_text(effect)}};
+  Json out{{"effect", name_of(effect.id)},
+           {"axis", effect.axis ? Json(axis_json(*effect.axis)) : Json(nullptr)},
+           {"sense", effect.sense ? Json(name_of(*effect.sense)) : Json(nullptr)},
+           {"approach", name_of(effect.approach)},
+           {"code", effect.code ? Json(name_of(*effect.code)) : Json(nullptr)},
+           {"sensor", text_or_null(effect.sensor)},
+           {"name", to_text(effect)}};
+  if (!effect.sensor2.empty()) out["sensor2"] = effect.sensor2;
+  return out;
 }
 
 std::optional<EffectInstance> effect_in(const Json& object) {
@@ -85,6 +87,7 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   effect.code = component_of(word_in(object, "code"));
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
   effect.sensor = word_in(object, "sensor");
+  effect.sensor2 = word_in(object, "sensor2");
   if (effect.is_user()) {
     const std::string name = word_in(object, "name");
     effect.name = name.starts_with("user:") ? name.substr(5) : name;

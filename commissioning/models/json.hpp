@@ -12,7 +12,8 @@
 
 namespace ecs::app {
 
-/// {"effect", "axis", "sense", "approach", "code", "sensor", "name"}; absent parts null; `name` is "cyclic:X:EX".
+/// {"effect", "axis", "sense", "approach", "code", "sensor", "name"}, and "sensor2" where one applies; absent parts
+/// null; `name` is "cyclic:X:EX".
 [[nodiscard]] Json json_of(const model::EffectInstance& effect);
 /// The same place out of such an object; only "effect" must be there. Nothing where that is no effect of the library.
 [[nodiscard]] std::optional<model::EffectInstance> effect_in(const Json& object);

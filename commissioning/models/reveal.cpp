@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -66,6 +67,7 @@ HiddenEffect hidden_effect(const Json& object) {
   if (const auto place = effect_in(object); place && effect.name.empty()) effect.name = to_text(*place);
   effect.approach = model::approach_mode_named(word(object, "approach"));
   effect.sensor = word(object, "sensor");
+  effect.sensor2 = word(object, "sensor2");
   effect.parameters = numbers(object, "parameters");
   effect.rms_um = number(object, "rms_um").value_or(0.0);
   effect.snr = number(object, "snr").value_or(0.0);
@@ -100,7 +102,9 @@ Result<HiddenTruth> truth_in(const std::string& text, const std::string& file) {
 /// What the truth says of approach and sensor agrees with the candidate.
 bool details_agree(const HiddenEffect& hidden, const FoundEffect& found) {
   if (hidden.approach && *hidden.approach != found.effect.approach) return false;
-  return hidden.sensor.empty() || hidden.sensor == found.effect.sensor;
+  if (hidden.sensor2.empty()) return hidden.sensor.empty() || hidden.sensor == found.effect.sensor;
+  const std::set<std::string> pair{found.effect.sensor, found.effect.sensor2};  // the sign is in the coefficient
+  return pair == std::set<std::string>{hidden.sensor, hidden.sensor2};
 }
 
 bool lists(const FoundEffect& found, const std::string& name) {

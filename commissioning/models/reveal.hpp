@@ -18,6 +18,7 @@ struct HiddenEffect {
   std::string name;  ///< "cyclic:X:EX"
   std::optional<model::ApproachMode> approach;
   std::string sensor;
+  std::string sensor2;
   std::map<std::string, double> parameters;
   double rms_um = 0.0;
   double snr = 0.0;

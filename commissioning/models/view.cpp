@@ -64,7 +64,7 @@ std::string ladder_row(std::size_t step, const std::string& effect, double rms_u
 std::string place_text(const model::EffectInstance& effect) {
   std::string text = to_text(effect);
   if (effect.approach != model::ApproachMode::both) text += fmt::format(", {}", name_of(effect.approach));
-  if (!effect.sensor.empty()) text += fmt::format(" with {}", effect.sensor);
+  if (!effect.sensor.empty()) text += fmt::format(" with {}", sensors_text(effect));
   return text;
 }
 

@@ -173,7 +173,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   for (const EffectInstance& rival : ranked.rivals) {
     const std::string name = to_text(rival);
     auto& list = candidate.indistinguishable_from;
-    if (name != to_text(ranked.effect) || rival.sensor != ranked.effect.sensor ||
+    if (name != to_text(ranked.effect) || !same_sensors(rival, ranked.effect) ||
         rival.approach != ranked.effect.approach)
       if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
   }

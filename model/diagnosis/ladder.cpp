@@ -27,7 +27,8 @@ bool allowed(const EffectInstance& effect, const AddRequest& request) {
   if (request.sense && effect.sense != request.sense) return false;
   if (request.code && effect.code != request.code) return false;
   if (request.approach && effect.approach != *request.approach) return false;
-  return request.sensor.empty() || effect.sensor == request.sensor;
+  if (!request.sensor.empty() && effect.sensor != request.sensor) return false;
+  return request.sensor2.empty() || effect.sensor2 == request.sensor2;
 }
 
 /// Instances the request allows: those that the data show, else the one that it spells out.
@@ -46,6 +47,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     effect.code = request.code;
     effect.approach = request.approach.value_or(ApproachMode::both);
     effect.sensor = request.sensor;
+    effect.sensor2 = request.sensor2;
     list.push_back(effect);
   }
   return list;

@@ -18,6 +18,7 @@ struct AddRequest {
   std::optional<Component> code;
   std::optional<ApproachMode> approach;
   std::string sensor;
+  std::string sensor2;
   std::string name;  ///< of a user effect
 };
 /// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".

@@ -59,9 +59,9 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
   return chosen;
 }
 
-/// Whether one effect may act twice in a sense: as several of its kind, each with its sensor or each for its axis.
+/// Whether one effect may act twice in a sense: as several of its kind, each with its sensors or each for its axis.
 bool may_act_twice(const EffectInstance& one, const EffectInstance& other) {
-  return one.traits().several_alike || one.sensor != other.sensor ||
+  return one.traits().several_alike || !same_sensors(one, other) ||
          (one.traits().one_per_axis && one.axis != other.axis);
 }
 

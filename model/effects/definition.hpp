@@ -85,7 +85,17 @@ struct EffectTraits {
 };
 
 /// What data must have for an effect to act.
-enum class Need : std::uint8_t { time, sensor, material_temperature, air, feed, load, travel_since_reversal, known };
+enum class Need : std::uint8_t {
+  time,
+  sensor,
+  two_sensors,
+  material_temperature,
+  air,
+  feed,
+  load,
+  travel_since_reversal,
+  known
+};
 
 /// What an effect looks like at a limit of a searched parameter or of its data.
 enum class Limit : std::uint8_t { at_least, at_greatest, tied_to_runs };
@@ -194,6 +204,7 @@ struct EffectDefinition {
   [[nodiscard]] std::string_view searched_parameter() const;
   /// Number of linear coefficients; of a curve 0.
   [[nodiscard]] std::size_t column_count() const;
+  [[nodiscard]] bool has_need(Need need) const;
   /// Columns of a curve that come before its smooth functions: mean and slope, or none.
   [[nodiscard]] std::size_t leading_columns() const { return traits.keeps_mean_and_slope ? 2 : 0; }
   /// The unit can compensate it.

@@ -33,12 +33,20 @@ std::string to_text(const EffectInstance& effect) {
   return text;
 }
 
+std::string sensors_text(const EffectInstance& effect) {
+  return effect.sensor2.empty() ? effect.sensor : fmt::format("{} and {}", effect.sensor, effect.sensor2);
+}
+
 bool same_place(const EffectInstance& a, const EffectInstance& b) {
   return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name;
 }
 
+bool same_sensors(const EffectInstance& a, const EffectInstance& b) {
+  return a.sensor == b.sensor && a.sensor2 == b.sensor2;
+}
+
 bool same_candidate(const EffectInstance& a, const EffectInstance& b) {
-  return same_place(a, b) && a.sensor == b.sensor && a.approach == b.approach;
+  return same_place(a, b) && same_sensors(a, b) && a.approach == b.approach;
 }
 
 }  // namespace ecs::model

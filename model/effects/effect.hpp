@@ -65,6 +65,7 @@ struct EffectInstance {
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   ApproachMode approach = ApproachMode::both;
   std::string sensor;                        ///< column of the sensor, where one is used
+  std::string sensor2;                       ///< of the second, where their difference is
   std::string name;                          ///< of a user effect
   std::vector<UserFormula> formulas;         ///< of a user effect
   std::vector<UserParameter> user;           ///< of a user effect
@@ -83,9 +84,13 @@ struct EffectInstance {
 /// "cyclic:X:EX", "angular:X:ECX", "map_polarity" (the whole map), "user:encoder tilt".
 [[nodiscard]] std::string to_text(const EffectInstance& effect);
 
-/// Same cause at the same place; parameters, approach and sensor may differ.
+/// "t_spindle_degC", "t_front_degC and t_back_degC", "" where no sensor is used.
+[[nodiscard]] std::string sensors_text(const EffectInstance& effect);
+
+/// Same cause at the same place; parameters, approach and sensors may differ.
 [[nodiscard]] bool same_place(const EffectInstance& a, const EffectInstance& b);
-/// Same place, approach and sensor; parameters may differ.
+[[nodiscard]] bool same_sensors(const EffectInstance& a, const EffectInstance& b);
+/// Same place, approach and sensors; parameters may differ.
 [[nodiscard]] bool same_candidate(const EffectInstance& a, const EffectInstance& b);
 
 }  // namespace ecs::model

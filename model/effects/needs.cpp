@@ -15,7 +15,7 @@ constexpr std::string_view kMaterial = "t_material_degC";
 struct NeedFacts {
   Need need;
   std::string_view what;     ///< as a note about the whole data set names it
-  std::string_view columns;  ///< as a note about rows names it; "": see needed_columns
+  std::string_view columns;  ///< as a note about rows names it; "": the sensors of the instance
   bool (*lacking)(const Observations& data);
   double (*cell)(const Observations& data, std::size_t k, const EffectInstance& effect);  ///< NaN: lacks it
 };
@@ -33,6 +33,10 @@ constexpr NeedFacts kNeeds[] = {
      [](Data data, std::size_t k, Effect) { return cell(data.time_s, k); }},
     {Need::sensor, "temperature sensor", "", [](Data data) { return data.sensors_degC.empty(); },
      [](Data data, std::size_t k, Effect effect) { return sensor_degC(data, effect.sensor, k); }},
+    {Need::two_sensors, "second temperature sensor", "", [](Data data) { return data.sensors_degC.size() < 2; },
+     [](Data data, std::size_t k, Effect effect) {
+       return sensor_degC(data, effect.sensor, k) - sensor_degC(data, effect.sensor2, k);
+     }},
     {Need::material_temperature, kMaterial, kMaterial, [](Data data) { return !data.sensors_degC.contains(kMaterial); },
      [](Data data, std::size_t k, Effect) { return sensor_degC(data, kMaterial, k); }},
     {Need::air, "t_air_degC, pressure_hPa and humidity_pct together", "t_air_degC, pressure_hPa, humidity_pct",
@@ -56,20 +60,19 @@ const NeedFacts& facts_of(Need need) {
                        [&](const NeedFacts& facts) { return facts.need == need; });
 }
 
-bool needs(const EffectDefinition& definition, Need need) {
-  return std::find(definition.needs.begin(), definition.needs.end(), need) != definition.needs.end();
-}
+/// Its note is part of the one about any sensor where there is none.
+bool of_sensors(Need need) { return need == Need::two_sensors || need == Need::material_temperature; }
 
-/// "no load_kg: load cannot be tried"
+/// Adds "no load_kg: load cannot be tried"; nothing where no effect of the library is concerned.
 template <class Chosen>
-std::string note_of(std::string_view what, const Chosen& chosen) {
+void note(std::string_view what, const Chosen& chosen, std::vector<std::string>& notes) {
   std::vector<std::string_view> names;
   for (const EffectDefinition& definition : effect_library())
     if (chosen(definition)) names.push_back(definition.id);
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += fmt::format("{}{}", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
-  return fmt::format("no {}: {} cannot be tried", what, list);
+  if (!names.empty()) notes.push_back(fmt::format("no {}: {} cannot be tried", what, list));
 }
 
 }  // namespace
@@ -88,30 +91,35 @@ bool has_needs(const Observations& data, std::size_t k, const EffectInstance& ef
 std::string needed_columns(const EffectInstance& effect) {
   std::string columns;
   for (const Need need : effect.definition().needs) {
-    const std::string_view own = need == Need::sensor ? std::string_view(effect.sensor) : facts_of(need).columns;
-    columns += fmt::format("{}{}", columns.empty() ? "" : ", ", own);
+    const std::string_view named = facts_of(need).columns;
+    columns += fmt::format("{}{}", columns.empty() ? "" : ", ", named.empty() ? sensors_text(effect) : named);
   }
   return columns;
 }
 
+bool EffectDefinition::has_need(Need need) const { return std::find(needs.begin(), needs.end(), need) != needs.end(); }
+
 std::vector<std::string> untried_effects(const Observations& data) {
   std::vector<std::string> notes;
-  const bool any_sensor = !data.sensors_degC.empty();
   for (const NeedFacts& facts : kNeeds) {
     if (facts.need == Need::known || !facts.lacking(data)) continue;
-    if (facts.need == Need::material_temperature && !any_sensor) continue;  // said with the sensors
-    notes.push_back(note_of(facts.what, [&](const EffectDefinition& definition) {
-      return needs(definition, facts.need) ||
-             (facts.need == Need::sensor && needs(definition, Need::material_temperature));
-    }));
+    if (of_sensors(facts.need) && data.sensors_degC.empty()) continue;
+    const auto concerned = [&](const EffectDefinition& definition) {
+      return facts.need == Need::sensor ? definition.has_need(Need::sensor) || definition.has_need(Need::two_sensors) ||
+                                              definition.has_need(Need::material_temperature)
+                                        : definition.has_need(facts.need);
+    };
+    note(facts.what, concerned, notes);
   }
   if (std::all_of(data.approach.begin(), data.approach.end(), [](int d) { return d == 0; }))
     notes.emplace_back("no approach: effects of approach cannot be tried");
   if (data.terms.count == 0)
-    notes.push_back(note_of("machine", [](const EffectDefinition& definition) { return definition.has_lever(); }));
+    note(
+        "machine", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
   if (data.known.empty())
-    notes.push_back(note_of(facts_of(Need::known).what,
-                            [](const EffectDefinition& definition) { return needs(definition, Need::known); }));
+    note(
+        facts_of(Need::known).what, [](const EffectDefinition& definition) { return definition.has_need(Need::known); },
+        notes);
   return notes;
 }
 

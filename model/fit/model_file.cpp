@@ -18,8 +18,8 @@ namespace ecs::model {
 namespace {
 
 const std::vector<std::string> kModelKeys{"name", "effect", "candidate", "map", "known", "history"};
-const std::vector<std::string> kEffectKeys{"id",   "axis",    "sense",      "approach", "code", "sensor",
-                                           "name", "formula", "parameters", "fitted",   "curve"};
+const std::vector<std::string> kEffectKeys{"id",      "axis", "sense",   "approach",   "code",   "sensor",
+                                           "sensor2", "name", "formula", "parameters", "fitted", "curve"};
 
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
@@ -216,9 +216,18 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   if (effect.axis && !effect.sense) effect.sense = static_cast<Sense>(*effect.axis);
   want(effect.sense.has_value(), "sense = \"EX\" … \"EC\"");
   if (!needs_axis && !effect.axis && effect.sense) effect.axis = direction_of(*effect.sense);
-  const bool by_sensor =
-      std::find(definition.needs.begin(), definition.needs.end(), Need::sensor) != definition.needs.end();
-  if (by_sensor) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
+  if (definition.has_need(Need::sensor)) want(!effect.sensor.empty(), "sensor = the column of a sensor, t_…_degC");
+  if (definition.has_need(Need::two_sensors))
+    want(!effect.sensor.empty() && !effect.sensor2.empty() && effect.sensor != effect.sensor2,
+         "sensor and sensor2 = the columns of two sensors, t_…_degC");
+}
+
+/// A column of a sensor; "" where none is given.
+std::string sensor_in(TomlReader& reader, const toml::table& table, std::string_view key) {
+  std::string column = reader.word(table, key).value_or("");
+  if (!column.empty() && !laser::is_sensor_column(column))
+    reader.complain(*table.get(key), fmt::format("{}: expected a column t_…_degC, got \"{}\"", key, column));
+  return column;
 }
 
 std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& table) {
@@ -247,9 +256,8 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
   effect.approach = named(reader, table, "approach", "both, forward or reverse", [](std::string_view w) {
                       return approach_mode_named(w);
                     }).value_or(ApproachMode::both);
-  effect.sensor = reader.word(table, "sensor").value_or("");
-  if (!effect.sensor.empty() && !laser::is_sensor_column(effect.sensor))
-    reader.complain(*table.get("sensor"), fmt::format("sensor: expected a column t_…_degC, got \"{}\"", effect.sensor));
+  effect.sensor = sensor_in(reader, table, "sensor");
+  effect.sensor2 = sensor_in(reader, table, "sensor2");
   effect.name = reader.word(table, "name").value_or("");
   if (effect.is_user()) {
     take_user(reader, table, effect);

@@ -62,6 +62,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
   if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
   if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(effect.sensor));
+  if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", toml_text(effect.sensor2));
   if (effect.is_user())
     text += user_text(effect);
   else if (!effect.parameters.empty())

@@ -41,7 +41,7 @@ double rms_where_not_zero(const VectorXd& column) {
 
 std::string name_with_sensor(const EffectInstance& effect) {
   std::string name = to_text(effect);
-  if (!effect.sensor.empty()) name += fmt::format(" ({})", effect.sensor);
+  if (!effect.sensor.empty()) name += fmt::format(" ({})", sensors_text(effect));
   if (effect.approach != ApproachMode::both) name += fmt::format(" ({})", name_of(effect.approach));
   return name;
 }

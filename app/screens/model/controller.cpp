@@ -173,8 +173,8 @@ void ModelController::start_diagnosis() {
 void ModelController::start_adding(std::size_t candidate) {
   if (busy() || !diagnosis_ || candidate >= diagnosis_->candidates.size()) return;
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
-  const model::AddRequest request{effect.id,       effect.axis,   effect.sense, effect.code,
-                                  effect.approach, effect.sensor, effect.name};
+  const model::AddRequest request{effect.id,       effect.axis,   effect.sense,   effect.code,
+                                  effect.approach, effect.sensor, effect.sensor2, effect.name};
   begin("adding " + to_text(effect));
   fitting_.start([model = model_, work = work_, request](JobControl&) -> Result<Fitted> {
     auto added = model::add_effect(model, work->data, request, work->data_name);

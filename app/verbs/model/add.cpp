@@ -19,6 +19,7 @@ struct AddArguments {
   std::string effect;
   std::string approach;
   std::string sensor;
+  std::string sensor2;
   std::string sense;
   std::string code;
   std::string output;
@@ -29,6 +30,7 @@ Result<model::AddRequest> request_of(const AddArguments& arguments) {
   if (!request) return request;
   if (!arguments.approach.empty()) request->approach = model::approach_mode_named(arguments.approach);
   if (!arguments.sensor.empty()) request->sensor = arguments.sensor;
+  if (!arguments.sensor2.empty()) request->sensor2 = arguments.sensor2;
   if (!arguments.sense.empty()) request->sense = sense_named(arguments.sense);
   if (arguments.code.empty()) return request;
   request->code = component_of(arguments.code);
@@ -122,6 +124,7 @@ extern const VerbDefinition kModelAdd = verb<AddArguments>(
           .text("-o,--output", arguments.output, "the model with the effect; may be MODEL itself")
           .choice("--approach", arguments.approach, {"both", "forward", "reverse"}, "on which approach it acts")
           .text("--sensor", arguments.sensor, "column of the sensor that it follows")
+          .text("--sensor2", arguments.sensor2, "column of the second sensor, where it follows the difference of two")
           .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
           .text("--code", arguments.code, "component of angular, squareness or map faults, such as ECX");
       take_machine(verb, arguments.common.machine);
