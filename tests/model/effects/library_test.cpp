@@ -1,0 +1,237 @@
+// What every effect of the library must have, whoever adds one: the tests walk the library.
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "model/effects/candidates.hpp"
+#include "model/effects/definition.hpp"
+#include "model/effects/needs.hpp"
+#include "model/effects/regressors.hpp"
+#include "model/fit/fit.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+
+namespace {
+
+/// A model with a map of two components and a known rotation.
+Model with_tables() {
+  Model model;
+  model.map = laser::ErrorMap{};
+  for (const Component component : {Component::EXX, Component::EYX})
+    for (const Approach a : {Approach::forward, Approach::reverse}) {
+      const double reversal = a == Approach::forward ? 0.0 : 3.0;
+      model.map->tables.push_back({component, a, {0.0, 400.0, 1100.0}, {reversal, 6.0, -4.0 + reversal}});
+    }
+  model.known.push_back({Component::ECX, {0.0, 500.0, 1100.0}, {1.0, 9.0, -3.0}});
+  return model;
+}
+
+/// Readings along X in EX and EY with every column, all cells different.
+Observations everything_varies() {
+  laser::MeasurementSet set;
+  for (const Sense sense : {Sense::EX, Sense::EY}) {
+    Plan plan;
+    plan.sense = sense;
+    plan.step_mm = 70.0;
+    plan.targets = 15;
+    plan.parked_mm = {0.0, 200.0, 300.0};
+    measure(
+        set, plan, 1.0, [](const laser::Reading&) { return 0.0; }, 7);
+  }
+  std::mt19937_64 random(3);
+  const auto uniform = [&](double least, double greatest) {
+    return std::uniform_real_distribution<double>(least, greatest)(random);
+  };
+  for (laser::Reading& r : set.readings) {
+    r.position_mm[1] = uniform(100.0, 900.0);
+    r.position_mm[2] = uniform(100.0, 900.0);
+    r.feed_mm_min = uniform(100.0, 5000.0);
+    r.load_kg = uniform(0.0, 500.0);
+    r.travel_since_reversal_mm = uniform(0.0, 60.0);
+    r.pressure_hPa = uniform(980.0, 1030.0);
+    r.humidity_pct = uniform(30.0, 70.0);
+    for (const char* sensor : {"t_material_degC", "t_air_degC", "t_column_degC"})
+      r.sensors_degC[sensor] = uniform(18.0, 25.0);
+  }
+  return observations_of(set, with_tables(), mill());
+}
+
+/// The first place at which a data set with everything shows the effect.
+EffectInstance first_candidate(const Observations& data, const EffectDefinition& definition) {
+  for (EffectInstance& one : candidate_instances(data))
+    if (one.id == &definition) return one;
+  return {};
+}
+
+/// Some value for every parameter, those of a wave and of a decay among the sizes of the data.
+EffectInstance with_values(EffectInstance effect) {
+  double value = 1.5;
+  for (const ParameterDefinition& parameter : effect.definition().parameters) {
+    if (parameter.coding == Coding::size_of_curve) continue;
+    const bool searched = parameter.coding == Coding::searched;
+    effect.parameters[std::string(parameter.name)] = searched ? 130.0 : parameter.coding == Coding::fixed ? 1.0 : value;
+    value += 0.25;
+  }
+  return effect;
+}
+
+std::vector<double> prediction(const EffectInstance& effect, const Observations& data) {
+  Model model = with_tables();
+  model.effects = {effect};
+  const auto values = predicted(model, data);
+  REQUIRE_MESSAGE(values, to_text(effect));
+  return *values;
+}
+
+/// Change of the contribution with a parameter, from the columns: d contribution / d coefficient times
+/// d coefficient / d parameter.
+Eigen::VectorXd slope_by_columns(const EffectInstance& effect, const std::string& parameter, double step,
+                                 const Observations& data) {
+  const std::string searched(effect.definition().searched_parameter());
+  const double at = searched.empty() ? 0.0 : effect.parameters.at(searched);
+  const Columns columns = Regressors(data).columns(effect, at);
+  EffectInstance above = effect, below = effect;
+  above.parameters[parameter] += step;
+  below.parameters[parameter] -= step;
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(data.size()));
+  for (std::size_t j = 0; j < effect.definition().column_count(); ++j) {
+    const double change = held_coefficient(above, j).value() - held_coefficient(below, j).value();
+    slope += columns.of.col(static_cast<Eigen::Index>(j)) * change / (2.0 * step);
+  }
+  return slope;
+}
+
+}  // namespace
+
+TEST_CASE("every effect of the library says what it is, in words and units") {
+  std::set<std::string_view> ids;
+  for (const EffectDefinition& definition : effect_library()) {
+    CAPTURE(definition.id);
+    CHECK(ids.insert(definition.id).second);
+    CHECK(effect_named(definition.id) == &definition);
+    for (const std::string_view words : {definition.title, definition.formula, definition.cause, definition.tells_apart,
+                                         definition.how, definition.separated_by.sentence})
+      CHECK(!words.empty());
+    for (const ParameterDefinition& parameter : definition.parameters) {
+      CAPTURE(parameter.name);
+      CHECK(!parameter.meaning.empty());
+      const bool pure_number = parameter.name == "factor" || parameter.name == "gain" || parameter.name == "fraction";
+      CHECK(parameter.unit.empty() == pure_number);
+      if (parameter.limits) CHECK(parameter.limits->least < parameter.limits->greatest);
+    }
+    for (const Becomes& other : definition.turns_into) CHECK(effect_named(other.effect) != nullptr);
+  }
+}
+
+TEST_CASE("every effect has the one kind of contribution that its traits announce") {
+  for (const EffectDefinition& definition : effect_library()) {
+    CAPTURE(definition.id);
+    const EffectTraits& traits = definition.traits;
+    const bool user = definition.place == Place::formulas;
+    CHECK((definition.fixed_part != nullptr) == traits.fixed_size);
+    CHECK((definition.curve_factor != nullptr) == traits.is_curve);
+    const bool columns = definition.columns != nullptr || definition.columns_of_place != nullptr;
+    CHECK(columns == (!user && !traits.fixed_size && !traits.is_curve));
+    CHECK(columns == (definition.column_count() > 0));
+    CHECK((definition.search.tried != nullptr) == !definition.searched_parameter().empty());
+    CHECK((definition.search.assumed != nullptr) == !definition.searched_parameter().empty());
+    if (traits.periodic) CHECK(!definition.searched_parameter().empty());
+    if (traits.keeps_mean_and_slope) CHECK(traits.is_curve);
+  }
+}
+
+TEST_CASE("data in which everything varies offer every effect a place, and lack nothing") {
+  const Observations data = everything_varies();
+  CHECK(untried_effects(data).empty());
+  for (const EffectDefinition& definition : effect_library()) {
+    if (definition.place == Place::formulas) continue;
+    CAPTURE(definition.id);
+    const EffectInstance effect = first_candidate(data, definition);
+    CHECK(effect.id == &definition);
+    if (effect.id != nullptr) CHECK(Regressors(data).acting(effect).rows.size() > 10);
+  }
+}
+
+TEST_CASE("the contribution of every effect changes with its parameters as its columns say") {
+  const Observations data = everything_varies();
+  for (const EffectDefinition& definition : effect_library()) {
+    if (definition.column_count() == 0) continue;
+    CAPTURE(definition.id);
+    const EffectInstance effect = with_values(first_candidate(data, definition));
+    for (const ParameterDefinition& parameter : definition.parameters) {
+      if (parameter.coding == Coding::searched) continue;
+      CAPTURE(parameter.name);
+      constexpr double kStep = 1e-4;
+      const std::string name(parameter.name);
+      EffectInstance above = effect, below = effect;
+      above.parameters[name] += kStep;
+      below.parameters[name] -= kStep;
+      const auto high = prediction(above, data), low = prediction(below, data);
+      const Eigen::VectorXd slope = slope_by_columns(effect, name, kStep, data);
+      CHECK(slope.norm() > 0.0);
+      double worst = 0.0;
+      for (std::size_t k = 0; k < data.size(); ++k)
+        worst = std::max(worst, std::abs((high[k] - low[k]) / (2.0 * kStep) - slope(static_cast<Eigen::Index>(k))));
+      CHECK(worst < 1e-6 * (1.0 + slope.cwiseAbs().maxCoeff()));
+    }
+  }
+}
+
+TEST_CASE("effects of fixed size and curves contribute what they hold") {
+  const Observations data = everything_varies();
+  for (const EffectDefinition& definition : effect_library()) {
+    if (!definition.traits.fixed_size && !definition.traits.is_curve) continue;
+    CAPTURE(definition.id);
+    EffectInstance effect = with_values(first_candidate(data, definition));
+    if (definition.traits.is_curve) effect.curve = {{0.0, 1200.0}, {2.0, 2.0}};
+    const auto values = prediction(effect, data);
+    const Acting acting = Regressors(data).acting(effect);
+    double size = 0.0;
+    for (const std::size_t k : acting.rows) {
+      const ReadingAt at{data, k, effect, 130.0};
+      const double expected =
+          definition.traits.is_curve ? 2.0 * definition.curve_factor(at) : definition.fixed_part(at);
+      CHECK(values[k] == Approx(expected));
+      size += std::abs(expected);
+    }
+    CHECK(size > 0.0);
+  }
+}
+
+TEST_CASE("every effect survives a model file") {
+  const Observations data = everything_varies();
+  for (const EffectDefinition& definition : effect_library()) {
+    if (definition.place == Place::formulas) continue;
+    CAPTURE(definition.id);
+    Model model;
+    model.effects = {with_values(first_candidate(data, definition))};
+    if (definition.traits.is_curve) model.effects.front().curve = {{0.0, 10.0}, {1.0, -1.0}};
+    const auto read = parse_model(to_toml(model), "model.toml", {});
+    REQUIRE_MESSAGE(read, (read ? "" : read.error().message));
+    CHECK(read->effects == model.effects);
+  }
+}
+
+TEST_CASE("a model file holds two sensors, and a column of another kind is refused by its line") {
+  const auto wrong = parse_model(
+      "[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsensor = \"t_a_degC\"\n"
+      "sensor2 = \"time_s\"\n",
+      "model.toml", {});
+  REQUIRE(!wrong);
+  CHECK(wrong.error().message.find("sensor2: expected a column") != std::string::npos);
+  EffectInstance drift = effect(effects::thermal_drift, Axis::X, Sense::EX);
+  drift.sensor = "t_a_degC";
+  drift.sensor2 = "t_b_degC";
+  Model model;
+  model.effects = {drift};
+  const auto read = parse_model(to_toml(model), "model.toml", {});
+  REQUIRE(read);
+  CHECK(read->effects == model.effects);
+  CHECK(sensors_text(drift) == "t_a_degC and t_b_degC");
+}
