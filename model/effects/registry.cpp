@@ -19,6 +19,7 @@
   EFFECT(measurement_line)   \
   EFFECT(thermal_scale)      \
   EFFECT(thermal_drift)      \
+  EFFECT(thermal_bend)       \
   EFFECT(warm_up)            \
   EFFECT(time_drift)         \
   EFFECT(air_refraction)     \
