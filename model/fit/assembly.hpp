@@ -1,5 +1,5 @@
 // A model as one linear problem: columns of all its effects at given nonlinear parameters, and the part that is held.
-// Internal to this room (Eigen). Does not live here: noise (noise.hpp), solving (fit.cpp).
+// Internal to model/ (Eigen). Does not live here: noise (noise.hpp), solving (fit.cpp).
 #pragma once
 
 #include <memory>

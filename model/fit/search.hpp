@@ -1,5 +1,5 @@
 // The search for missing effects in the whitened space of a data set: what every candidate gains beyond what the model
-// absorbs, at what cost in free parameters. Internal to this room (Eigen).
+// absorbs, at what cost in free parameters. Internal to model/ (Eigen).
 // Does not live here: which effects there are (candidates.hpp), the verdict (diagnose.cpp).
 #pragma once
 
