@@ -29,7 +29,7 @@ Observations observed_line(int runs, bool both_ways = false, int targets = 10) {
 }  // namespace
 
 TEST_CASE("least squares puts the line through three points on it") {
-  const MatrixXd columns = (MatrixXd(3, 2) << 1.0, 0.0, 1.0, 1.0, 1.0, 2.0).finished();
+  const MatrixXd columns{{1.0, 0.0}, {1.0, 1.0}, {1.0, 2.0}};
   const VectorXd sizes = least_squares(columns, VectorXd{{1.0, 3.0, 5.0}});
   CHECK(sizes(0) == Approx(1.0));
   CHECK(sizes(1) == Approx(2.0));
