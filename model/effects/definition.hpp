@@ -43,6 +43,16 @@ struct ParameterDefinition {
   double neutral = 0.0;                ///< value at which the effect contributes nothing
 };
 
+/// A parameter with its value from a fit.
+struct ParameterEstimate {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  std::optional<double> sigma;  ///< absent: held, or the data do not determine it
+  bool held = false;            ///< given in the model file
+  bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
+};
+
 /// What the unit can do about an effect.
 enum class Carrier : std::uint8_t {
   error_map,   ///< a table of the error map

@@ -2,9 +2,42 @@
 
 #include <cmath>
 
+#include "core/chain.hpp"
 #include "laser/analysis/refraction.hpp"
 
 namespace ecs::model {
+namespace {
+
+/// Compensation of a component at a position; the mean of both tables where the approach is not known.
+double value_of(const laser::ErrorMap& map, Component component, double position_mm, int approach) {
+  const auto from = [&](Approach d) {
+    const laser::MapTable* table = laser::table_of(map, component, d);
+    return table == nullptr || table->position_mm.empty() ? 0.0 : laser::compensation_at(*table, position_mm);
+  };
+  if (approach != 0) return from(approach > 0 ? Approach::forward : Approach::reverse);
+  return 0.5 * (from(Approach::forward) + from(Approach::reverse));
+}
+
+bool chosen_by(const EffectInstance& effect, Component component) {
+  if (effect.code) return component == *effect.code;
+  if (effect.axis && moving_axis(component) != *effect.axis) return false;
+  return !effect.sense || sense_of(component) == *effect.sense;
+}
+
+/// Σ sign · lever [m] of a rotation in a reading, as the unit computes it: without the levers along its own axis.
+double unit_lever_m(const Observations& data, std::size_t k, Component code) {
+  double sum_mm = 0.0;
+  for (const Term& term : data.terms) {
+    if (term.component != code || !term.has_lever || !term.uses_coordinate) continue;
+    if (term.lever == moving_axis(code)) continue;
+    if (index_of(term.observed) != static_cast<std::size_t>(data.sense[k])) continue;
+    sum_mm += term.sign * (data.position_mm[k][index_of(term.lever)] -
+                           data.lines[index_of(moving_axis(code))][index_of(term.lever)]);
+  }
+  return sum_mm / 1000.0;
+}
+
+}  // namespace
 
 double sensor_degC(const Observations& data, std::string_view column, std::size_t k) {
   const auto found = data.sensors_degC.find(column);
@@ -50,6 +83,28 @@ double lever_m(const Observations& data, std::size_t k, Component code) {
 
 bool is_own_motion(const Observations& data, std::size_t k, Axis axis) {
   return data.axis[k] == axis && data.approach[k] != 0;
+}
+
+double map_compensation(const Observations& data, std::size_t k, const EffectInstance& effect, double shift_mm,
+                        int as_approach) {
+  double sum = 0.0;
+  Component last = Component::A0Z;
+  for (const laser::MapTable& table : data.map->tables) {
+    if (table.component == last || is_squareness(table.component) || !chosen_by(effect, table.component)) continue;
+    last = table.component;
+    const Axis axis = moving_axis(table.component);
+    const Sense sense = sense_of(table.component);
+    double factor = sense == data.sense[k] ? 1.0 : 0.0;
+    if (is_rotation(sense) && !is_rotation(data.sense[k])) factor = unit_lever_m(data, k, table.component);
+    if (factor == 0.0) continue;
+    const int approach = axis == data.axis[k] ? as_approach : 0;
+    sum += factor * value_of(*data.map, table.component, data.position_mm[k][index_of(axis)] + shift_mm, approach);
+  }
+  return sum;
+}
+
+double map_compensation(const ReadingAt& at) {
+  return map_compensation(at.data, at.k, at.effect, 0.0, at.data.approach[at.k]);
 }
 
 }  // namespace ecs::model

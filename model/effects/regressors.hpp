@@ -15,7 +15,6 @@
 #include "model/data/curve_basis.hpp"
 #include "model/data/observations.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/parameter_estimate.hpp"
 
 namespace ecs::model {
 

@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 #include "model/data/observations.hpp"
-#include "model/effects/parameter_estimate.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/model_file.hpp"
 
 namespace ecs::model {
