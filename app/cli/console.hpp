@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "app/cli/keyboard.hpp"
+#include "app/names/commissioning.hpp"
 #include "base/result.hpp"
 #include "commissioning/session/message.hpp"
 

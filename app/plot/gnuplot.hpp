@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "app/names/commissioning.hpp"
 #include "base/result.hpp"
 #include "commissioning/plot/figure.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/names/commissioning.hpp"
 #include "app/report/markup.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/names/commissioning.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "laser/map/error_map.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "app/names/commissioning.hpp"
 #include "app/report/markup.hpp"
 #include "commissioning/plot/figure.hpp"
 

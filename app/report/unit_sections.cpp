@@ -116,7 +116,7 @@ Markup tables_of(const laser::ErrorMap& map) {
     if (t.position_mm.empty()) continue;
     const auto [least, most] = std::minmax_element(t.compensation.begin(), t.compensation.end());
     table.row({element("strong", name_of(t.component)), text(laser::description_of(t.component)),
-               text(word_for(t.approach)), text(plain_number(t.position_mm.front())),
+               text(commissioning::word_for(t.approach)), text(plain_number(t.position_mm.front())),
                text(plain_number(t.position_mm.back())), text(fmt::format("{}", t.position_mm.size())), cell(*least, 2),
                cell(*most, 2), text(unit_text(unit_of(t.component)))});
   }

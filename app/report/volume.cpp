@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/names/commissioning.hpp"
 #include "app/report/markup.hpp"
 #include "commissioning/maps/export_source.hpp"
 

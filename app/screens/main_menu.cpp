@@ -106,8 +106,8 @@ std::unique_ptr<Screen> main_menu(const Connection& connection) {
                                        [connection] { return std::make_unique<MonitorScreen>(connection); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
                                      [connection] { return std::make_unique<LinkScreen>(connection); }});
-  choices.insert(choices.end() - 1,
-                 {"LOG", "what the screens told, errors whole, to copy", [] { return std::make_unique<LogScreen>(); }});
+  choices.insert(choices.end() - 1, {"LOG", "messages of the screens, errors whole, to copy",
+                                     [] { return std::make_unique<LogScreen>(); }});
   add_sought(choices, connection);
   return std::make_unique<MenuScreen>(
       "ECS",

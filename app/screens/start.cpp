@@ -45,7 +45,7 @@ std::optional<int> screens_started(const std::vector<std::string>& words) {
   if (terminal) {
     auto connection = std::make_shared<UnitConnection>(asked->link);
     const int code = run_screens(**terminal, main_menu(connection),
-                                 [connection] { return standing_of(connection->standing(), connection->newest()); });
+                                 [connection] { return status_line_of(connection->snapshot(), connection->newest()); });
     terminal->reset();  // the screens are gone: what matters still is said to the shell
     for (const std::string& word : words_left()) fmt::print(stderr, "{}\n", word);
     return code == 0 && !words_left().empty() ? exit_code_of(ProblemKind::link) : code;

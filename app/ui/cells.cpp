@@ -9,7 +9,7 @@ struct Frame {
   char32_t horizontal, vertical, top_left, top_right, bottom_left, bottom_right;
 };
 constexpr Frame kLines{U'─', U'│', U'┌', U'┐', U'└', U'┘'};
-constexpr Frame kSigns{U'-', U'|', U'+', U'+', U'+', U'+'};
+constexpr Frame kAsciiFrame{U'-', U'|', U'+', U'+', U'+', U'+'};
 
 }  // namespace
 
@@ -60,16 +60,16 @@ void Canvas::set(int row, int column, Cell content) {
 
 int Canvas::text(const Area& area, int row, int column, std::string_view utf8, Tone tone) {
   if (row < 0 || row >= area.rows || column >= area.columns) return 0;
-  const std::vector<Sign> control = signs_of(utf8);
+  const std::vector<Letter> letters = letters_of(utf8);
   const int room = area.columns - column;
   int wanted = 0;
-  for (const Sign& sign : control) wanted += sign.columns;
+  for (const Letter& letter : letters) wanted += letter.columns;
   const bool cut = wanted > room;
   int used = 0;
-  for (const Sign& sign : control) {
-    if (used + sign.columns > (cut ? room - 1 : room)) break;
-    put(area.row + row, area.column + column + used, sign.glyph, tone);
-    used += sign.columns;
+  for (const Letter& letter : letters) {
+    if (used + letter.columns > (cut ? room - 1 : room)) break;
+    put(area.row + row, area.column + column + used, letter.glyph, tone);
+    used += letter.columns;
   }
   if (cut) put(area.row + row, area.column + column + used, U'…', tone);
   if (cut && used + 1 < room) put(area.row + row, area.column + column + used + 1, U' ', tone);
@@ -120,7 +120,7 @@ void Canvas::paint(const Area& area, Tone tone) {
 
 void Canvas::frame(const Area& area, std::string_view title, Tone tone) {
   if (area.rows < 2 || area.columns < 2) return;
-  const Frame& f = glyphs_ == Glyphs::ascii ? kSigns : kLines;
+  const Frame& f = glyphs_ == Glyphs::ascii ? kAsciiFrame : kLines;
   const int bottom = area.row + area.rows - 1;
   const int right = area.column + area.columns - 1;
   for (int c = area.column + 1; c < right; ++c) {

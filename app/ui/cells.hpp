@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/names/commissioning.hpp"
 #include "app/ui/letters.hpp"
 #include "commissioning/session/message.hpp"
 
@@ -21,7 +22,7 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
-struct Place {
+struct CellPosition {
   int row = 0;
   int column = 0;
 };
@@ -40,7 +41,7 @@ struct Area {
   [[nodiscard]] Area right_of(int columns_skipped) const;
 };
 
-/// Which control the terminal can show.
+/// Which glyphs the terminal can show.
 enum class Glyphs : std::uint8_t { ascii, unicode };
 
 class Canvas {

@@ -48,7 +48,7 @@ bool reverse(Mark mark) { return mark == Mark::reverse || mark == Mark::reverse_
 bool line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || mark == Mark::both; }
 
 Tone tone_of(Mark mark) { return forward(mark) ? Tone::forward : (reverse(mark) ? Tone::reverse : Tone::plain); }
-char32_t sign_of(Mark mark, Glyphs glyphs) {
+char32_t glyph_of(Mark mark, Glyphs glyphs) {
   if (glyphs == Glyphs::ascii) return forward(mark) ? U'^' : (reverse(mark) ? U'v' : U'o');
   return forward(mark) ? U'▲' : (reverse(mark) ? U'▼' : U'○');
 }
@@ -111,7 +111,7 @@ struct Scale {
   [[nodiscard]] double down(double value) const { return (y.to - value) / y.width() * (height - 1.0); }
 };
 
-/// Single readings too many for control become dots.
+/// Single readings too many for marks become dots.
 bool as_dots(const PlotSeries& series, int columns) {
   return !line(series.mark) && static_cast<int>(series.points.size()) > columns / 2;
 }
@@ -138,8 +138,8 @@ void draw_spread(const PlotSeries& series, const Scale& scale, Dots& dots) {
   }
 }
 
-/// Signs on the points; on a dense line only every so often, so that the line stays seen.
-void draw_signs(Canvas& canvas, const Area& plot, const PlotSeries& series, const Scale& scale) {
+/// Marks on the points; on a dense line only every so often, so that the line stays seen.
+void draw_marks(Canvas& canvas, const Area& plot, const PlotSeries& series, const Scale& scale) {
   const double cells_per_dot_x = plot.columns / scale.width;
   const double cells_per_dot_y = plot.rows / scale.height;
   const int least_apart = line(series.mark) ? 6 : 0;
@@ -151,7 +151,7 @@ void draw_signs(Canvas& canvas, const Area& plot, const PlotSeries& series, cons
     if (least_apart > 0 && std::abs(c - last) < least_apart) continue;
     last = c;
     canvas.put(plot.row + std::min(r, plot.rows - 1), plot.column + std::min(c, plot.columns - 1),
-               sign_of(series.mark, canvas.glyphs()), tone_of(series.mark));
+               glyph_of(series.mark, canvas.glyphs()), tone_of(series.mark));
   }
 }
 
@@ -192,9 +192,9 @@ void draw_legend(Canvas& canvas, const Area& area, const PlotPanel& panel) {
   int column = 0;
   for (const PlotSeries& series : panel.series) {
     if (column >= area.columns || series.name.empty()) continue;
-    const std::string sign = utf8_of(sign_of(series.mark, canvas.glyphs()));
+    const std::string mark = utf8_of(glyph_of(series.mark, canvas.glyphs()));
     const std::string stroke = !line(series.mark) ? " " : (reverse(series.mark) ? "- -" : "───");
-    column += canvas.text(area, 0, column, sign + stroke + " ", tone_of(series.mark));
+    column += canvas.text(area, 0, column, mark + stroke + " ", tone_of(series.mark));
     column += canvas.text(area, 0, column, series.name) + 2;
   }
 }
@@ -265,7 +265,7 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
   }
   dots.draw(canvas);
   for (const PlotSeries& series : panel.series)
-    if (series.mark != Mark::spread && !as_dots(series, plot.columns)) draw_signs(canvas, plot, series, scale);
+    if (series.mark != Mark::spread && !as_dots(series, plot.columns)) draw_marks(canvas, plot, series, scale);
   draw_y_axis(canvas, {area.row + 1, area.column, plot.rows, kYAxisColumns}, scale, plot.rows);
   const Area below = area.below(1 + plot.rows);
   draw_x_axis(canvas, {below.row, plot.column, 2, plot.columns}, scale);

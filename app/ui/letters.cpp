@@ -36,7 +36,7 @@ int seen_columns(char32_t glyph) {
   return columns > 0 || is_mark(glyph) ? columns : 1;
 }
 
-/// Letters with their marks as one sign each, as far as there are such.
+/// Letters with their marks as one character each, as far as there are such.
 std::u32string composed(const std::u32string& points) {
   const std::string text = utf8_of(points);
   utf8proc_uint8_t* joined = nullptr;
@@ -100,15 +100,15 @@ int columns_of(char32_t glyph) {
   return std::clamp(utf8proc_charwidth(static_cast<utf8proc_int32_t>(glyph)), 0, 2);
 }
 
-std::vector<Sign> signs_of(std::string_view utf8) {
-  std::vector<Sign> control;
-  control.reserve(utf8.size());
-  const auto add = [&control](char32_t glyph, int columns) {
-    control.push_back({glyph < 0x20 ? U' ' : glyph, columns});
+std::vector<Letter> letters_of(std::string_view utf8) {
+  std::vector<Letter> letters;
+  letters.reserve(utf8.size());
+  const auto add = [&letters](char32_t glyph, int columns) {
+    letters.push_back({glyph < 0x20 ? U' ' : glyph, columns});
   };
   if (is_ascii(utf8)) {
     for (const char c : utf8) add(c == 0x7F ? U'?' : static_cast<char32_t>(c), 1);
-    return control;
+    return letters;
   }
   std::u32string points = code_points(utf8);
   if (std::any_of(points.begin(), points.end(), [](char32_t glyph) { return columns_of(glyph) == 0; }))
@@ -120,27 +120,27 @@ std::vector<Sign> signs_of(std::string_view utf8) {
     else if (seen_columns(glyph) > 0)
       add(U'?', 1);
   }
-  return control;
+  return letters;
 }
 
 int width_of(std::string_view utf8) {
   if (is_ascii(utf8)) return static_cast<int>(utf8.size());
   int columns = 0;
-  for (const Sign& sign : signs_of(utf8)) columns += sign.columns;
+  for (const Letter& letter : letters_of(utf8)) columns += letter.columns;
   return columns;
 }
 
 std::string in_columns(std::string_view utf8, int columns) {
-  const std::vector<Sign> control = signs_of(utf8);
+  const std::vector<Letter> letters = letters_of(utf8);
   int wanted = 0;
-  for (const Sign& sign : control) wanted += sign.columns;
+  for (const Letter& letter : letters) wanted += letter.columns;
   const int room = std::max(0, columns) - (wanted > columns ? 1 : 0);
   std::string out;
   int used = 0;
-  for (const Sign& sign : control) {
-    if (used + sign.columns > room) break;
-    out += utf8_of(sign.glyph);
-    used += sign.columns;
+  for (const Letter& letter : letters) {
+    if (used + letter.columns > room) break;
+    out += utf8_of(letter.glyph);
+    used += letter.columns;
   }
   if (wanted > columns && columns > 0) {
     out += "…";

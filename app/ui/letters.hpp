@@ -1,5 +1,5 @@
-// Letters as a terminal shows them: UTF-8, the columns that a letter takes, words in lines, the nearest sign of ASCII.
-// Does not live here: where letters stand (cells.hpp).
+// Letters as a terminal shows them: UTF-8, the columns that a letter takes, words in lines, the nearest character of
+// ASCII. Does not live here: where letters stand (cells.hpp).
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 namespace ecs::app {
 
 /// A letter in the columns it takes: 1, or 2 as those of Chinese and most pictures do.
-struct Sign {
+struct Letter {
   char32_t glyph = U' ';
   int columns = 1;
-  friend bool operator==(const Sign&, const Sign&) = default;
+  friend bool operator==(const Letter&, const Letter&) = default;
 };
 
-/// The control of a text, in order. A mark that stands over another letter is joined with it where Unicode has one sign
-/// for both, else left away; control characters become a blank or '?'.
-[[nodiscard]] std::vector<Sign> signs_of(std::string_view utf8);
+/// The letters of a text, in order. A mark that stands over another letter is joined with it where Unicode has one
+/// character for both, else left away; control characters become a blank or '?'.
+[[nodiscard]] std::vector<Letter> letters_of(std::string_view utf8);
 
 /// Columns of one letter on a terminal, 0 to 2, by its East Asian width (Unicode Standard Annex 11).
 [[nodiscard]] int columns_of(char32_t glyph);
@@ -32,7 +32,7 @@ struct Sign {
 [[nodiscard]] std::string in_columns(std::string_view utf8, int columns);
 /// Words of a text in lines of at most `columns`.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view utf8, int columns);
-/// The nearest sign of ASCII: µ → u, ± → +/- is left to the caller (one cell is one sign).
+/// The nearest character of ASCII: µ → u, ± → +/- is left to the caller (one cell is one character).
 [[nodiscard]] char32_t in_ascii(char32_t glyph);
 
 }  // namespace ecs::app

@@ -3,12 +3,15 @@
 
 #include <functional>
 
+#include "app/names/commissioning.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 
-namespace ecs::app {
-
+namespace ecs::commissioning {
 class UnitConnection;
+}
+
+namespace ecs::app {
 
 struct MenuChoice {
   std::string name;

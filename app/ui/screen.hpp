@@ -51,7 +51,7 @@ class Screen {
   /// Letters are text now, not commands: F1 helps, not ?.
   [[nodiscard]] virtual bool typing() const { return false; }
   /// Where the terminal's cursor belongs; row −1: nowhere.
-  [[nodiscard]] virtual Place cursor(const Area& /*area*/) const { return {-1, -1}; }
+  [[nodiscard]] virtual CellPosition cursor(const Area& /*area*/) const { return {-1, -1}; }
   /// Work that would be lost by leaving; empty: none.
   [[nodiscard]] virtual std::string unsaved() const { return {}; }
 };

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "app/ui/drafts.hpp"
 #include "app/ui/key_line.hpp"
 #include "app/ui/overlay.hpp"
 #include "app/ui/talk.hpp"
 #include "base/interrupt.hpp"
+#include "commissioning/session/drafts.hpp"
 
 namespace ecs::app {
 namespace {
@@ -35,12 +35,12 @@ std::string short_link(const std::string& link, int room) {
 }
 
 /// The way here at the left, its end first where it is too long; the unit at the right, its state before all.
-void draw_header(Canvas& canvas, const std::string& path, const Standing& standing, bool unsaved) {
+void draw_header(Canvas& canvas, const std::string& path, const StatusLine& status, bool unsaved) {
   const Area header = canvas.whole().top(1);
   canvas.fill(header, U' ', Tone::selected);
   const std::string saved = unsaved ? "NOT SAVED" : "";
-  const int link_room = std::max(8, header.columns / 2 - width_of(standing.state) - width_of(saved));
-  std::string right = standing.link.empty() ? "" : short_link(standing.link, link_room) + " " + standing.state;
+  const int link_room = std::max(8, header.columns / 2 - width_of(status.state) - width_of(saved));
+  std::string right = status.link.empty() ? "" : short_link(status.link, link_room) + " " + status.state;
   if (unsaved) right = right.empty() ? saved : saved + "  " + right;
   if (width_of(right) >= header.columns) canvas.keep_whole(right);
   const int room = header.columns - width_of(right) - 4;
@@ -49,7 +49,7 @@ void draw_header(Canvas& canvas, const std::string& path, const Standing& standi
     left.erase(0, cut + 3);
   canvas.text({header.row, header.column, 1, std::max(0, room + 2)}, 0, 1, left, Tone::selected);
   canvas.text_right({header.row, header.column, 1, header.columns - 1}, 0, right,
-                    standing.bad ? Tone::bad : Tone::selected);
+                    status.bad ? Tone::bad : Tone::selected);
 }
 
 const std::vector<KeyHelp> kLeavingKeys{{"y", "leave"}, {"n", "stay"}};
@@ -94,9 +94,9 @@ class Stack {
 
 Area screen_area(const Canvas& canvas) { return {1, 0, std::max(0, canvas.rows() - 2), canvas.columns()}; }
 
-Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
+Canvas picture_of(const Screen& screen, const std::string& path, const StatusLine& status, Canvas canvas,
                   bool with_help) {
-  draw_header(canvas, path, standing, !screen.unsaved().empty());
+  draw_header(canvas, path, status, !screen.unsaved().empty());
   screen.draw(canvas, screen_area(canvas));
   draw_key_line(canvas, key_area(canvas), key_line_of(screen, !canvas.whole_texts().empty()));
   if (with_help) {
@@ -107,10 +107,10 @@ Canvas picture_of(const Screen& screen, const std::string& path, const Standing&
   return canvas;
 }
 
-int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StandingNow& standing_now) {
+int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now) {
   catch_signals();
   Stack stack(std::move(first));
-  Standing standing;
+  StatusLine status;
   Overlay over;
   std::vector<std::string> partly;  ///< seen in part only in the last picture
   bool changed = true;              ///< since the last picture
@@ -124,17 +124,17 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Standin
       changed = urgent = true;
       continue;
     }
-    if (Standing now = standing_now(); now != standing) {
-      standing = std::move(now);
+    if (StatusLine now = status_line_now(); now != status) {
+      status = std::move(now);
       changed = true;
     }
     if (changed) {
-      Canvas canvas = picture_of(screen, stack.path(), standing, terminal.canvas(), false);
+      Canvas canvas = picture_of(screen, stack.path(), status, terminal.canvas(), false);
       partly = canvas.whole_texts();
       if (over.shown()) over.draw(canvas);
       if (sure) draw_leaving(canvas, stack.unsaved());
-      changed =
-          !terminal.show(canvas, over.shown() || sure ? Place{-1, -1} : screen.cursor(screen_area(canvas)), urgent);
+      changed = !terminal.show(canvas, over.shown() || sure ? CellPosition{-1, -1} : screen.cursor(screen_area(canvas)),
+                               urgent);
     }
     Key key = terminal.read(kWait_ms);
     if (const Area line = key_area(terminal.canvas()); key.name == Key::Name::mouse && key.row == line.row)

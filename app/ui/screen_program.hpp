@@ -12,22 +12,22 @@
 namespace ecs::app {
 
 /// Said in the status line of every screen.
-struct Standing {
+struct StatusLine {
   std::string link;   ///< "EMULATOR", "rtu:/dev/ttyUSB0:115200"; empty: none open
   std::string state;  ///< mode and fault of the unit, if known
   bool bad = false;   ///< a fault, or no answer
-  friend bool operator==(const Standing&, const Standing&) = default;
+  friend bool operator==(const StatusLine&, const StatusLine&) = default;
 };
-using StandingNow = std::function<Standing()>;
+using StatusLineNow = std::function<StatusLine()>;
 
 /// The picture of a screen at a size: header, screen, key line, its help over it. Pure; used by the loop, by tests and
 /// by `docs` pictures.
-[[nodiscard]] Canvas picture_of(const Screen& screen, const std::string& path, const Standing& standing, Canvas canvas,
+[[nodiscard]] Canvas picture_of(const Screen& screen, const std::string& path, const StatusLine& status, Canvas canvas,
                                 bool with_help);
 /// Where the screen itself is drawn on a canvas of that size.
 [[nodiscard]] Area screen_area(const Canvas& canvas);
 
 /// Until the last screen is left or a signal comes. @return exit code
-[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StandingNow& standing_now);
+[[nodiscard]] int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const StatusLineNow& status_line_now);
 
 }  // namespace ecs::app

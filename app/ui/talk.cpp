@@ -5,23 +5,15 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/session/event_log.hpp"
-
 namespace ecs::app {
 
-void MessageLine::say(const std::string& text, Tone tone) {
-  text_ = text;
-  tone_ = tone;
-  log_event(tone, text);
+int rows_of_message(const Message& message, int columns, int most) {
+  if (message.text().empty()) return 1;
+  return std::clamp(static_cast<int>(wrapped(message.text(), columns).size()), 1, std::max(1, most));
 }
 
-int MessageLine::rows(int columns, int most) const {
-  if (text_.empty()) return 1;
-  return std::clamp(static_cast<int>(wrapped(text_, columns).size()), 1, std::max(1, most));
-}
-
-void MessageLine::draw(Canvas& canvas, const Area& area) const {
-  if (!text_.empty() && area.rows > 0) canvas.paragraph(area, 0, text_, tone_);
+void draw_message(Canvas& canvas, const Area& area, const Message& message) {
+  if (!message.text().empty() && area.rows > 0) canvas.paragraph(area, 0, message.text(), message.tone());
 }
 
 Reply reply_to(const Key& key) {

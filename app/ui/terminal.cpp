@@ -284,10 +284,10 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
     const bool agreed = ::wcwidth(static_cast<wchar_t>(cell.glyph)) == columns_of(cell.glyph);
     const std::array<wchar_t, 2> text{agreed ? static_cast<wchar_t>(cell.glyph) : L'?', 0};
     const attr_t looks = attributes[static_cast<std::size_t>(cell.tone)];
-    cchar_t sign{};
-    ::setcchar(&sign, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);
+    cchar_t letter{};
+    ::setcchar(&letter, text.data(), looks, static_cast<short>(PAIR_NUMBER(looks)), nullptr);
     if (!agreed && columns_of(cell.glyph) == 2) mvaddch(r, c + 1, ' ');
-    mvadd_wch(r, c, &sign);
+    mvadd_wch(r, c, &letter);
     const int behind = c + columns_of(cell.glyph);
     const bool halved = sent.at(r, behind).glyph == kSecondHalf;  // of a letter that was overwritten: to be sent anew
     sent.put(r, c, cell.glyph, cell.tone);
@@ -296,7 +296,7 @@ int Terminal::Screen::write_row(const Canvas& canvas, int r, int room) {
   return room;
 }
 
-bool Terminal::show(const Canvas& canvas, Place cursor, bool urgent) {
+bool Terminal::show(const Canvas& canvas, CellPosition cursor, bool urgent) {
   constexpr int kPiece = 60;
   Screen& s = *screen_;
   if (!urgent && s.behind()) return false;

@@ -11,7 +11,7 @@
 namespace ecs::app {
 
 struct TerminalOptions {
-  bool ascii = false;  ///< no control beyond ASCII, whatever the locale says
+  bool ascii = false;  ///< no glyphs beyond ASCII, whatever the locale says
   bool colour = true;  ///< false with NO_COLOR
   bool mouse = true;
 };
@@ -32,7 +32,7 @@ class Terminal {
   /// goes in pieces, so that the next key need not wait: heading, message and key line first.
   /// @param urgent  a key changed it; else it may wait where the terminal is behind
   /// @return whether all of it is on its way: if not, show it again
-  [[nodiscard]] bool show(const Canvas& canvas, Place cursor, bool urgent);
+  [[nodiscard]] bool show(const Canvas& canvas, CellPosition cursor, bool urgent);
   /// The next key; Name::none after `wait_ms` without one.
   [[nodiscard]] Key read(int wait_ms);
   /// Everything again, as after something else has written on the terminal.

@@ -106,10 +106,10 @@ void add_wrapped(std::vector<std::string>& lines, const std::string& line, int c
 void draw_sideways(Canvas& canvas, const Area& area, int row, const std::string& line, int from) {
   int column = -from;
   bool goes_on = false;
-  for (const Sign& sign : signs_of(line)) {
-    if (column >= 0 && column + sign.columns <= area.columns)
-      canvas.put(area.row + row, area.column + column, sign.glyph);
-    column += sign.columns;
+  for (const Letter& letter : letters_of(line)) {
+    if (column >= 0 && column + letter.columns <= area.columns)
+      canvas.put(area.row + row, area.column + column, letter.glyph);
+    column += letter.columns;
     goes_on = goes_on || column > area.columns;
   }
   if (goes_on) canvas.put(area.row + row, area.column + area.columns - 1, U'→', Tone::strong);
@@ -201,10 +201,10 @@ void TextLine::draw(Canvas& canvas, const Area& area, int row, int column, int c
   const Tone tone = active ? Tone::strong : Tone::plain;
   const std::size_t first = first_seen(columns);
   int used = 0;
-  for (const Sign& sign : signs_of(utf8_of(std::u32string_view(text_).substr(first)))) {
-    if (used + sign.columns > columns) break;
-    canvas.put(area.row + row, area.column + column + used, sign.glyph, tone);
-    used += sign.columns;
+  for (const Letter& letter : letters_of(utf8_of(std::u32string_view(text_).substr(first)))) {
+    if (used + letter.columns > columns) break;
+    canvas.put(area.row + row, area.column + column + used, letter.glyph, tone);
+    used += letter.columns;
   }
   for (; used < columns; ++used) canvas.put(area.row + row, area.column + column + used, active ? U'_' : U' ', tone);
   if (first > 0 && columns > 1) canvas.put(area.row + row, area.column + column, U'…', Tone::faint);

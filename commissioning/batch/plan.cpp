@@ -8,7 +8,7 @@
 #include "base/file.hpp"
 #include "base/toml_reader.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,4 +75,4 @@ Result<std::vector<PlannedUnit>> read_batch_plan(const fs::path& path) {
   return parse_batch_plan(*text, path.string(), path.parent_path());
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "base/result.hpp"
 #include "commissioning/link/choice.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One `[[unit]]`. Paths are complete.
 struct PlannedUnit {
@@ -26,4 +26,4 @@ struct PlannedUnit {
                                                                 const std::filesystem::path& folder);
 [[nodiscard]] Result<std::vector<PlannedUnit>> read_batch_plan(const std::filesystem::path& path);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

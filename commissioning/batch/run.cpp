@@ -11,7 +11,7 @@
 #include "commissioning/unit/transfer.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// What one unit gets: an image, or parameters that go round the map it has.
@@ -128,4 +128,4 @@ int exit_code_of(const std::vector<BatchReport>& reports) {
   return std::any_of(reports.begin(), reports.end(), link_failed) ? exit_code_of(ProblemKind::link) : kDoesNotHold;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

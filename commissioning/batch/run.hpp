@@ -10,7 +10,7 @@
 #include "commissioning/batch/plan.hpp"
 #include "commissioning/link/unit_link.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 enum class BatchMode {
   dry_run,  ///< files, checks, image, link and serial number; nothing is written
@@ -46,4 +46,4 @@ using BatchTurn = std::function<protocol::ProgressCallback(const PlannedUnit&)>;
 /// 0 all well, 4 if a link failed, else 1.
 [[nodiscard]] int exit_code_of(const std::vector<BatchReport>& reports);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "laser/map/recipe.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// Where each text answer stands.
@@ -153,4 +153,4 @@ const std::vector<AnswerField>& answer_fields() {
   return fields;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

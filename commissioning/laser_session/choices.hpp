@@ -11,7 +11,7 @@
 #include "commissioning/measurements/files.hpp"
 #include "laser/analysis/process.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct LaserFileChoice {
   std::string path;
@@ -73,4 +73,4 @@ struct AnswerField {
 };
 [[nodiscard]] const std::vector<AnswerField>& answer_fields();
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 std::string y_label_of(Sense sense) { return fmt::format("error [{}]", is_rotation(sense) ? "µm/m" : "µm"); }
@@ -129,4 +129,4 @@ LaserCurve laser_curve(Component component, std::vector<std::size_t> lines, cons
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -14,7 +14,7 @@
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/process.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One line without the readings that are left out.
 struct LaserLineResult {
@@ -56,4 +56,4 @@ struct LaserCurve {
 [[nodiscard]] LaserCurve laser_curve(Component component, std::vector<std::size_t> lines,
                                      const LaserComponentChoice& choice, const LaserLineResults& results);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -15,7 +15,7 @@
 #include "laser/analysis/pipeline.hpp"
 #include "laser/import/import.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// The squareness that an indicator of `sense` shows on a square while `axis` moves.
@@ -37,22 +37,22 @@ std::string key_of(const laser::Group& group, bool square) {
 }
 
 /// Axes whose place the columns of a table say.
-void take_columns(PerAxis<bool>& told, const std::vector<std::string>& columns) {
+void take_columns(PerAxis<bool>& known, const std::vector<std::string>& columns) {
   for (const Axis a : kAllAxes)
     if (std::find(columns.begin(), columns.end(), lower(std::string(1, letter_of(a))) + "_mm") != columns.end())
-      told[index_of(a)] = true;
+      known[index_of(a)] = true;
 }
 
 /// Which axes' places the file itself says; where it does not, a reader takes 0.
 PerAxis<bool> places_in(const laser::Imported& imported, const ImportArguments& answers) {
-  PerAxis<bool> told = imported.format->states_place;
-  if (imported.format->places_in_columns) take_columns(told, imported.set.columns);
+  PerAxis<bool> known = imported.format->states_place;
+  if (imported.format->places_in_columns) take_columns(known, imported.set.columns);
   const auto options = import_options(answers);
-  if (!options || !options->mapping) return told;
+  if (!options || !options->mapping) return known;
   std::vector<std::string> fields;
   for (const laser::ColumnRule& rule : options->mapping->rules) fields.push_back(rule.field);
-  take_columns(told, fields);
-  return told;
+  take_columns(known, fields);
+  return known;
 }
 
 /// The axes that "y=-1400,z=0" names.
@@ -72,25 +72,25 @@ PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& give
   const auto answers = with_profile(given);
   if (!answers) return {};
   const PerAxis<bool> in_file = places_in(imported, *answers), named = places_named(answers->parked);
-  PerAxis<bool> told{};
-  for (std::size_t k = 0; k < told.size(); ++k) told[k] = in_file[k] || named[k];
+  PerAxis<bool> known{};
+  for (std::size_t k = 0; k < known.size(); ++k) known[k] = in_file[k] || named[k];
   const auto options = import_options(*answers);
-  if (!options || !imported.format->places_in_columns) return told;
+  if (!options || !imported.format->places_in_columns) return known;
   for (laser::Reading& reading : imported.set.readings)
     for (const Axis a : kAllAxes)
       if (const std::size_t k = index_of(a); named[k] && !in_file[k] && a != reading.axis)
         reading.position_mm[k] = options->parked_mm[k];
-  return told;
+  return known;
 }
 
 /// Where the axes stand that do not move, a ? for what nothing says.
-void take_place(LaserLine& line, const PerAxis<bool>& told) {
+void take_place(LaserLine& line, const PerAxis<bool>& known) {
   line.place.clear();
   line.place_unknown.clear();
   for (const Axis a : kAllAxes) {
     if (a == line.group.axis) continue;
     line.place += line.place.empty() ? "" : ", ";
-    if (told[index_of(a)]) {
+    if (known[index_of(a)]) {
       line.place += fmt::format("{} {:.6g}", letter_of(a), line.group.parked_mm[index_of(a)]);
     } else {
       line.place += fmt::format("{} ?", letter_of(a));
@@ -105,7 +105,7 @@ struct Part {
   std::string file;
   bool whole_file = false;
   bool square = false;
-  PerAxis<bool> place_told{};
+  PerAxis<bool> position_known{};
 };
 
 LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first) {
@@ -116,7 +116,7 @@ LaserLine line_of(std::string key, laser::MeasurementSet set, const Part& first)
   line.summary = lines_in(*line.set).front();
   line.group = line.summary.group;
   line.component = curve_of(line.group.sense, line.group.axis);
-  take_place(line, first.place_told);
+  take_place(line, first.position_known);
   if (line.square) line.component = squareness_shown(line.group.axis, line.group.sense).value_or(line.component);
   line.suspects = laser::outliers_of(*line.set, line.group);
   return line;
@@ -129,12 +129,12 @@ std::vector<LaserLine> lines_of_parts(const std::string& key, std::vector<Part>&
   auto all = joined(sets);
   if (all) {
     lines.push_back(line_of(key, std::move(*all), parts.front()));
-    PerAxis<bool> told = parts.front().place_told;
+    PerAxis<bool> known = parts.front().position_known;
     for (const Part& part : parts) {
       lines.back().files.push_back(part.file);
-      for (std::size_t k = 0; k < told.size(); ++k) told[k] = told[k] && part.place_told[k];
+      for (std::size_t k = 0; k < known.size(); ++k) known[k] = known[k] && part.position_known[k];
     }
-    take_place(lines.back(), told);
+    take_place(lines.back(), known);
     lines.back().whole_file = parts.size() == 1 && parts.front().whole_file;
     if (parts.size() > 1) lines.back().notes.push_back(fmt::format("{} files are one line here", parts.size()));
     return lines;
@@ -173,7 +173,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
     file.problem = "it holds no readings";
     return file;
   }
-  file.place_told = take_places(*imported, with_found_profile(choice.path, choice.answers));
+  file.position_known = take_places(*imported, with_found_profile(choice.path, choice.answers));
   std::vector<std::string> names;
   for (const laser::Group& group : laser::groups_of(imported->set)) {
     const auto square = is_square(imported->set) ? squareness_shown(group.axis, group.sense) : std::nullopt;
@@ -209,7 +209,7 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
       const std::string key = key_of(group, square);
       if (!parts.contains(key)) order.push_back(key);
       const bool whole = groups.size() == 1 && given_answers(file.choice.answers).empty();
-      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square, file.place_told});
+      parts[key].push_back({set_of(*file.set, group), file.choice.path, whole, square, file.position_known});
     }
   }
   std::vector<LaserLine> lines;
@@ -220,4 +220,4 @@ std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files) {
   return lines;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "core/component.hpp"
 #include "laser/measurement_set.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// A file, read or not.
 struct LaserFile {
@@ -22,7 +22,7 @@ struct LaserFile {
   std::shared_ptr<const laser::MeasurementSet> set;  ///< null: not read
   std::string problem;                               ///< why not
   bool wants_answers = false;                        ///< it would be read with answers
-  PerAxis<bool> place_told{};                        ///< file or answers say where this axis stood
+  PerAxis<bool> position_known{};                    ///< file or answers say where this axis stood
 };
 [[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);
 /// Size and time of writing; empty: there is no such file.
@@ -53,4 +53,4 @@ struct LaserLine {
 /// joined stands apart, with a note.
 [[nodiscard]] std::vector<LaserLine> laser_lines(const std::vector<LaserFile>& files);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "commissioning/laser_session/map_work.hpp"
 #include "laser/map/recipe.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
   return files;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -14,7 +14,7 @@
 #include "laser/map/csv.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -282,4 +282,4 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
       work.components.push_back(state_of(work, static_cast<Component>(k)));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -13,7 +13,7 @@
 #include "laser/map/build.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 enum class ComponentState {
   present,        ///< from a measured file
@@ -78,4 +78,4 @@ struct MapFiles {
 [[nodiscard]] Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                               const std::filesystem::path& prepared_folder);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

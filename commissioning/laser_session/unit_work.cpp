@@ -6,7 +6,7 @@
 #include "core/memory_image.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 protocol::ProgressCallback told_to(JobControl& control, SendProgress& seen) {
@@ -26,9 +26,9 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
 Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& line) {
   const auto status = line.client().status();
   if (!status) return tl::unexpected(status.error());
-  const WatchedUnit standing = unit.standing();
-  UnitHolding holding{standing.identity ? standing.identity->serial_number : "", std::nullopt, status->commit_sequence,
-                      status->uptime_s, standing.opened_at};
+  const WatchedUnit watched = unit.snapshot();
+  UnitHolding holding{watched.identity ? watched.identity->serial_number : "", std::nullopt, status->commit_sequence,
+                      status->uptime_s, watched.opened_at};
   if (status->active_bank == protocol::Bank::none) return holding;
   const auto check =
       line.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
@@ -66,7 +66,7 @@ std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
                        check_text(then.check));
   if (now.activations != then.activations) return "a map or parameters were made active in it by another host";
   if (now.uptime_s < then.uptime_s) return "it was restarted";
-  if (now.opened_at != then.opened_at) return "the line to it was opened again";
+  if (now.opened_at != then.opened_at) return "the link to it was opened again";
   return {};
 }
 
@@ -145,4 +145,4 @@ Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, c
   });
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

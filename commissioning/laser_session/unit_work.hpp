@@ -17,7 +17,7 @@
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/session/job.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Seen while a map is on its way.
 struct SendProgress {
@@ -77,4 +77,4 @@ struct ExpectedMap {
 [[nodiscard]] Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control,
                                                   const ExpectedMap& expected);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

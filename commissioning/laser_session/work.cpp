@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// Files that did not change are not read again.
@@ -115,4 +115,4 @@ LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
   return work;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -13,7 +13,7 @@
 #include "commissioning/laser_session/map_work.hpp"
 #include "commissioning/session/job.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct LaserWork {
   LaserChoices choices;  ///< what it was worked out from
@@ -32,4 +32,4 @@ using LaserWorkPtr = std::shared_ptr<const LaserWork>;
 [[nodiscard]] LaserWorkPtr worked_out(const LaserChoices& choices, const LaserWorkPtr& before,
                                       const std::filesystem::path& folder, bool with_map, JobControl& control);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -12,7 +12,7 @@
 #include "base/plain_text.hpp"
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace fs = std::filesystem;
 namespace {
 
@@ -156,4 +156,4 @@ std::optional<fs::path> emulator_program() {
   return found;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The bundled emulator with this machine; the program starts and stops it.
 struct EmulatorLink {
@@ -47,4 +47,4 @@ struct LinkChoice {
 /// `ecs-emulator`: $ECS_EMULATOR, beside this program, in the build tree, on PATH.
 [[nodiscard]] std::optional<std::filesystem::path> emulator_program();
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

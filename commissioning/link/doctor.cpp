@@ -9,7 +9,7 @@
 #include "commissioning/link/port_survey.hpp"
 #include "commissioning/link/unit_link.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using protocol::Link;
@@ -26,14 +26,14 @@ constexpr int kMostUnit = 10;
 /// One examination under way.
 struct Examination {
   const DoctorNote& note;
-  const DoctorTold& told;
+  const FindingCallback& on_finding;
   const std::atomic<bool>& cancelled;
   Diagnosis diagnosis;
 };
 
 void add(Examination& work, std::string check, FindingState state, std::string message, std::string action = {}) {
   work.diagnosis.findings.push_back({std::move(check), state, std::move(message), std::move(action)});
-  if (work.told) work.told(work.diagnosis.findings.back());
+  if (work.on_finding) work.on_finding(work.diagnosis.findings.back());
 }
 
 /// Reads again and again, and says how good the line is.
@@ -121,7 +121,7 @@ bool echoes(const LinkAddress& address, Examination& work) {
   const auto raw = raw_answer(std::get<SerialPort>(address.endpoint), address.unit);
   if (!raw) return false;
   if (raw->is_echo()) {
-    add(work, "echo", FindingState::problem, "the line gives back what is sent",
+    add(work, "echo", FindingState::problem, "the link returns what is sent",
         "switch the local echo of the RS-485 converter off; with RS-232, check that pins 2 and 3 are not bridged");
     return true;
   }
@@ -130,7 +130,7 @@ bool echoes(const LinkAddress& address, Examination& work) {
         "is the unit on, is the cable crossed (null modem), is it the right port?");
   else
     add(work, "noise", FindingState::note, fmt::format("{} bytes came back that are no answer", raw->received.size()),
-        "speed or parity are wrong, or another device is on this line");
+        "speed or parity are wrong, or another device is on this link");
   return false;
 }
 
@@ -147,7 +147,7 @@ void examine_serial(const LinkAddress& address, Examination& work) {
   if (work.cancelled || echoes(address, work)) return;
   if (other_unit_number(address, work) || other_speed(address, work) || work.cancelled) return;
   add(work, "unit", FindingState::problem, "no unit answers at any of the usual speeds, parities and unit numbers",
-      "check power and cable; see that no other program on the far end uses the line");
+      "check power and cable; see that no other program uses the link");
 }
 
 void examine_tcp(const LinkAddress& address, Examination& work) {
@@ -186,9 +186,9 @@ std::string_view name_of(FindingState state) {
   return state == FindingState::note ? "note" : "problem";
 }
 
-Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const DoctorTold& told,
+Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const FindingCallback& on_finding,
                        const std::atomic<bool>& cancelled) {
-  Examination work{note, told, cancelled, {}};
+  Examination work{note, on_finding, cancelled, {}};
   if (choice.is_emulator()) {
     examine_emulator(choice, work);
     return std::move(work.diagnosis);
@@ -201,4 +201,4 @@ Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const D
   return std::move(work.diagnosis);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -12,7 +12,7 @@
 #include "commissioning/link/choice.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 enum class FindingState { ok, note, problem };
 [[nodiscard]] std::string_view name_of(FindingState state);
@@ -33,16 +33,17 @@ struct Diagnosis {
 };
 
 using DoctorNote = std::function<void(const std::string&)>;
-using DoctorTold = std::function<void(const DoctorFinding&)>;
+using FindingCallback = std::function<void(const DoctorFinding&)>;
 
 /// The link, step by step; stops at the first cause it finds. Reads only.
 /// @param note       what is being tried now
-/// @param told       each finding as soon as it is made
+/// @param on_finding       each finding as soon as it is made
 /// @param cancelled  ends it between two questions
-[[nodiscard]] Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const DoctorTold& told = {},
+[[nodiscard]] Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note,
+                                     const FindingCallback& on_finding = {},
                                      const std::atomic<bool>& cancelled = interrupted());
 
 /// Emulator, sample machine, gnuplot, terminal.
 [[nodiscard]] std::vector<DoctorFinding> surroundings();
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "commissioning/link/doctor.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 bool on_path(const char* program) {
@@ -49,4 +49,4 @@ std::vector<DoctorFinding> surroundings() {
   return {emulator_finding(), sample_finding(), gnuplot_finding(), terminal_finding()};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -19,7 +19,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using namespace std::chrono_literals;
@@ -111,7 +111,7 @@ Result<void> EmulatorProcess::read_greeting() {
   std::string line;
   for (const auto end = Clock::now() + kStartLimit; line.find('\n') == std::string::npos;) {
     if (interrupted()) return failed("stopped while it started");
-    if (Clock::now() > end) return failed("it did not name its line within 15 s");
+    if (Clock::now() > end) return failed("it did not name its link within 15 s");
     pollfd readable{output_, POLLIN, 0};
     if (::poll(&readable, 1, 100) <= 0) continue;
     char piece[512];
@@ -165,4 +165,4 @@ Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machin
   return *folder / fmt::format("emulator-{}.memory", sha256_hex(real.string()).substr(0, 16));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

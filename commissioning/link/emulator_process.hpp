@@ -10,7 +10,7 @@
 
 #include "base/result.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct EmulatorOptions {
   std::filesystem::path program;
@@ -47,4 +47,4 @@ class EmulatorProcess {
 /// The file of the battery-backed memory of the emulator with this machine, in state_folder().
 [[nodiscard]] Result<std::filesystem::path> memory_file_of(const std::filesystem::path& machine);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -20,7 +20,7 @@
 #include "protocol/registers/frame_check.hpp"
 #include "protocol/registers/register_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit) {
   return answer;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

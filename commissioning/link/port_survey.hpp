@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "protocol/line/link_address.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Serial ports of this computer: USB adapters and built-in ones that have hardware behind them.
 [[nodiscard]] std::vector<std::string> serial_ports();
@@ -26,8 +26,8 @@ struct PortTrouble {
 struct PortAnswer {
   std::vector<std::uint8_t> sent;
   std::vector<std::uint8_t> received;
-  [[nodiscard]] bool is_echo() const;  ///< the line gives back what is sent
+  [[nodiscard]] bool is_echo() const;  ///< the link returns what is sent
 };
 [[nodiscard]] Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "commissioning/session/event_log.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,24 +53,24 @@ WatchedUnit UnitConnection::now() const {
   return state_;
 }
 
-WatchedUnit UnitConnection::standing() const {
+WatchedUnit UnitConnection::snapshot() const {
   const std::lock_guard lock(mutex_);
-  WatchedUnit standing;
-  standing.link = state_.link;
-  standing.where = state_.where;
-  standing.open = state_.open;
-  standing.emulator = state_.emulator;
-  standing.lent = state_.lent;
-  standing.identity = state_.identity;
-  standing.newest_at = state_.newest_at;
-  standing.opened_at = state_.opened_at;
-  standing.received = state_.received;
-  standing.failed = state_.failed;
-  standing.times_lost = state_.times_lost;
-  standing.per_second = state_.per_second;
-  standing.statistics = state_.statistics;
-  standing.problem = state_.problem;
-  return standing;
+  WatchedUnit snapshot;
+  snapshot.link = state_.link;
+  snapshot.where = state_.where;
+  snapshot.open = state_.open;
+  snapshot.emulator = state_.emulator;
+  snapshot.lent = state_.lent;
+  snapshot.identity = state_.identity;
+  snapshot.newest_at = state_.newest_at;
+  snapshot.opened_at = state_.opened_at;
+  snapshot.received = state_.received;
+  snapshot.failed = state_.failed;
+  snapshot.times_lost = state_.times_lost;
+  snapshot.per_second = state_.per_second;
+  snapshot.statistics = state_.statistics;
+  snapshot.problem = state_.problem;
+  return snapshot;
 }
 
 std::optional<protocol::MonitorSample> UnitConnection::newest() const {
@@ -195,7 +195,7 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
   }
   if (!shown || now->serial_number == shown->serial_number) return {};
   const auto other = problem(ProblemKind::refused,
-                             fmt::format("another unit answers on this line: {} in place of {}; nothing was done. Look "
+                             fmt::format("another unit answers on this link: {} in place of {}; nothing was done. Look "
                                          "what it is and holds, then ask again",
                                          now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
@@ -253,4 +253,4 @@ void UnitConnection::lost(const Problem& why) {
   ++changes_;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -19,7 +19,7 @@
 #include "commissioning/session/job.hpp"
 #include "protocol/registers/unit_data.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What is known at one moment.
 struct WatchedUnit {
@@ -51,7 +51,7 @@ class UnitConnection {
 
   [[nodiscard]] WatchedUnit now() const;
   /// Without the samples: cheap, for every picture.
-  [[nodiscard]] WatchedUnit standing() const;
+  [[nodiscard]] WatchedUnit snapshot() const;
   /// The newest sample, if one came from the line that is open.
   [[nodiscard]] std::optional<protocol::MonitorSample> newest() const;
   /// Counts up with every change: a screen draws only then.
@@ -68,7 +68,7 @@ class UnitConnection {
   template <class Work>
   [[nodiscard]] auto on_line(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
-    const auto shown = standing().identity;
+    const auto shown = snapshot().identity;
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
     auto result = work(*line_);
@@ -158,4 +158,4 @@ class UnitConnection {
   std::jthread thread_;
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

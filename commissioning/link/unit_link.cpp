@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// The emulator with this machine that runs already, else a new one.
@@ -47,4 +47,4 @@ Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& ca
   return UnitLink(std::move(emulator), std::move(*client), to_text(choice));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "commissioning/link/emulator_process.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// An open link. Destroying it closes the port and stops the emulator it started.
 class UnitLink {
@@ -38,4 +38,4 @@ class UnitLink {
 /// machine serves again: whoever keeps emulator() keeps machine and unit as they are from one link to the next.
 [[nodiscard]] Result<UnitLink> open_link(const LinkChoice& choice, const std::atomic<bool>& cancelled = interrupted());
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

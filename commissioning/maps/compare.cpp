@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "commissioning/maps/view.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kSame = 1e-6;
@@ -80,4 +80,4 @@ std::vector<MapDifference> differences_between(const laser::ErrorMap& expected, 
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

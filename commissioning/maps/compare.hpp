@@ -8,7 +8,7 @@
 
 #include "laser/map/error_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One difference. Values in um, or um/m for a rotation.
 struct MapDifference {
@@ -24,4 +24,4 @@ struct MapDifference {
 [[nodiscard]] std::vector<MapDifference> differences_between(const laser::ErrorMap& expected,
                                                              const laser::ErrorMap& found);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

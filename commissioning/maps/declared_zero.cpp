@@ -4,7 +4,7 @@
 
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
   const std::size_t sign = word.find('=');
@@ -17,4 +17,4 @@ Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
   return laser::DeclaredZero{*component, reason};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

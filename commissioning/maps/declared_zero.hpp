@@ -7,9 +7,9 @@
 #include "base/result.hpp"
 #include "laser/map/error_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// A `usage` problem for anything but CODE=reason.
 [[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -13,7 +13,7 @@
 
 #include "base/file.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 namespace fs = std::filesystem;
@@ -87,7 +87,7 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
     if (!back) stuck.push_back(one.name);
   }
   if (stuck.empty() && renamed == 0) return "no file was changed";
-  if (stuck.empty()) return "the files before it were taken back: everything stands as it was";
+  if (stuck.empty()) return "the files before it were restored: nothing has changed";
   return fmt::format(
       "{} could not be taken back and hold{} the new content, the others what they held: do not use them "
       "together",
@@ -141,4 +141,4 @@ std::string to_text(const std::vector<WrittenFile>& files) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct OutputFile {
   std::string path;
@@ -35,4 +35,4 @@ struct WrittenFile {
 /// "written: a.comp" or "replaced: a.comp", a line each.
 [[nodiscard]] std::string to_text(const std::vector<WrittenFile>& files);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "model/fit/fit.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// From the first to the last position of any table of the axis.
@@ -37,7 +37,7 @@ UnitParameters parameters_of(const laser::ErrorMap& map, std::vector<std::string
   for (const Axis axis : kAllAxes)
     parameters.axis_present[index_of(axis)] = chain->has(axis) && extent_of(map, axis).has_value();
   notes.push_back(
-      "without --params: squareness counts as 0, reference positions and measurement lines stand at the machine zero");
+      "without --params: squareness counts as 0, reference positions and measurement lines are at the machine zero");
   return parameters;
 }
 
@@ -175,4 +175,4 @@ Result<controllers::ErrorsAt> errors_for(MessageSink& messages, const ExportArgu
   return errors_of_model(*model, **machine, arguments.model);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

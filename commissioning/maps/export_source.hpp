@@ -14,7 +14,7 @@
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// As typed; empty: not given.
 struct ExportArguments {
@@ -55,4 +55,4 @@ struct ExportWork {
 [[nodiscard]] Result<controllers::ErrorsAt> errors_for(MessageSink& messages, const ExportArguments& arguments,
                                                        const ExportWork& work);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,9 +9,9 @@
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_source.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
-/// One export as it is told.
+/// One export, for its report.
 struct ExportReport {
   std::string control;  ///< "LinuxCNC"
   const ExportWork& work;
@@ -21,7 +21,7 @@ struct ExportReport {
   std::string output_hint;           ///< how to have it written
 };
 
-[[nodiscard]] std::string export_text(const ExportReport& told);
-[[nodiscard]] Json json_of(const ExportReport& told);
+[[nodiscard]] std::string export_text(const ExportReport& report);
+[[nodiscard]] Json json_of(const ExportReport& report);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 laser::Travels travels_of(const params::Machine& machine) {
   laser::Travels travels{};
@@ -58,4 +58,4 @@ std::string verdict_text(const std::vector<laser::MapFinding>& findings) {
                      findings.size() == 1 ? "it" : "them");
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

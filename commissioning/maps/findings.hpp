@@ -10,7 +10,7 @@
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 [[nodiscard]] laser::Travels travels_of(const params::Machine& machine);
 
@@ -35,4 +35,4 @@ namespace ecs::app {
 /// What a verb says below the findings of a map that it built.
 [[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

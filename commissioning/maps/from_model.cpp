@@ -25,7 +25,7 @@
 #include "model/fit/map_own_levers.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::EffectInstance;
@@ -127,16 +127,17 @@ void add_source(Built& built, Component component, const std::string& file) {
 }
 
 /// Tables and squareness values that an effect has part in.
-std::vector<Component> places_of(const EffectInstance& effect, const std::vector<OwnLever>& levers) {
+std::vector<Component> places_of(const EffectInstance& effect, const std::vector<model::OwnLever>& levers) {
   std::vector<Component> places;
   if (const auto component = component_for(effect)) places.push_back(*component);
-  for (const OwnLever& lever : levers)
+  for (const model::OwnLever& lever : levers)
     if (lever.effect == to_text(effect)) places.push_back(lever.table);
   return places;
 }
 
 /// Which model and which measurements every table and squareness comes from.
-void trace(Built& built, const Model& model, const std::vector<OwnLever>& levers, const std::string& model_file) {
+void trace(Built& built, const Model& model, const std::vector<model::OwnLever>& levers,
+           const std::string& model_file) {
   for (const EffectInstance& effect : model.effects) {
     const std::vector<Component> places = places_of(effect, levers);
     if (places.empty()) continue;
@@ -199,7 +200,7 @@ Result<Built> built_from(MessageSink& messages, const FromModelArguments& argume
   auto compiled = model::compiled(*model, **machine, built.increment_mm);
   if (!compiled) return tl::unexpected(in_file(compiled.error(), arguments.model));
   built.compiled = std::move(*compiled);
-  const auto levers = add_own_levers(built.compiled, *model, **machine, built.increment_mm);
+  const auto levers = model::add_own_levers(built.compiled, *model, **machine, built.increment_mm);
   note_short_periods(built, *model);
   trace(built, *model, levers, arguments.model);
   if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
@@ -306,7 +307,7 @@ Problem nothing_carried(const Built& b, const std::string& model) {
 
 Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())
-    return problem(ProblemKind::usage, "--from-model needs --machine: the travels of the axes stand in its file");
+    return problem(ProblemKind::usage, "--from-model needs --machine: its file holds the travels of the axes");
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = check_output_not_input(output, {arguments.model, arguments.machine}); !spared)
       return tl::unexpected(spared.error());
@@ -319,4 +320,4 @@ Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& 
   return Outcome{text_of(*built, arguments), one_line(json_of_built(*built, arguments)), kDone};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "base/outcome.hpp"
 #include "commissioning/session/message.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// As typed; empty: not given.
 struct FromModelArguments {
@@ -27,4 +27,4 @@ struct FromModelArguments {
 
 [[nodiscard]] Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

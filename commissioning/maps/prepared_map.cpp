@@ -6,7 +6,7 @@
 #include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file, bool other) {
   const auto map = laser::read_map_csv(map_file);
@@ -31,4 +31,4 @@ std::vector<std::string> other_unit(const PreparedMap& map, const std::string& s
   return objections;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

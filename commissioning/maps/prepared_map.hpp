@@ -11,7 +11,7 @@
 #include "laser/map/image.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct PreparedMap {
   laser::MapHeader header;
@@ -28,4 +28,4 @@ struct PreparedMap {
 /// Why the unit with this serial number is not the one of the map, or not the one of its parameters.
 [[nodiscard]] std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "laser/map/image.hpp"
 #include "params/parameters_toml.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 /// Map and parameters of the file as a unit would hold them: rounded and resampled as the image does it.
@@ -63,4 +63,4 @@ Result<MapVerdict> verdict_on(const FoundMap& found, const std::string& map_file
   return verdict;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

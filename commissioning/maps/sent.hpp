@@ -15,7 +15,7 @@
 #include "commissioning/unit/transfer.hpp"
 #include "params/diff.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The block check that the active image carries; nothing if the unit holds none.
 [[nodiscard]] Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client);
@@ -28,7 +28,7 @@ struct SentMap {
   double seconds = 0.0;
 };
 
-/// RankedCandidate before the first byte leaves: the block check of the image that is active until the new one is
+/// Called before the first byte leaves: the block check of the image that is active until the new one is
 /// whole.
 using BeforeSending = std::function<void(std::optional<std::uint32_t>)>;
 
@@ -48,4 +48,4 @@ struct MapVerdict {
 [[nodiscard]] Result<MapVerdict> verdict_on(const FoundMap& found, const std::string& map_file,
                                             const std::string& params_file);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -4,7 +4,7 @@
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress) {
   const auto image = read_active_image(client, progress);
@@ -20,4 +20,4 @@ Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCa
   return FoundMap{std::move(content->map), content->parameters, "the unit"};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -10,7 +10,7 @@
 #include "laser/map/error_map.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct FoundMap {
   laser::ErrorMap map;
@@ -20,4 +20,4 @@ struct FoundMap {
 
 /// The map in the unit, decoded, with its parameters. Refused, saying why, if it holds none or an unsound one.
 [[nodiscard]] Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress = {});
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 
 #include "base/answer_table.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kSameIncrement_mm = 1e-6;
@@ -110,4 +110,4 @@ Json findings_json(const std::vector<laser::MapFinding>& findings) {
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "base/json_fwd.hpp"
 #include "laser/map/error_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 [[nodiscard]] std::string_view word_for(Approach approach);  ///< "forward", "reverse", "both"
 
@@ -22,4 +22,4 @@ namespace ecs::app {
 [[nodiscard]] Json header_json(const laser::MapHeader& header);
 [[nodiscard]] Json findings_json(const std::vector<laser::MapFinding>& findings);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "commissioning/measurements/device_choice.hpp"
 #include "laser/writers/measurement_writer.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr int kSilentPolls = 3;
@@ -197,4 +197,4 @@ void CaptureRun::typed(const std::string& line, double now_s) {
                                          : fmt::format("\"{}\" is no value and no command. {}", line, help()));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

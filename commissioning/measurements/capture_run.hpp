@@ -12,7 +12,7 @@
 #include "devices/capture_record.hpp"
 #include "devices/trigger.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What says that a reading is due.
 enum class TriggerKind {
@@ -93,4 +93,4 @@ class CaptureRun {
   std::string stuck_;
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -13,7 +13,7 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/device_choice.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kPatience_s = 2.0;  ///< for a line that a trigger asks for and that is not there yet
@@ -175,4 +175,4 @@ std::unique_ptr<ReadingSource> command_source(std::string command) {
   return std::make_unique<CommandSource>(std::move(command));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

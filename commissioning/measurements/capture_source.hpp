@@ -8,7 +8,7 @@
 
 #include "devices/sensor.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What a display showed when it was asked.
 struct Shown {
@@ -51,4 +51,4 @@ class ReadingSource {
 /// The last number in a line: "X -50.0012 mm" is -50.0012.
 [[nodiscard]] std::optional<double> last_number_in(std::string_view line);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

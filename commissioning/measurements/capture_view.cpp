@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 void add(std::string& text, const std::string& part) { text += (text.empty() ? "" : ", ") + part; }
@@ -67,4 +67,4 @@ std::string taken_text(const devices::CaptureRecord& record) {
                      laser::target_mm(last), last.time_s.value_or(0.0), around.empty() ? "" : ", " + around);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "devices/capture_record.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// "next: X forward to 50 mm (2 of 11, run 1 of 3, 13 of 66 in all)"; at the beginning of a pass also from where.
 /// Empty: all done.
@@ -19,4 +19,4 @@ namespace ecs::app {
 [[nodiscard]] std::string around_text(const devices::Values& values);
 [[nodiscard]] std::string around_text(const laser::Reading& reading);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "devices/builtin.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 struct Named {
@@ -71,4 +71,4 @@ std::string name_of(const devices::DevicePort& port) {
   return fmt::format("{} ({})", port.device().name, devices::to_text(port.identity()));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -7,7 +7,7 @@
 
 #include "devices/port.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// "foot_switch.toml", "foot_switch.toml@SERIAL", "temper@/dev/hidraw3". Several: the name stands for a family.
 [[nodiscard]] Result<std::vector<devices::DeviceDescription>> described(const std::string& text);
@@ -18,4 +18,4 @@ namespace ecs::app {
 /// "foot switch (16c0:27db Maker Pedal, serial 7)"
 [[nodiscard]] std::string name_of(const devices::DevicePort& port);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "commissioning/measurements/device_choice.hpp"
 #include "devices/sensor.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using namespace std::chrono_literals;
@@ -97,4 +97,4 @@ std::string to_text(const Surroundings& surroundings) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

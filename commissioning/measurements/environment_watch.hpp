@@ -8,7 +8,7 @@
 
 #include "devices/description.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What is known of the surroundings at one moment.
 struct Surroundings {
@@ -40,4 +40,4 @@ class EnvironmentWatch {
 /// "air 20.50 degC, material 19.25 degC", or why there is nothing to say.
 [[nodiscard]] std::string to_text(const Surroundings& surroundings);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "commissioning/measurements/import_profile.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using laser::MeasurementSet;
@@ -248,4 +248,4 @@ MeasurementSet set_of(const MeasurementSet& set, const laser::Group& group) {
   return own;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "laser/analysis/curve.hpp"
 #include "laser/import/import.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// As typed; empty: not given.
 struct ImportArguments {
@@ -57,4 +57,4 @@ struct ImportArguments {
 /// The readings of one group as a set of its own.
 [[nodiscard]] laser::MeasurementSet set_of(const laser::MeasurementSet& set, const laser::Group& group);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

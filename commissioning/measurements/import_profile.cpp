@@ -15,7 +15,7 @@
 #include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace fs = std::filesystem;
 namespace {
 
@@ -193,4 +193,4 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
   return path;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

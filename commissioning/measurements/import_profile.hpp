@@ -8,7 +8,7 @@
 #include "base/result.hpp"
 #include "commissioning/measurements/files.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// `NAME` → import/NAME.toml beside the configuration file, else the profile of that name that comes with the program
 /// (samples/profiles); a name with a slash or ending in .toml is a path.
@@ -25,4 +25,4 @@ namespace ecs::app {
 /// Writes what was given as a profile; the file that was written.
 [[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "base/json.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 Json metadata_json(const laser::MeasurementSet& set) {
@@ -66,4 +66,4 @@ Json json_of(const laser::MeasurementSet& set) {
           {"sensors", laser::sensor_names_of(set)}};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

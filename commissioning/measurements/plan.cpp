@@ -9,7 +9,7 @@
 #include "laser/map/error_map.hpp"
 #include "laser/map/recipe.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 bool is_plain_name(const std::string& name) {
@@ -38,7 +38,7 @@ class PlanReader {
     out.name = reader_.word(table, "name").value_or("");
     if (!is_plain_name(out.name)) reader_.complain(table, "name: expected a plain file name without .csv");
     if (std::any_of(before.begin(), before.end(), [&](const auto& other) { return other.name == out.name; }))
-      reader_.complain(table, fmt::format("name: {} stands in the plan twice", out.name));
+      reader_.complain(table, fmt::format("name: {} is in the plan twice", out.name));
     const std::string axis = reader_.word(table, "axis").value_or("");
     const std::string sense = reader_.word(table, "sense").value_or("");
     const auto moved = axis.size() == 1 ? axis_of(axis[0]) : std::nullopt;
@@ -97,4 +97,4 @@ Result<std::vector<PlannedMeasurement>> read_plan(const std::filesystem::path& p
   return parse_plan(*text, path.string());
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -12,7 +12,7 @@
 #include "core/component.hpp"
 #include "laser/analysis/process.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 enum class PlanPhase { both, before, after };
 
@@ -35,4 +35,4 @@ struct PlannedMeasurement {
 [[nodiscard]] Result<std::vector<PlannedMeasurement>> parse_plan(std::string_view text, const std::string& file_name);
 [[nodiscard]] Result<std::vector<PlannedMeasurement>> read_plan(const std::filesystem::path& path);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "laser/analysis/iso230.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One quantity of the axis: key in JSON, symbol and name on the screen.
 struct LaserQuantity {
@@ -34,4 +34,4 @@ inline constexpr LaserQuantity kLaserQuantities[] = {
     {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability},
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 std::optional<double> common_step_mm(const std::vector<laser::TargetReadings>& targets, double tolerance_mm) {
@@ -105,4 +105,4 @@ std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set) {
   return all;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

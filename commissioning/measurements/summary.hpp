@@ -9,7 +9,7 @@
 #include "laser/analysis/groups.hpp"
 #include "laser/measurement_set.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One measurement line.
 struct LineSummary {
@@ -43,4 +43,4 @@ struct ConditionSummary {
 };
 [[nodiscard]] std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -7,7 +7,7 @@
 #include "commissioning/measurements/summary.hpp"
 #include "laser/map/recipe.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr std::size_t kTextWidth = 80;
@@ -157,4 +157,4 @@ std::string table_text(const std::vector<TableRow>& rows) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "laser/analysis/iso230.hpp"
 #include "laser/analysis/pipeline.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One phase of one measurement. Values in um, or um/m for a rotation.
 struct MeasuredPhase {
@@ -39,4 +39,4 @@ struct TableRow {
 /// 80 columns; the definition of the band and every problem stand under it.
 [[nodiscard]] std::string table_text(const std::vector<TableRow>& rows);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "params/diff.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using List = std::vector<MemoryDifference>;
@@ -103,12 +103,6 @@ void compare_headers(const DecodedImage& a, const DecodedImage& b, List& out) {
     if (value != in_b[key]) out.push_back({"header " + key, value, in_b[key]});
 }
 
-std::string text_of(const CommitSlot& slot) {
-  if (!slot.commit) return slot.blank ? "blank" : "corrupt";
-  return fmt::format("sequence {}, bank {}, {} bytes, check {:08X}", slot.commit->sequence,
-                     slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check);
-}
-
 void compare_commits(const DecodedMemory& a, const DecodedMemory& b, List& out) {
   for (std::size_t i = 0; a.has_commits && b.has_commits && i < a.commits.size(); ++i)
     if (text_of(a.commits[i]) != text_of(b.commits[i]))
@@ -168,4 +162,4 @@ std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump&
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -7,7 +7,7 @@
 
 #include "commissioning/memory/decode.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct MemoryDifference {
   std::string what;  ///< "parameter axis.X.deadband_um", "table EXX forward", "header date", "bytes of system RAM"
@@ -18,4 +18,4 @@ struct MemoryDifference {
 /// Empty exactly if every region that both hold has the same bytes, and both hold the same regions.
 [[nodiscard]] std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump& b);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

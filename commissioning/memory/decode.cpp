@@ -7,7 +7,7 @@
 #include "base/json.hpp"
 #include "commissioning/unit/status_view.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 std::uint32_t word(ByteView bytes, std::uint32_t at) { return load_big<std::uint32_t>(bytes, at); }
@@ -183,4 +183,10 @@ std::string name_of(const DecodedTable& table) {
   return name;
 }
 
-}  // namespace ecs::app
+std::string text_of(const CommitSlot& slot) {
+  if (!slot.commit) return slot.blank ? "blank" : "corrupt";
+  return fmt::format("sequence {}, bank {}, {} bytes, check {:08X}", slot.commit->sequence,
+                     slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check);
+}
+
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "commissioning/memory/dump.hpp"
 #include "core/memory_image.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct CommitSlot {
   Address address = 0;
@@ -19,6 +19,8 @@ struct CommitSlot {
   std::optional<Commit> commit;  ///< nothing: blank or corrupt
   bool active = false;
 };
+/// "sequence 7, bank A, 4096 bytes, check 1234ABCD", "blank" or "corrupt".
+[[nodiscard]] std::string text_of(const CommitSlot& slot);
 
 /// One row of the table directory.
 struct DecodedTable {
@@ -65,4 +67,4 @@ struct DecodedMemory {
 /// "EXX forward"; "EXX" for a table for both approaches.
 [[nodiscard]] std::string name_of(const DecodedTable& table);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -14,7 +14,7 @@
 #include "core/memory_image.hpp"
 #include "protocol/registers/unit_registers.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr std::string_view kMagic = "ECSDUMP 1 ";
@@ -24,12 +24,12 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) {
 }
 
 // --- taking
-struct Stretch {
+struct DumpPart {
   Region region;
   std::uint32_t size = 0;
 };
 
-std::vector<Stretch> stretches(const StatusSnapshot& snapshot, DumpScope scope) {
+std::vector<DumpPart> parts_of(const StatusSnapshot& snapshot, DumpScope scope) {
   const auto modules =
       static_cast<std::uint8_t>(std::min<std::uint16_t>(snapshot.identity.memory_modules, kMostModules));
   const std::uint32_t bank = bank_bytes(modules);
@@ -39,16 +39,16 @@ std::vector<Stretch> stretches(const StatusSnapshot& snapshot, DumpScope scope) 
             {kCommitRecords, kCommitRecords.size},
             {kBankA, bank},
             {kBankB, bank}};
-  std::vector<Stretch> wanted{{kCommitRecords, kCommitRecords.size}};
+  std::vector<DumpPart> wanted{{kCommitRecords, kCommitRecords.size}};
   if (snapshot.status.active_bank != protocol::Bank::none)
     wanted.push_back({snapshot.status.active_bank == protocol::Bank::B ? kBankB : kBankA,
                       std::min(snapshot.status.image_length_bytes, bank)});
   return wanted;
 }
 
-std::size_t total_of(const std::vector<Stretch>& wanted) {
+std::size_t total_of(const std::vector<DumpPart>& wanted) {
   std::size_t total = 0;
-  for (const Stretch& stretch : wanted) total += stretch.size;
+  for (const DumpPart& part : wanted) total += part.size;
   return total;
 }
 
@@ -156,7 +156,7 @@ Result<MemoryDump> take_dump(protocol::UnitClient& client, const std::string& li
   auto snapshot = take_snapshot(client, link);
   if (!snapshot) return tl::unexpected(snapshot.error());
   MemoryDump dump{now_utc(), link, snapshot->identity.serial_number, std::nullopt, {}, {}};
-  const auto wanted = stretches(*snapshot, scope);
+  const auto wanted = parts_of(*snapshot, scope);
   const std::size_t total = total_of(wanted);
   std::size_t before = 0;
   for (const auto& [region, size] : wanted) {
@@ -226,4 +226,4 @@ const DumpRegion* region_at(const MemoryDump& dump, Address address) {
   return nullptr;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -16,7 +16,7 @@
 #include "core/address_map.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct DumpRegion {
   std::string name;
@@ -53,4 +53,4 @@ enum class DumpScope {
 /// The region that begins at this address; nullptr if the dump has none.
 [[nodiscard]] const DumpRegion* region_at(const MemoryDump& dump, Address address);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 
 #include "params/fields.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using Encoded = std::array<std::uint8_t, kParameterBytes>;
@@ -141,4 +141,4 @@ std::string hex_of(ByteView bytes) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

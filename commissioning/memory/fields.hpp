@@ -6,7 +6,7 @@
 
 #include "commissioning/memory/decode.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct ByteField {
   Address address = 0;
@@ -30,4 +30,4 @@ struct FieldPlace {
 /// "45 43 53 49"
 [[nodiscard]] std::string hex_of(ByteView bytes);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

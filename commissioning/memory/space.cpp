@@ -9,7 +9,7 @@
 #include "base/text.hpp"
 #include "commissioning/unit/transfer.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr std::uint32_t kAddressSpace = 0x1000000;  ///< 24 bits
@@ -76,4 +76,4 @@ bool touches_active_map(const protocol::UnitStatus& status, Address address, std
   return address < first + status.image_length_bytes && first < address + bytes;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

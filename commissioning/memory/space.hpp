@@ -11,7 +11,7 @@
 #include "core/address_map.hpp"
 #include "protocol/registers/unit_data.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// A usage problem unless there is at least one byte and all of them lie in the 24 bits of the address space.
 [[nodiscard]] Result<void> within_space(Address address, std::size_t bytes);
@@ -33,4 +33,4 @@ inline constexpr std::string_view kSpoilsMap =
     "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; "
     "`ecs map send` or `ecs memory load` makes it whole again";
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "commissioning/unit/status_view.hpp"
 #include "laser/map/error_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 // --- JSON
@@ -169,4 +169,4 @@ std::string text_of(const MemoryDump& dump, const DecodedMemory& memory, bool wi
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "model/effects/definition.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::Observations;
@@ -63,4 +63,4 @@ std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const Obse
   return list;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -7,7 +7,7 @@
 
 #include "model/fit/fit.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Errors of one sense while one axis moved in one direction.
 struct AfterDirection {
@@ -26,4 +26,4 @@ struct AfterDirection {
 [[nodiscard]] std::vector<AfterDirection> after_by_direction(const model::Fit& fit, const model::Observations& before,
                                                              const model::Observations& after);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

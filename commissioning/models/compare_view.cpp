@@ -9,7 +9,7 @@
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::Comparison;
@@ -135,4 +135,4 @@ Json json_of(const Comparison& c) {
           {"outliers", c.outliers}};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -7,9 +7,9 @@
 #include "base/json_fwd.hpp"
 #include "model/fit/compare.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 [[nodiscard]] std::string comparison_text(const model::Comparison& comparison, std::size_t readings);
 [[nodiscard]] Json json_of(const model::Comparison& comparison);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

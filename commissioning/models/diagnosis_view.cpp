@@ -10,7 +10,7 @@
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::Candidate;
@@ -149,7 +149,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   text += table_of(d, false, "rivals and weaker explanations");
   text += where_text(d);
   if (!d.outliers.empty())
-    text += "\n" + paragraph(fmt::format("outliers: rows {} ({} of {} readings) stand apart; they weigh little, and "
+    text += "\n" + paragraph(fmt::format("outliers: rows {} ({} of {} readings) differ; they weigh little, and "
                                          "stay in every rms",
                                          rows_text(d.outliers), d.outliers.size(), d.observations),
                              0, 2);
@@ -161,4 +161,4 @@ std::string diagnosis_text(const Diagnosis& d) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

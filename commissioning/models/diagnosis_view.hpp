@@ -6,11 +6,11 @@
 
 #include "model/diagnosis/diagnose.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One sentence, plain.
 [[nodiscard]] std::string verdict_sentence(const model::Diagnosis& diagnosis);
 
 [[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -3,7 +3,7 @@
 #include "base/json.hpp"
 #include "model/effects/definition.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::Candidate;
@@ -155,4 +155,4 @@ Json json_of(const Diagnosis& d) {
           {"blanks", d.noise_replicates}};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -10,7 +10,7 @@
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// {"effect", "axis", "sense", "approach", "code", "sensor", "name"}, and "sensor2" where one applies; absent parts
 /// null; `name` is "cyclic:X:EX".
@@ -33,4 +33,4 @@ namespace ecs::app {
 [[nodiscard]] Json position_json(const Vector3& position_mm);
 [[nodiscard]] std::string axis_json(Axis axis);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 std::vector<MeasuredLine> measured_lines(const model::Observations& data) {
   std::map<std::tuple<Sense, Axis, Vector3>, MeasuredLine> lines;
@@ -43,4 +43,4 @@ Mark line_mark(int approach) {
   return approach > 0 ? Mark::forward : Mark::reverse;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -10,7 +10,7 @@
 #include "core/axis.hpp"
 #include "model/data/observations.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Readings of one sense along one axis with the others parked at one place.
 struct MeasuredLine {
@@ -29,4 +29,4 @@ struct MeasuredLine {
 /// Lines, by approach.
 [[nodiscard]] Mark line_mark(int approach);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

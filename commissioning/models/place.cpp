@@ -11,7 +11,7 @@
 #include "commissioning/models/view.hpp"
 #include "laser/measurement_set.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::PointQuery;
@@ -179,8 +179,7 @@ Json json_of(const PlaceShares& shares) {
 
 Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,
                                   std::size_t points_per_axis) {
-  if (!machine)
-    return problem(ProblemKind::usage, "--volume needs --machine: the travels of the axes stand in its file");
+  if (!machine) return problem(ProblemKind::usage, "--volume needs --machine: its file holds the travels of the axes");
   auto forward = model::predicted_volume(fitted, *machine, points_per_axis, 1);
   if (!forward) return tl::unexpected(forward.error());
   auto reverse = model::predicted_volume(fitted, *machine, points_per_axis, -1);
@@ -206,4 +205,4 @@ std::string to_csv(const PredictedVolume& volume) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

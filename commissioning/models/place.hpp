@@ -8,7 +8,7 @@
 #include "base/json_fwd.hpp"
 #include "model/fit/compare.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Each effect's share in each sense at one place.
 struct PlaceShares {
@@ -40,4 +40,4 @@ struct PredictedVolume {
 /// x_mm,y_mm,z_mm,approach,EX_um,EY_um,EZ_um
 [[nodiscard]] std::string to_csv(const PredictedVolume& volume);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -5,7 +5,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 bool is_header(std::string_view line) { return !trimmed(line).empty() && !trimmed(line).starts_with("#"); }
@@ -56,4 +56,4 @@ Result<Plan> plan_in(const std::string& file, const ImportArguments& import) {
   return Plan{std::move(imported->set), true};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 
 #include "commissioning/measurements/files.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The rows of a file; a CSV with the columns of a measurement set but without `reading` is taken with readings 0.
 struct Plan {
@@ -15,4 +15,4 @@ struct Plan {
 };
 [[nodiscard]] Result<Plan> plan_in(const std::string& file, const ImportArguments& import);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -12,7 +12,7 @@
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::Fit;
@@ -220,4 +220,4 @@ PlotFigure ladder_figure(const std::vector<model::LadderStep>& history, const st
   return {title, {std::move(panel)}, 1, false};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

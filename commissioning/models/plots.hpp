@@ -8,7 +8,7 @@
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/compare.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The lines with the largest residuals: readings against model, and the residual.
 [[nodiscard]] PlotFigure fit_figure(const model::Fit& fit, const model::Observations& data, const std::string& title);
@@ -21,4 +21,4 @@ namespace ecs::app {
 /// Bars of the rms falling step by step towards the noise floor.
 [[nodiscard]] PlotFigure ladder_figure(const std::vector<model::LadderStep>& history, const std::string& title);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -15,7 +15,7 @@
 #include "base/sealed.hpp"
 #include "commissioning/models/json.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr std::array<std::string_view, 5> kKinds{"blank", "single", "pair", "out_of_library", "confounded"};
@@ -172,7 +172,7 @@ Judged judged(const HiddenTruth& truth, const FoundAnswer& answer) {
     case HiddenKind::pair:
       return judged_pair(truth, answer);
     case HiddenKind::out_of_library:
-      if (answer.verdict == "unexplained_structure") return {true, "structure outside the library is told as such"};
+      if (answer.verdict == "unexplained_structure") return {true, "structure outside the library is reported as such"};
       return {false, fmt::format("structure outside the library, but the verdict is {} ({})", answer.verdict,
                                  first_name(answer))};
     default:
@@ -260,4 +260,4 @@ Score score_of(const HiddenTruth& truth, const FoundAnswer& answer) {
   return score;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

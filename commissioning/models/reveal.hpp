@@ -11,7 +11,7 @@
 #include "base/result.hpp"
 #include "model/effects/effect.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// One hidden effect. Text parts are empty, approach and sensor absent, where the truth does not give them.
 struct HiddenEffect {
@@ -80,4 +80,4 @@ struct Score {
 /// its group is exactly the group. Approach and sensor must agree where the truth gives one.
 [[nodiscard]] Score score_of(const HiddenTruth& truth, const FoundAnswer& answer);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

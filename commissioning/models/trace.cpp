@@ -11,7 +11,7 @@
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::DriveCandidate;
@@ -88,9 +88,8 @@ std::string group_text(const DriveCandidate& candidate, const model::DriveParame
                       2, 4);
   for (const auto& [like, which] : {std::pair(&candidate.like_first, 0U), std::pair(&candidate.like_second, 1U)})
     if (!like->empty())
-      text += paragraph(fmt::format("{} may stand in the place of {}.", names(*like),
-                                    name_of(candidate.alternatives[which].constant)),
-                        2, 2);
+      text += paragraph(
+          fmt::format("{} may replace {}.", names(*like), name_of(candidate.alternatives[which].constant)), 2, 2);
   return text;
 }
 
@@ -262,4 +261,4 @@ Result<TraceComparison> compare_trace(const std::string& model, const std::strin
                          trace_figure(*recorded, diagnosis)};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

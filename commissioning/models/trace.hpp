@@ -10,7 +10,7 @@
 #include "commissioning/plot/figure.hpp"
 #include "model/drive/diagnosis.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// True for a file whose header row has time_s and dac_V; false for any other, also one that cannot be read.
 [[nodiscard]] bool is_trace_file(const std::string& file);
@@ -26,4 +26,4 @@ struct TraceComparison {
 /// Recorded, simulated as given and simulated as mended.
 [[nodiscard]] PlotFigure trace_figure(const model::DriveTrace& trace, const model::DriveDiagnosis& diagnosis);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using model::LadderStep;
@@ -148,4 +148,4 @@ std::string notes_text(const std::vector<std::string>& notes) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC".
 [[nodiscard]] std::string place_text(const model::EffectInstance& effect);
@@ -59,4 +59,4 @@ inline constexpr double kWorthAShape = 0.1;
 /// Pictures of variables in one answer.
 inline constexpr std::size_t kMostShapes = 2;
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

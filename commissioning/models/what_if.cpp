@@ -8,7 +8,7 @@
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork& work,
@@ -99,4 +99,4 @@ std::string what_if_text(const WhatIfAnswer& answer) {
   return text + "\n" + shares_text(answer) + "\n" + directions_text(answer) + notes_text(answer.notes);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "commissioning/models/work.hpp"
 #include "model/diagnosis/ladder.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What was measured with the unit compensating.
 struct Achieved {
@@ -37,4 +37,4 @@ struct WhatIfAnswer {
 /// 80 columns.
 [[nodiscard]] std::string what_if_text(const WhatIfAnswer& answer);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

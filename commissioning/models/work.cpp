@@ -8,7 +8,7 @@
 #include "base/file.hpp"
 #include "model/effects/candidates.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 Result<std::optional<params::Machine>> machine_in(MessageSink& messages, const std::string& file) {
   if (file.empty()) return std::optional<params::Machine>();
@@ -85,4 +85,4 @@ Result<void> keep_model(const std::string& output, const model::Model& model, co
   return model::write_model(output, model, read_from);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -13,7 +13,7 @@
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// As typed; empty: not given.
 struct ModelArguments {
@@ -52,4 +52,4 @@ struct ModelWork {
 [[nodiscard]] Result<void> keep_model(const std::string& output, const model::Model& model,
                                       const std::string& read_from);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

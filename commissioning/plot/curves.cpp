@@ -7,7 +7,7 @@
 
 #include "core/component.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 std::string x_label_of(Axis axis) { return fmt::format("{} position [mm]", letter_of(axis)); }
@@ -104,4 +104,4 @@ PlotFigure figure_of(const laser::ErrorMap& map, std::optional<Component> only, 
   return figure;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -10,7 +10,7 @@
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The means of one approach as a line; of both where the curve knows no approach.
 [[nodiscard]] PlotSeries mean_series(const laser::Curve& curve, Approach approach);
@@ -24,4 +24,4 @@ namespace ecs::app {
 /// The tables of a map, a panel for each component; one component alone if it is given.
 [[nodiscard]] PlotFigure figure_of(const laser::ErrorMap& map, std::optional<Component> only, const std::string& title);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// How a series looks; forward and reverse differ in shape and dash, not by colour alone.
 enum class Mark {
@@ -88,4 +88,4 @@ struct PlotRanges {
   }
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -10,7 +10,7 @@
 
 #include "base/file.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr std::size_t kKept = 1000;
@@ -62,4 +62,4 @@ std::vector<LogEntry> logged() {
   return {entries.begin(), entries.end()};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

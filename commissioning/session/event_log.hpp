@@ -1,4 +1,4 @@
-// What the screens told, with the time, newest last; kept in memory for the LOG screen and appended to a file, so that
+// What the screens said, with the time, newest last; kept in memory for the LOG screen and appended to a file, so that
 // an error can be read and copied after it left the screen. Does not live here: showing it
 // (app/screens/unit/log_screen.hpp).
 #pragma once
@@ -9,7 +9,7 @@
 
 #include "commissioning/session/message.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct LogEntry {
   std::string time;  ///< "14:05:09", local
@@ -27,4 +27,4 @@ void leave_word(const std::string& text);
 /// state_folder()/screens.log; begun afresh when it has grown beyond a megabyte. Empty: there is nowhere to write.
 [[nodiscard]] std::filesystem::path log_file();
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

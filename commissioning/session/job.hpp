@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What the work sees of its owner.
 struct JobControl {
@@ -68,4 +68,4 @@ class Job {
   std::jthread thread_;
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

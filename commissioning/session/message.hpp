@@ -8,7 +8,7 @@
 
 #include "base/result.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// What a text or a cell means; the terminal turns it into colours where it has them, else into bold, reverse,
 /// underline.
@@ -42,4 +42,26 @@ class NoMessages final : public MessageSink {
   void warn(std::string_view) override {}
 };
 
-}  // namespace ecs::app
+/// What was said last to the user of a controller; everything said goes to the log as well (event_log.hpp).
+class Message {
+ public:
+  void say(const std::string& text, Tone tone = Tone::good);
+  void say(const Problem& problem) { say(to_text(problem), Tone::bad); }
+  void clear() { text_.clear(); }
+  [[nodiscard]] const std::string& text() const { return text_; }
+  [[nodiscard]] Tone tone() const { return tone_; }
+  [[nodiscard]] bool is_problem() const { return tone_ == Tone::bad; }
+
+ private:
+  std::string text_;
+  Tone tone_ = Tone::good;
+};
+
+/// Asked before something moves, is overwritten or is lost.
+struct Question {
+  std::string title;   ///< "Send the parameters to the unit?"
+  std::string detail;  ///< what will happen: what moves, what is lost
+  std::string yes = "yes";
+  std::string no = "no";
+};
+}  // namespace ecs::commissioning

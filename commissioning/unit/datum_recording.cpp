@@ -10,19 +10,19 @@
 #include "base/plain_text.hpp"
 #include "base/text.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kSpeedWindow_s = 0.02;
-constexpr double kStandingCounts = 2.5;  ///< fewer counts within the window are no motion
+constexpr double kStillCounts = 2.5;  ///< fewer counts within the window are no motion
 constexpr std::string_view kColumns = "time_s,counts,position_mm,speed_mm_min,switch_closed,marker";
 
 std::size_t half_window(const DatumRecording& recording) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(kSpeedWindow_s * 0.5e6 / recording.sample_period_us));
 }
 
-double standing_mm_min(const DatumRecording& recording) {
-  return kStandingCounts * std::abs(recording.um_per_count) * 1e-3 / (kSpeedWindow_s / 60.0);
+double still_mm_min(const DatumRecording& recording) {
+  return kStillCounts * std::abs(recording.um_per_count) * 1e-3 / (kSpeedWindow_s / 60.0);
 }
 
 Problem bad_row(const std::string& name, int line, std::string message) {
@@ -154,7 +154,7 @@ std::vector<DatumEvent> events_of(const DatumRecording& recording) {
     const auto add = [&](const char* what) {
       events.push_back({what, recording.time_s(i), recording.position_mm(i), speeds[i]});
     };
-    const bool moves = std::abs(speeds[i]) > standing_mm_min(recording);
+    const bool moves = std::abs(speeds[i]) > still_mm_min(recording);
     if (moves != moving) add(moves ? "motion begins" : "motion ends");
     moving = moves;
     if (i > 0 && sample.switch_closed != recording.samples[i - 1].switch_closed)
@@ -168,7 +168,7 @@ std::string graph_of(const DatumRecording& recording) {
   constexpr std::size_t kWide = 70;
   constexpr int kHigh = 7;  // rows above and below zero
   const auto speeds = speeds_mm_min(recording);
-  double most = standing_mm_min(recording);
+  double most = still_mm_min(recording);
   for (const double speed : speeds) most = std::max(most, std::abs(speed));
   std::vector<std::string> rows(2 * kHigh + 1, std::string(kWide, ' '));
   rows[kHigh] = std::string(kWide, '-');
@@ -192,4 +192,4 @@ std::string graph_of(const DatumRecording& recording) {
                             closed, marker, end_s);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,7 +11,7 @@
 #include "core/datum_record.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct DatumRecording {
   Axis axis = Axis::X;
@@ -51,4 +51,4 @@ struct DatumEvent {
 /// The velocity-time graph of thesis figure 5.5 in text, with the switch and the marker below.
 [[nodiscard]] std::string graph_of(const DatumRecording& recording);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -9,7 +9,7 @@
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 struct Stated {
@@ -104,7 +104,7 @@ std::vector<std::string> no_room_for(std::span<const std::uint8_t> image, const 
         parameters->memory_modules, identity.memory_modules, identity.memory_modules));
   if (view.value_count() > identity.capacity_values)
     objections.push_back(
-        fmt::format("the map holds {} values, the unit has room for {}: use a larger increment, or "
+        fmt::format("the map holds {} values, the unit holds at most {}: use a larger increment, or "
                     "put more axis memory modules into its rack",
                     view.value_count(), identity.capacity_values));
   const std::size_t room = bank_bytes(static_cast<std::uint8_t>(std::min<int>(identity.memory_modules, kMostModules)));
@@ -123,4 +123,4 @@ std::optional<Problem> refused_map(const std::vector<std::string>& objections, c
   return folded(std::move(problems));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

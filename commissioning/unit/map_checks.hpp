@@ -13,7 +13,7 @@
 #include "params/parameters_toml.hpp"
 #include "protocol/registers/unit_data.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Every objection of findings_for(), and each squareness that the map's header says was measured while the parameters
 /// hold 0 (the value lives in the parameters: `map build --params-out` writes it there).
@@ -23,7 +23,7 @@ namespace ecs::app {
 /// serial number, and the names differ. What one side does not state is not judged.
 [[nodiscard]] std::vector<std::string> other_machine(const laser::MapHeader& header, const params::Identity& identity);
 
-/// The same, told to somebody who only makes the two files: that they will not be sent together.
+/// The same, worded for somebody who only makes the two files: that they will not be sent together.
 [[nodiscard]] std::vector<std::string> made_for_two_machines(const laser::MapHeader& header,
                                                              const params::Identity& identity);
 
@@ -45,4 +45,4 @@ namespace ecs::app {
 /// As one `refused` problem about `file` (empty: none); nothing for no objection.
 [[nodiscard]] std::optional<Problem> refused_map(const std::vector<std::string>& objections, const std::string& file);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

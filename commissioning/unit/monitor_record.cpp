@@ -12,7 +12,7 @@
 #include "base/file.hpp"
 #include "core/fault.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 namespace {
 
@@ -126,4 +126,4 @@ Result<void> MonitorRecording::end() {
   return {};
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

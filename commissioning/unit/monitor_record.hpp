@@ -12,7 +12,7 @@
 #include "devices/description.hpp"
 #include "protocol/registers/unit_data.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The header row, with its line end.
 inline constexpr std::string_view kMonitorColumns =
@@ -59,4 +59,4 @@ class MonitorRecording {
   std::chrono::steady_clock::time_point on_disc_at_{};
 };
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -5,7 +5,7 @@
 #include "base/json.hpp"
 #include "params/fields.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 Json value_of(const params::Field& field, const UnitParameters& parameters) {
@@ -41,4 +41,4 @@ std::string table_of(const UnitParameters& parameters) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

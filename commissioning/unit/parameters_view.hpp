@@ -6,7 +6,7 @@
 #include "base/json_fwd.hpp"
 #include "core/parameters.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// Every field by its key: numbers as numbers, choices and texts as text, truth as true or false.
 [[nodiscard]] Json json_of(const UnitParameters& parameters);
@@ -14,4 +14,4 @@ namespace ecs::app {
 /// One line for each field of a present axis or of no axis: key, value, unit; grouped as in thesis 5.3.
 [[nodiscard]] std::string table_of(const UnitParameters& parameters);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

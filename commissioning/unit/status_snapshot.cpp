@@ -12,7 +12,7 @@
 #include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_registers.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using protocol::Block;
@@ -166,4 +166,4 @@ Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path) {
   return parse_snapshot(*text, path.string());
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -12,7 +12,7 @@
 #include "protocol/client/client.hpp"
 #include "protocol/registers/unit_data.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The value that an address pointer points at, as stored and in its unit.
 struct SelectedValue {
@@ -40,4 +40,4 @@ struct StatusSnapshot {
 [[nodiscard]] Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& name);
 [[nodiscard]] Result<StatusSnapshot> read_snapshot(const std::filesystem::path& path);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 #include "core/fault.hpp"
 #include "laser/map/error_map.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using protocol::AxisStatus;
@@ -191,4 +191,4 @@ std::string text_of(const StatusSnapshot& snapshot) {
   return text + "\n" + axes_text(snapshot) + "\n" + pointers_text(snapshot);
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 #include "base/json_fwd.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// "forward", "reverse", "unknown"
 [[nodiscard]] std::string_view name_of(Approach approach);
@@ -23,4 +23,4 @@ namespace ecs::app {
 /// The fault in plain words, its place if it has one, and what to do next. @pre fault is not none
 [[nodiscard]] std::string fault_sentence(const protocol::UnitStatus& status);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "core/memory_image.hpp"
 #include "laser/map/image.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 using protocol::Bank;
@@ -183,4 +183,4 @@ Result<VerifyReport> verify_image(protocol::UnitClient& client, std::span<const 
   return compared(expected, found->value_or(Image()), address_of(status->active_bank));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -14,7 +14,7 @@
 #include "params/parameters_toml.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The active image of the unit, byte for byte; nothing if it holds none. Refused if another map becomes active
 /// meanwhile. Its block check is not judged here.
@@ -65,4 +65,4 @@ struct VerifyReport {
 [[nodiscard]] Result<VerifyReport> verify_image(protocol::UnitClient& client, std::span<const std::uint8_t> expected,
                                                 const protocol::ProgressCallback& progress = {});
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -6,7 +6,7 @@
 #include "core/bytes.hpp"
 #include "core/fault.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
                                const protocol::CommandCallback& busy) {
@@ -51,4 +51,4 @@ std::string text_of(const std::vector<KeptRegister>& registers) {
   return text;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -11,14 +11,14 @@
 #include "core/user_memory.hpp"
 #include "protocol/client/client.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 /// The unit's datum routine of one axis.
 struct AxisTest {
   Axis axis = Axis::X;
   bool passed = false;
   std::string message;                        ///< why not, and what to do
-  DatumFailure failure = DatumFailure::none;  ///< as the unit's status told it
+  DatumFailure failure = DatumFailure::none;  ///< by the unit's status
 };
 /// A routine that failed is an answer; a lost line and a cancel are problems.
 [[nodiscard]] Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
@@ -37,4 +37,4 @@ struct KeptRegister {
 /// Four in a row: "D0 00000000   D1 …".
 [[nodiscard]] std::string text_of(const std::vector<KeptRegister>& registers);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 
 #include "tests/support/fake_hid.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 bool says(const EnvironmentWatch& watch, const std::string& text) {
@@ -40,4 +40,4 @@ TEST_CASE("a device that is not an environment sensor is refused with its kind")
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -351,7 +351,7 @@ TEST_CASE("a file can be typed on the model screen where the terminal is narrow"
   const std::string text = picture_of(screen, "MODEL", {}, Canvas(12, 40), false).plain_text();
   CHECK(contains(text, "measured again with compensation,"));
   CHECK(contains(text, "again.csv_"));
-  const Place cursor = screen.cursor(screen_area(Canvas(12, 40)));
+  const CellPosition cursor = screen.cursor(screen_area(Canvas(12, 40)));
   CHECK(cursor.row == 10);
   CHECK(cursor.column == 1 + 9);
 }

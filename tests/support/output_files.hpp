@@ -7,7 +7,7 @@
 #include "commissioning/maps/export_files.hpp"
 #include "tests/support/folder.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 inline std::vector<OutputFile> three(const Folder& folder) {
   return {{folder / "x.comp", "new x"}, {folder / "y.comp", "new y"}, {folder / "z.comp", "new z"}};
@@ -18,4 +18,4 @@ inline std::size_t entries_in(const Folder& folder) {
   return static_cast<std::size_t>(std::distance(begin(all), end(all)));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

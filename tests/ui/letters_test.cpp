@@ -17,13 +17,13 @@ TEST_CASE("a Chinese letter takes two columns, an accent over a letter none") {
 }
 
 TEST_CASE("an accent is joined with its letter where there is one sign for both, else left away") {
-  CHECK(signs_of("e\u0301") == std::vector<Sign>{{U'é', 1}});
-  CHECK(signs_of("x\u0301y") == std::vector<Sign>{{U'x', 1}, {U'y', 1}});
+  CHECK(letters_of("e\u0301") == std::vector<Letter>{{U'é', 1}});
+  CHECK(letters_of("x\u0301y") == std::vector<Letter>{{U'x', 1}, {U'y', 1}});
 }
 
 TEST_CASE("control characters in a file's name never reach the terminal") {
-  for (const Sign& sign : signs_of("a\x1b[2J\x7f\u009bz")) CHECK(sign.glyph >= 0x20);
-  CHECK(signs_of("\u009b") == std::vector<Sign>{{U'?', 1}});
+  for (const Letter& letter : letters_of("a\x1b[2J\x7f\u009bz")) CHECK(letter.glyph >= 0x20);
+  CHECK(letters_of("\u009b") == std::vector<Letter>{{U'?', 1}});
 }
 
 TEST_CASE("a row with a Chinese file name ends in the column where it ends with a Latin one") {

@@ -21,9 +21,9 @@ const std::string kLong =
     "rtu unit 3, registers 0x0100-0x0107: expected an answer within 500 ms, got none in three tries; look at the plug, "
     "then at the number of the unit, then at the speed";
 
-std::string drawn_message(const MessageLine& message, int rows, int columns, Glyphs glyphs = Glyphs::unicode) {
+std::string drawn_message(const Message& message, int rows, int columns, Glyphs glyphs = Glyphs::unicode) {
   Canvas canvas(rows, columns, glyphs);
-  message.draw(canvas, canvas.whole());
+  draw_message(canvas, canvas.whole(), message);
   return canvas.plain_text();
 }
 
@@ -32,7 +32,7 @@ class Teller final : public Screen {
  public:
   explicit Teller(const std::string& text) { message_.say(text, Tone::bad); }
   [[nodiscard]] std::string title() const override { return "teller"; }
-  void draw(Canvas& canvas, const Area& area) const override { message_.draw(canvas, area.top(1)); }
+  void draw(Canvas& canvas, const Area& area) const override { draw_message(canvas, area.top(1), message_); }
   [[nodiscard]] Step on_key(const Key& /*key*/) override { return stay(); }
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
     return {{"Enter", "open"}, {"up/down", "choose"}, {"+ - 0", "zoom"}, {"Tab 1-5", "page"}};
@@ -40,7 +40,7 @@ class Teller final : public Screen {
   [[nodiscard]] std::string help() const override { return "It tells one thing."; }
 
  private:
-  MessageLine message_;
+  Message message_;
 };
 
 Canvas picture(const Screen& screen, int rows = 24, int columns = 80) {
@@ -50,16 +50,16 @@ Canvas picture(const Screen& screen, int rows = 24, int columns = 80) {
 }  // namespace
 
 TEST_CASE("a message asks for the rows it needs, and no more than it may have") {
-  MessageLine message;
-  CHECK(message.rows(78, 4) == 1);
+  Message message;
+  CHECK(rows_of_message(message, 78, 4) == 1);
   message.say(kLong);
-  CHECK(message.rows(78, 4) == 3);
-  CHECK(message.rows(78, 2) == 2);
+  CHECK(rows_of_message(message, 78, 4) == 3);
+  CHECK(rows_of_message(message, 78, 2) == 2);
   CHECK(contains(drawn_message(message, 3, 78), "speed\n"));
 }
 
 TEST_CASE("a message without enough rows ends at a complete word with a mark and the key that shows all of it") {
-  MessageLine message;
+  Message message;
   message.say(kLong);
   CHECK(drawn_message(message, 1, 60) == "rtu unit 3, registers 0x0100-0x0107: expected an answer … F2\n");
   CHECK(drawn_message(message, 1, 60, Glyphs::ascii) ==
@@ -134,8 +134,8 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
 
 TEST_CASE("a fault is shown completely in the header, however long the name of the link") {
   const Teller teller("done");
-  const Standing standing{"rtu:/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0:115200",
-                          "compensation, FAULT position jump", true};
+  const StatusLine standing{"rtu:/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0:115200",
+                            "compensation, FAULT position jump", true};
   const std::string text = picture_of(teller, "MENU > teller", standing, Canvas(24, 80), false).plain_text();
   CHECK(contains(text, "compensation, FAULT position jump\n"));
   CHECK(contains(text, "teller"));

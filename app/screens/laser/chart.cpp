@@ -41,7 +41,8 @@ PlotRange reach_of(const PlotRange& counting) {
   return {counting.from - kReach * width, counting.to + kReach * width};
 }
 
-Place cell_of(const Canvas& canvas, const Area& plot, const PlotRange& x, const PlotRange& y, const PlotPoint& p) {
+CellPosition cell_of(const Canvas& canvas, const Area& plot, const PlotRange& x, const PlotRange& y,
+                     const PlotPoint& p) {
   const bool ascii = canvas.glyphs() == Glyphs::ascii;  // else 2 × 4 dots in a cell
   const double across = plot.columns - (ascii ? 1.0 : 0.5);
   const double down = plot.rows - (ascii ? 1.0 : 0.25);
@@ -113,12 +114,13 @@ void draw_inside(Canvas& canvas, const Area& plot, const std::vector<PlotPoint>&
                  const PlotRange& y) {
   constexpr int kApart = 6;
   const bool crowd = static_cast<int>(points.size()) > plot.columns / 4;
-  std::vector<Place> places;
+  std::vector<CellPosition> places;
   for (const PlotPoint& p : points) places.push_back(cell_of(canvas, plot, x, y, p));
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return std::pair(a.column, a.row) < std::pair(b.column, b.row); });
+  std::sort(places.begin(), places.end(), [](const CellPosition& a, const CellPosition& b) {
+    return std::pair(a.column, a.row) < std::pair(b.column, b.row);
+  });
   int last = -kApart;
-  for (const Place& at : places) {
+  for (const CellPosition& at : places) {
     if (crowd && canvas.at(at.row, at.column).glyph != U' ') {
       if (at.column - last < kApart) continue;
       last = at.column;

@@ -39,7 +39,7 @@ void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, 
 [[nodiscard]] bool on_laser_chart_key(const Key& key, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
                                       ChartView& view);
 
-/// For pictures: those inside as a series of its own, those beyond told in the title.
+/// For pictures: those inside as a series of its own, those beyond named in the title.
 [[nodiscard]] PlotPanel with_left_out(PlotPanel panel, const std::vector<PlotPoint>& left_out, std::string_view unit);
 
 }  // namespace ecs::app

@@ -156,7 +156,7 @@ void LaserChooser::draw(Canvas& canvas, const Area& area) const {
   canvas.paragraph(text, 0, hint, Tone::faint);
 }
 
-Place LaserChooser::cursor(const Area& area) const {
+CellPosition LaserChooser::cursor(const Area& area) const {
   const int at = width_of(kFolder) + width_of(folder_shown(area.columns));
   return {area.row, area.column + at + typed_.cursor_column(std::max(1, area.columns - at))};
 }

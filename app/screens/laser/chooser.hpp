@@ -35,7 +35,7 @@ class LaserChooser {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
   void draw(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] Place cursor(const Area& area) const;
+  [[nodiscard]] CellPosition cursor(const Area& area) const;
   [[nodiscard]] bool advance();
   [[nodiscard]] bool typing() const { return !typed_.text().empty(); }
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys() const;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/chart.hpp"
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
@@ -43,19 +44,21 @@ class CurvesPage final : public LaserPage {
                                     "what it needs.");
     const LaserHalves halves = laser_halves(area);
     const std::string hint = work.map.parameters ? "" : "p takes the parameters: then a row is a component of the map";
-    const int told = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
+    const int hint_rows = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
     const std::string heading = work.map.parameters
                                     ? fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band")
                                     : "line, parked [mm]";
     canvas.text(halves.list, 0, 2, heading, Tone::faint);
     std::vector<ListRow> rows;
     for (const LaserCurve& curve : work.curves) rows.push_back(row_of(work, curve));
-    draw_list(canvas,
-              {halves.list.row + 1, halves.list.column, std::max(0, halves.list.rows - 1 - told), halves.list.columns},
-              rows, place_);
-    if (told > 0)
-      canvas.paragraph({halves.list.row + halves.list.rows - told, halves.list.column, told, halves.list.columns}, 0,
-                       hint, Tone::faint);
+    draw_list(
+        canvas,
+        {halves.list.row + 1, halves.list.column, std::max(0, halves.list.rows - 1 - hint_rows), halves.list.columns},
+        rows, place_);
+    if (hint_rows > 0)
+      canvas.paragraph(
+          {halves.list.row + halves.list.rows - hint_rows, halves.list.column, hint_rows, halves.list.columns}, 0, hint,
+          Tone::faint);
     if (halves.rest.columns > 0) draw_curve(canvas, halves.rest, work, work.curves[at()]);
   }
 
@@ -87,7 +90,7 @@ class CurvesPage final : public LaserPage {
                         1,
                         false};
       if (!curve.unchanged) figure.panels.push_back(curve.after);
-      host().pictures.start(std::move(figure), code);
+      host().pictures.start(std::move(figure), code, write_plot);
     } else {
       return on_laser_chart_key(key, curve.before, curve.left_out, view_);
     }
@@ -135,7 +138,7 @@ class CurvesPage final : public LaserPage {
             curve.problem.empty() ? (form_went ? Tone::warning : Tone::plain) : Tone::bad};
   }
 
-  static std::string told_of(const LaserCurve& curve) {
+  static std::string text_about(const LaserCurve& curve) {
     if (!curve.problem.empty()) return curve.problem;
     const auto unit = unit_of(curve.component);
     std::string text = curve.unchanged
@@ -168,12 +171,12 @@ class CurvesPage final : public LaserPage {
     const std::string name = fmt::format("{}  {}", name_of(curve.component), laser::description_of(curve.component));
     const std::string place = place_of(work, curve);
     const bool beside = width_of(name) + 2 + width_of(place) <= area.columns;  // else it begins the text below
-    const std::string told = (beside ? "" : "at " + place + "; ") + told_of(curve);
+    const std::string text = (beside ? "" : "at " + place + "; ") + text_about(curve);
     canvas.text(area, 0, 0, name, Tone::strong);
     if (beside) canvas.text_right(area, 0, place);
     const bool odd = !curve.problem.empty() || (curve.smoothed && curve.smoothed->taken == laser::Taken::signal);
-    const int text_rows = std::min(3, static_cast<int>(wrapped(told, area.columns).size()));
-    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, told,
+    const int text_rows = std::min(3, static_cast<int>(wrapped(text, area.columns).size()));
+    canvas.paragraph({area.row + 1, area.column, text_rows, area.columns}, 0, text,
                      !curve.problem.empty() ? Tone::bad : (odd ? Tone::warning : Tone::plain));
     const Area charts = area.below(1 + text_rows);
     if (curve.before.series.empty()) return;

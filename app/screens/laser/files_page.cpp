@@ -73,7 +73,9 @@ class FilesPage final : public LaserPage {
   bool advance() override { return chooser_ && chooser_->advance(); }
   bool typing() const override { return chooser_ && chooser_->typing(); }
   bool holds_keys() const override { return chooser_.has_value(); }
-  Place cursor(const Area& area) const override { return chooser_ ? chooser_->cursor(area) : Place{-1, -1}; }
+  CellPosition cursor(const Area& area) const override {
+    return chooser_ ? chooser_->cursor(area) : CellPosition{-1, -1};
+  }
 
   std::vector<KeyHelp> keys() const override {
     if (!chooser_)
@@ -128,12 +130,12 @@ class FilesPage final : public LaserPage {
     }
     const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);
     if (file == nullptr) return;
-    std::string told;
+    std::string remarks;
     for (const LaserLine& line : controller().work().lines)
-      if (told.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
-        told = missing_place_of(line);
-    for (const std::string& note : file->set->notes) told += (told.empty() ? "note: " : "; ") + note;
-    if (!told.empty()) canvas.paragraph(text, row, told);
+      if (remarks.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
+        remarks = missing_place_of(line);
+    for (const std::string& note : file->set->notes) remarks += (remarks.empty() ? "note: " : "; ") + note;
+    if (!remarks.empty()) canvas.paragraph(text, row, remarks);
   }
 
   bool on_chooser_key(const Key& key) {

@@ -62,7 +62,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
   canvas.text(at.inside, at.inside.rows - 1, 1, "Enter takes it, Esc gives up", Tone::strong);
 }
 
-Place LaserForm::cursor(const Area& area) const {
+CellPosition LaserForm::cursor(const Area& area) const {
   const Layout at = layout(area);
   const auto k = static_cast<std::size_t>(place_.selected);
   return {at.inside.row + place_.selected - place_.first,

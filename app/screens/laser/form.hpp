@@ -31,7 +31,7 @@ class LaserForm {
 
   /// A box in the middle of `area`.
   void draw(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] Place cursor(const Area& area) const;
+  [[nodiscard]] CellPosition cursor(const Area& area) const;
   /// @return false: the form is done, taken or given up
   [[nodiscard]] bool on_key(const Key& key);
   [[nodiscard]] bool has_choices() const;

@@ -63,7 +63,7 @@ class HeaderPage final : public LaserPage {
 
   bool typing() const override { return editing_; }
   bool holds_keys() const override { return editing_; }
-  Place cursor(const Area& area) const override {
+  CellPosition cursor(const Area& area) const override {
     if (!editing_) return {-1, -1};
     const int columns = std::max(1, area.columns - kValues - 1);
     return {area.row + 2 + static_cast<int>(at()), area.column + kValues + line_.cursor_column(columns)};

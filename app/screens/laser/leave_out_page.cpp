@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/chart.hpp"
 #include "app/screens/laser/page.hpp"
 
@@ -44,11 +45,11 @@ class LeaveOutPage final : public LaserPage {
     if (in_tree_ && place_within(tree_, tree.size()) < tree.size())
       if (const auto& reading = tree[place_within(tree_, tree.size())].reading)
         view.cursor_x = laser::target_mm(line.set->readings[*reading]);
-    const std::string told = told_of(line, result);
-    const int text_rows = std::clamp(static_cast<int>(wrapped(told, halves.rest.columns).size()), 2, 4);
+    const std::string text = text_about(line, result);
+    const int text_rows = std::clamp(static_cast<int>(wrapped(text, halves.rest.columns).size()), 2, 4);
     draw_laser_chart(canvas, halves.rest.top(halves.rest.rows - text_rows), result.panel, result.left_out, view);
     const Tone tone = !result.problem.empty() ? Tone::bad : (result.left_out.empty() ? Tone::plain : Tone::warning);
-    canvas.paragraph(halves.rest.below(halves.rest.rows - text_rows), 0, told, tone);
+    canvas.paragraph(halves.rest.below(halves.rest.rows - text_rows), 0, text, tone);
   }
 
   bool on_key(const Key& key) override {
@@ -67,7 +68,7 @@ class LeaveOutPage final : public LaserPage {
                              {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
                              1,
                              true},
-                            std::string(name_of(line.component)));
+                            std::string(name_of(line.component)), write_plot);
       return true;
     }
     if (!in_tree_) {
@@ -116,14 +117,14 @@ class LeaveOutPage final : public LaserPage {
 
  private:
   /// "18 of 54 readings left out (x); 1 stands out (?): o goes there"
-  [[nodiscard]] std::string told_of(const LaserLine& line, const LaserLineResult& result) const {
+  [[nodiscard]] std::string text_about(const LaserLine& line, const LaserLineResult& result) const {
     const std::size_t out = count_left_out(choice_of(line), *line.set);
-    std::string told = result.problem;
-    const auto add = [&told](const std::string& text) { told += (told.empty() ? "" : "; ") + text; };
+    std::string text = result.problem;
+    const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
     if (out == 0)
       add("nothing is left out");
     else if (out != result.left_out.size())
-      add(fmt::format("{} of {} readings left out, being worked out", out, line.set->readings.size()));
+      add(fmt::format("{} of {} readings left out, being computed", out, line.set->readings.size()));
     else
       add(fmt::format("{} of {} readings left out (x)", out, line.set->readings.size()));
     const std::string beyond = beyond_text(result.panel, result.left_out, laser::unit_of(line.group.sense));
@@ -133,7 +134,7 @@ class LeaveOutPage final : public LaserPage {
                                         [&](std::size_t i) { return !left_out(choice, *line.set, i); });
     if (suspects > 0)
       add(fmt::format("{} stand{} out from the repeats (?): o goes there", suspects, suspects == 1 ? "s" : ""));
-    return told;
+    return text;
   }
 
   [[nodiscard]] std::size_t at() const { return place_within(line_, controller().work().lines.size()); }
@@ -221,7 +222,7 @@ class LeaveOutPage final : public LaserPage {
   /// The next reading of this line that stands out, its run opened.
   bool to_next_suspect(const LaserLine& line) {
     if (line.suspects.empty()) {
-      controller().message().say("no reading of this line stands out from its repeats");
+      controller().message().say("No reading of this line differs from its repeats.");
       return true;
     }
     const auto before = tree_of(line);

@@ -123,7 +123,7 @@ class LinesPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
-           "approaches; below, the conditions that the file tells. A ? stands where neither the file nor an answer "
+           "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer "
            "says where "
            "an axis was parked: it is taken as 0, and Enter tells it. comp.: measured with compensation active, of no "
            "use for a map.";
@@ -134,7 +134,7 @@ class LinesPage final : public LaserPage {
   static std::string file_to_ask(const LaserWork& work, const LaserLine& line) {
     for (const LaserFile& file : work.files)
       for (const Axis axis : line.place_unknown)
-        if (!file.place_told[index_of(axis)] &&
+        if (!file.position_known[index_of(axis)] &&
             std::find(line.files.begin(), line.files.end(), file.choice.path) != line.files.end())
           return file.choice.path;
     return line.files.front();

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -49,20 +50,20 @@ class MapPage final : public LaserPage {
                            : map.parameters_problem);
       return;
     }
-    canvas.text(area, 0, 1, standing_of(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
+    canvas.text(area, 0, 1, state_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
     const LaserHalves halves = laser_halves(area.below(1));
     std::vector<ListRow> rows;
     for (const LaserComponent& one : map.components) rows.push_back(row_of(one));
     draw_list(canvas, halves.list, rows, place_, !in_findings_);
     if (halves.rest.columns == 0 || map.components.empty()) return;
-    const auto told = findings_of(map, halves.rest.columns - 1);
+    const auto text = findings_of(map, halves.rest.columns - 1);
     const int most = in_findings_ ? halves.rest.rows * 2 / 3 : halves.rest.rows / 4;
-    const int below = told.empty() ? 0 : std::min(static_cast<int>(told.size()) + 1, most);
+    const int below = text.empty() ? 0 : std::min(static_cast<int>(text.size()) + 1, most);
     draw_component(canvas, halves.rest.top(halves.rest.rows - below), map, map.components[at()]);
     if (below < 2) return;
     const Area lower = halves.rest.below(halves.rest.rows - below);
     canvas.text(lower, 0, 0, in_findings_ ? "> findings" : "findings (Tab)", Tone::faint);
-    draw_scrolled(canvas, lower.below(1), told, scroll_);
+    draw_scrolled(canvas, lower.below(1), text, scroll_);
   }
 
   bool on_key(const Key& key) override {
@@ -96,7 +97,7 @@ class MapPage final : public LaserPage {
     if (!panel) return false;
     if (is_letter(key, U'e')) {
       const std::string code(name_of(map.components[at()].component));
-      host().pictures.start({"compensation " + code, {*panel}, 1, true}, "map-" + code);
+      host().pictures.start({"compensation " + code, {*panel}, 1, true}, "map-" + code, write_plot);
       return true;
     }
     return on_chart_key(key, *panel, view_);
@@ -116,7 +117,7 @@ class MapPage final : public LaserPage {
  private:
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
 
-  std::string standing_of(const LaserMapWork& map) const {
+  std::string state_text(const LaserMapWork& map) const {
     const UnitParameters& p = map.parameters->parameters;
     const std::string name = std::filesystem::path(controller().choices().params_file).filename().string();
     std::string text =
@@ -189,7 +190,7 @@ class MapPage final : public LaserPage {
     const std::string now = one.state == ComponentState::zero ? one.detail : "";
     return LaserForm(
         fmt::format("declare {} zero: {}", code, laser::description_of(one.component)),
-        {{"reason", "why it may be taken as zero; it stands in the map's header. Empty: it is not declared zero", now}},
+        {{"reason", "why it may be taken as zero; the map's header keeps it. Empty: it is not declared zero", now}},
         [this, code](const std::vector<std::string>& v) {
           controller().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
                               [&](LaserChoices& c) { c.components[code].zero_reason = std::string(trimmed(v[0])); });

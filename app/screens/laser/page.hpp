@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "app/screens/laser/controller.hpp"
 #include "app/screens/laser/form.hpp"
 #include "app/ui/chart.hpp"
-#include "app/ui/picture_export.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/laser_session/controller.hpp"
+#include "commissioning/plot/picture_export.hpp"
 
 namespace ecs::app {
 
@@ -58,7 +58,7 @@ class LaserPage {
   [[nodiscard]] virtual bool on_escape() { return false; }
   /// Escape, Tab and digits belong to the step now, not to the screen.
   [[nodiscard]] virtual bool holds_keys() const { return false; }
-  [[nodiscard]] virtual Place cursor(const Area& /*area*/) const { return {-1, -1}; }
+  [[nodiscard]] virtual CellPosition cursor(const Area& /*area*/) const { return {-1, -1}; }
 
  protected:
   [[nodiscard]] LaserController& controller() const { return host_->controller; }

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "app/ui/talk.hpp"
+
 namespace ecs::app {
 namespace {
 
@@ -41,7 +43,7 @@ std::string next_to_do(const LaserController& controller) {
   if (is(LaserStep::files, LaserMark::doubtful))
     return "Step 1: a file was not read: Enter answers for it, x takes it off.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
-  if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings stand out from their repeats (o).";
+  if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings differ from their repeats (o).";
   if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
   if (map.missing() > 0) {
     const std::string missing =
@@ -51,7 +53,7 @@ std::string next_to_do(const LaserController& controller) {
         std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
     return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked place.", missing, placeless);
   }
-  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what stands against this map.";
+  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what is wrong with this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
     return "Step 7: not stated in the header: " + not_stated(map.built->map.header) + ".";
   if (controller.verdict() && !controller.stale().empty())
@@ -74,7 +76,7 @@ LaserScreen::LaserScreen(std::shared_ptr<UnitConnection> unit)
 /// Two, or as many as a long message needs: it is to be read whole.
 int LaserScreen::message_rows(const Area& area) const {
   const LaserController& controller = host_->controller;
-  return controller.busy() ? 2 : std::max(2, controller.message().rows(area.columns - 2, area.rows / 2));
+  return controller.busy() ? 2 : std::max(2, rows_of_message(controller.message(), area.columns - 2, area.rows / 2));
 }
 
 Area LaserScreen::body_of(const Area& area) const {
@@ -113,15 +115,15 @@ void LaserScreen::click(const Key& key) {
     if (key.column >= drawn_.column + all[k].column) return go(static_cast<int>(k));
 }
 
-void LaserScreen::draw_message(Canvas& canvas, const Area& area) const {
+void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   const LaserController& controller = host_->controller;
   if (controller.busy())
     draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0,
                   controller.busy_with() + " (Esc stops it)", controller.part(), controller.seconds_left());
   else if (!controller.message().text().empty())
-    controller.message().draw(canvas, {area.row, area.column + 1, area.rows, area.columns - 2});
+    draw_message(canvas, {area.row, area.column + 1, area.rows, area.columns - 2}, controller.message());
   else if (controller.working())
-    canvas.text(area, 0, 1, "working out what follows ...", Tone::faint);
+    canvas.text(area, 0, 1, "computing the results ...", Tone::faint);
   else
     canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(controller), Tone::faint);
 }
@@ -130,8 +132,8 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   draw_tabs(canvas, area.top(1));
   const Area body = body_of(area);
   page().draw(canvas, body);
-  const int told = message_rows(area);
-  if (area.rows > told) draw_message(canvas, {area.row + area.rows - told, area.column, told, area.columns});
+  const int rows = message_rows(area);
+  if (area.rows > rows) draw_bottom(canvas, {area.row + area.rows - rows, area.column, rows, area.columns});
   if (const auto& draft = host_->controller.offered())
     draw_question(canvas, area,
                   {fmt::format("Work of {} found", draft->kept),
@@ -145,7 +147,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
         {"Leave? The map is not saved.", "The choices are kept and offered again next time.", "leave", "stay"});
 }
 
-Place LaserScreen::cursor(const Area& area) const {
+CellPosition LaserScreen::cursor(const Area& area) const {
   if (host_->question_ || leaving_ || host_->controller.offered()) return {-1, -1};
   return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
 }
@@ -185,10 +187,9 @@ void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSt
 
 void LaserScreen::save() {
   if (!host_->controller.would_overwrite()) return host_->controller.save();
-  host_->ask(
-      {fmt::format("Replace {}?", host_->controller.choices().map_file),
-       "A file of that name is there already; its parameters and recipe are replaced as well.", "replace", "keep it"},
-      [this] { host_->controller.save(); });
+  host_->ask({fmt::format("Replace {}?", host_->controller.choices().map_file),
+              "A file of that name exists. Its parameters and recipe are replaced as well.", "replace", "keep it"},
+             [this] { host_->controller.save(); });
 }
 
 /// The keys of every step. @return whether it was one of them

@@ -22,7 +22,7 @@ class LaserScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return host_->form_.has_value() || page().typing(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override { return host_->controller.unsaved(); }
 
   [[nodiscard]] LaserController& controller() { return host_->controller; }
@@ -33,7 +33,7 @@ class LaserScreen final : public Screen {
   [[nodiscard]] int message_rows(const Area& area) const;
   [[nodiscard]] Area body_of(const Area& area) const;
   void draw_tabs(Canvas& canvas, const Area& area) const;
-  void draw_message(Canvas& canvas, const Area& area) const;
+  void draw_bottom(Canvas& canvas, const Area& area) const;
   /// Where the tab of a step begins and what stands in it.
   struct Tab {
     int column = 0;

@@ -19,7 +19,7 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
 }
 
 std::string unit_text(const WatchedUnit& unit) {
-  if (!unit.open) return "no line to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
+  if (!unit.open) return "no link to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
   return fmt::format("{}, serial number {}", unit.emulator ? "EMULATOR" : unit.link,
                      unit.identity ? unit.identity->serial_number : "?");
 }
@@ -53,7 +53,7 @@ class SendPage final : public LaserPage {
     LineWriter lines(canvas, area);
     const MapFiles files = files_of_map(d.choices().map_file);
     lines.say("map file", d.choices().map_file, Tone::strong);
-    lines.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    lines.say("unit", unit_text(d.unit().snapshot()), d.unit().snapshot().open ? Tone::plain : Tone::bad);
     lines.skip();
     lines.say("map", map_text(map), map.complete() && map.findings.empty() ? Tone::good : Tone::warning);
     if (map.complete())
@@ -77,7 +77,7 @@ class SendPage final : public LaserPage {
     if (is_letter(key, U'f')) {
       host().fill(LaserForm("where the map is saved",
                             {{"file",
-                              "the map as CSV; parameters and recipe stand beside it",
+                              "the map as CSV; parameters and recipe are written beside it",
                               controller().choices().map_file,
                               {},
                               true}},
@@ -96,8 +96,7 @@ class SendPage final : public LaserPage {
     }
     if (controller().would_overwrite())
       host().ask({fmt::format("Replace {}?", controller().choices().map_file),
-                  "A file of that name is there already; its parameters and recipe are replaced as well.", "replace",
-                  "keep it"},
+                  "A file of that name exists. Its parameters and recipe are replaced as well.", "replace", "keep it"},
                  [this] { controller().prepare(); });
     else
       controller().prepare();
@@ -110,7 +109,7 @@ class SendPage final : public LaserPage {
     asked_ = true;
     const ReadyMap& ready = *controller().ready();
     host().ask(
-        {fmt::format("Send the map to {}?", unit_text(controller().unit().standing())),
+        {fmt::format("Send the map to {}?", unit_text(controller().unit().snapshot())),
          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
                      doubts_of(controller().work().map), ready.map->image.bytes.size(), ready.check,
                      ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
@@ -127,7 +126,7 @@ class SendPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
-           "all: a broken line, a cancel or a power cut leaves the old map active. Every byte is read back.";
+           "all: a broken link, a cancel or a power cut leaves the old map active. Every byte is read back.";
   }
 
  private:
@@ -165,7 +164,7 @@ class SendPage final : public LaserPage {
     return remarks;
   }
   static std::string checked_text(const ReadyMap& ready) {
-    std::string text = "the unit has room and is the one of the map";
+    std::string text = "the unit has enough memory and is the one of the map";
     for (const std::string& note : ready.map->image.notes) text += "; " + note;
     return text;
   }
@@ -188,7 +187,7 @@ class VerifyPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserController& d = controller();
     LineWriter lines(canvas, area);
-    lines.say("unit", unit_text(d.unit().standing()), d.unit().standing().open ? Tone::plain : Tone::bad);
+    lines.say("unit", unit_text(d.unit().snapshot()), d.unit().snapshot().open ? Tone::plain : Tone::bad);
     if (!d.verdict()) {
       lines.skip();
       lines.say("compare", d.sent() ? "Enter reads the unit's map back and compares it with the file."

@@ -81,7 +81,8 @@ void draw_memory(Canvas& canvas, const Area& area, const MemoryController& contr
   }
 }
 
-std::optional<Address> byte_at(const Area& area, const MemoryRows& rows, const MemoryRegion& region, Place place) {
+std::optional<Address> byte_at(const Area& area, const MemoryRows& rows, const MemoryRegion& region,
+                               CellPosition place) {
   const int r = place.row - area.row - 1;
   if (r < 0 || r >= rows.rows) return std::nullopt;
   for (std::uint32_t k = 0; k < rows.per_row; ++k) {

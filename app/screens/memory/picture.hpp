@@ -2,8 +2,8 @@
 // Does not live here: keys, what is read (controller.hpp).
 #pragma once
 
-#include "app/screens/memory/controller.hpp"
 #include "app/ui/cells.hpp"
+#include "commissioning/memory/controller.hpp"
 
 namespace ecs::app {
 
@@ -22,6 +22,6 @@ struct MemoryRows {
 void draw_memory(Canvas& canvas, const Area& area, const MemoryController& controller, const MemoryRows& rows);
 /// The byte at a place of the canvas; nothing: there is none.
 [[nodiscard]] std::optional<Address> byte_at(const Area& area, const MemoryRows& rows, const MemoryRegion& region,
-                                             Place place);
+                                             CellPosition place);
 
 }  // namespace ecs::app

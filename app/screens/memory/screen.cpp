@@ -7,6 +7,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "app/ui/talk.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 
@@ -276,14 +277,14 @@ std::vector<KeyHelp> MemoryScreen::keys() const {
 }
 
 std::string MemoryScreen::help() const {
-  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what stands under the "
+  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what is under the "
          "cursor "
          "by name with its value, and the same bytes as plain numbers. Pages are read when they come into view; .. is "
          "not read yet. [45] is the cursor, 45* differs from the file compared. Protected regions can be read only. "
          "Writing needs integration mode, asks first, is read back, and u writes the old bytes back.";
 }
 
-Place MemoryScreen::cursor(const Area& area) const {
+CellPosition MemoryScreen::cursor(const Area& area) const {
   if (!typing()) return {-1, -1};
   const int begin = width_of(prompt()) + 3;
   return {area.row + area.rows - 2, area.column + begin + text_.cursor_column(std::max(1, area.columns - begin - 1))};

@@ -4,10 +4,10 @@
 
 #include <memory>
 
-#include "app/screens/memory/controller.hpp"
 #include "app/screens/memory/picture.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/memory/controller.hpp"
 
 namespace ecs::app {
 
@@ -22,7 +22,7 @@ class MemoryScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(rows_.shown()); }
   [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing; }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { bytes, differences, written };

@@ -1,9 +1,10 @@
-// How the memory screen looks: above whose memory it is, below what stands under the cursor and what happened.
+// How the memory screen looks: above whose memory it is, below what is under the cursor and what happened.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "app/screens/memory/screen.hpp"
+#include "app/ui/talk.hpp"
 #include "base/json.hpp"
 
 namespace ecs::app {
@@ -48,7 +49,7 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
 /// Two, or what the message needs.
 int MemoryScreen::bottom_rows(const Area& area) const {
   if (typing() || !controller_.working_on().empty()) return 2;
-  return std::max(2, controller_.message().rows(area.columns - 2, area.rows / 3));
+  return std::max(2, rows_of_message(controller_.message(), area.columns - 2, area.rows / 3));
 }
 
 /// @param whole  with the names of the pages that are not shown
@@ -196,13 +197,13 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   if (!working.empty()) {
     draw_progress(canvas, area, 0, working, controller_.part(), controller_.seconds_left());
     if (controller_.message().is_problem() && !controller_.message().text().empty())
-      controller_.message().draw(canvas, area.below(1));
+      draw_message(canvas, area.below(1), controller_.message());
     else
       canvas.text(area, 1, 0, "Esc gives it up", Tone::faint);
     return;
   }
   if (!controller_.message().text().empty())
-    controller_.message().draw(canvas, area);
+    draw_message(canvas, area, controller_.message());
   else if (page_ != Page::bytes)
     canvas.paragraph(area, 0, selected_row(), Tone::faint);
 }

@@ -8,6 +8,7 @@
 
 #include "app/cli/catalogue.hpp"
 #include "app/screens/model/screen.hpp"
+#include "app/ui/talk.hpp"
 
 namespace ecs::app {
 namespace {
@@ -44,7 +45,7 @@ void ModelForm::draw(Canvas& canvas, const Area& area) const {
   if (question_) draw_question(canvas, area, *question_);
 }
 
-Place ModelForm::cursor(const Area& area) const {
+CellPosition ModelForm::cursor(const Area& area) const {
   if (question_) return {-1, -1};
   return {
       area.row + first_row(area.columns - 2) + field_,
@@ -77,7 +78,7 @@ void ModelForm::open() {
   std::error_code error;
   if (std::filesystem::exists(named.model, error)) {
     if (!proposed) return start(false);
-    hint_ = fmt::format("{} is there already: Enter opens it, another name begins a new one", named.model);
+    hint_ = fmt::format("{} exists: Enter opens it, another name begins a new one", named.model);
     problem_ = false;
     field_ = 0;
     return;
@@ -159,7 +160,7 @@ std::string ModelForm::help() const {
          "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
          "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
          "lever arms and "
-         "pitches; without it less can be told apart.";
+         "pitches; without it fewer causes can be distinguished.";
 }
 
 }  // namespace ecs::app

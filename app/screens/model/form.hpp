@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "app/screens/model/controller.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/model_session/controller.hpp"
 
 namespace ecs::app {
 
@@ -22,7 +22,7 @@ class ModelForm final : public Screen {
   [[nodiscard]] bool advance() override;
   [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override;
   [[nodiscard]] bool typing() const override { return !question_; }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   void open();

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "app/cli/catalogue.hpp"
+#include "app/plot/gnuplot.hpp"
+#include "app/ui/talk.hpp"
 
 namespace ecs::app {
 
@@ -91,7 +93,7 @@ bool ModelScreen::on_after_key(const Key& key) {
   return true;
 }
 
-Place ModelScreen::cursor(const Area& area) const {
+CellPosition ModelScreen::cursor(const Area& area) const {
   if (!asked_) return {-1, -1};
   const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
   return {area.row + area.rows - 1,
@@ -134,7 +136,7 @@ Step ModelScreen::on_key(const Key& key) {
   } else if (is_letter(key, U's')) {
     controller_->save();
   } else if (is_letter(key, U'e')) {
-    controller_->export_picture();
+    controller_->export_picture(write_plot);
   } else if (on_after_key(key)) {
     return stay();
   } else if (page_ == Page::curves) {

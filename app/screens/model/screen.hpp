@@ -2,10 +2,10 @@
 // fall. Does not live here: its state (controller.hpp), curves (app/ui/chart.hpp).
 #pragma once
 
-#include "app/screens/model/controller.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/model_session/controller.hpp"
 
 namespace ecs::app {
 
@@ -21,7 +21,7 @@ class ModelScreen final : public Screen {
   [[nodiscard]] bool advance() override { return controller_->advance(); }
   [[nodiscard]] std::string unsaved() const override;
   [[nodiscard]] bool typing() const override { return asked_.has_value(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { curves, fails, causes, ladder, next, after };
@@ -42,10 +42,10 @@ class ModelScreen final : public Screen {
   };
 
   void draw_tabs(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] std::string standing_text() const;
+  [[nodiscard]] std::string state_text() const;
   [[nodiscard]] int asked_rows(const Area& area) const;
-  [[nodiscard]] int standing_rows(const Area& area) const;
-  void draw_standing(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] int state_rows(const Area& area) const;
+  void draw_state(Canvas& canvas, const Area& area) const;
   void draw_curves(Canvas& canvas, const Area& area) const;
   void draw_causes(Canvas& canvas, const Area& area) const;
   void draw_ladder(Canvas& canvas, const Area& area) const;

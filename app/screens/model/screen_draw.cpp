@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "app/screens/model/screen.hpp"
+#include "app/ui/talk.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/view.hpp"
@@ -40,8 +41,8 @@ void draw_bar(Canvas& canvas, const Area& area, int row, double value, double mo
 
 void ModelScreen::draw(Canvas& canvas, const Area& area) const {
   draw_tabs(canvas, area.top(1));
-  const int standing = standing_rows(area);
-  const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - standing), area.columns};
+  const int state_part = state_rows(area);
+  const Area body{area.row + 1, area.column, std::max(0, area.rows - 1 - state_part), area.columns};
   switch (page_) {
     case Page::curves:
       draw_curves(canvas, body);
@@ -55,7 +56,7 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
     default:
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
   }
-  draw_standing(canvas, {area.row + area.rows - standing, area.column, standing, area.columns});
+  draw_state(canvas, {area.row + area.rows - state_part, area.column, state_part, area.columns});
   if (draft_)
     draw_question(canvas, area,
                   {"Unsaved work on this model was found. Take it up?",
@@ -89,22 +90,22 @@ int ModelScreen::asked_rows(const Area& area) const {
 }
 
 /// What the last rows say while nothing is asked and nothing was told.
-std::string ModelScreen::standing_text() const {
+std::string ModelScreen::state_text() const {
   const model::Fit& fit = controller_->fit();
   const std::size_t effects = controller_->model().effects.size();
   return fmt::format("{} readings, {} effect{}: rms {:.3f} um, noise of one reading {:.3f} um",
                      controller_->data().size(), effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.noise_um);
 }
 
-int ModelScreen::standing_rows(const Area& area) const {
+int ModelScreen::state_rows(const Area& area) const {
   if (controller_->busy()) return 1;
   if (asked_) return 1 + asked_rows(area);
   const int most = std::max(1, area.rows / 4);
-  if (!controller_->message().text().empty()) return controller_->message().rows(area.columns - 2, most);
-  return std::min(most, static_cast<int>(wrapped(standing_text(), area.columns - 2).size()));
+  if (!controller_->message().text().empty()) return rows_of_message(controller_->message(), area.columns - 2, most);
+  return std::min(most, static_cast<int>(wrapped(state_text(), area.columns - 2).size()));
 }
 
-void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
+void ModelScreen::draw_state(Canvas& canvas, const Area& area) const {
   const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
   if (controller_->busy()) {
     canvas.paragraph(
@@ -116,9 +117,9 @@ void ModelScreen::draw_standing(Canvas& canvas, const Area& area) const {
     const int begin = asked_rows(area) > 0 ? 1 : width_of(asked_->label) + 2;
     asked_->line.draw(canvas, area, area.rows - 1, begin, std::max(4, area.columns - begin - 1), true);
   } else if (!controller_->message().text().empty()) {
-    controller_->message().draw(canvas, text);
+    draw_message(canvas, text, controller_->message());
   } else {
-    canvas.paragraph(text, 0, standing_text());
+    canvas.paragraph(text, 0, state_text());
   }
 }
 
@@ -220,7 +221,8 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   if (page_ == Page::after) {
     if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
     return wrapped(
-        "w reckons what compensation by the unit would leave of these errors, effect by effect. o opens files measured "
+        "w computes what compensation by the unit would leave of these errors, effect by effect. o opens files "
+        "measured "
         "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "
         "unit (PROCESS LASER DATA sends it).",
         columns);

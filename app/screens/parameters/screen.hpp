@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "app/screens/parameters/controller.hpp"
-#include "app/screens/parameters/transfer.hpp"
 #include "app/screens/parameters/view.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"
+#include "commissioning/parameters/controller.hpp"
+#include "commissioning/parameters/transfer.hpp"
 
 namespace ecs::app {
 
@@ -31,7 +31,7 @@ class ParametersScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override;
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override;
 
   [[nodiscard]] const ParametersController& controller() const { return controller_; }
@@ -112,13 +112,13 @@ class ParametersScreen final : public Screen {
   Page page_ = Page::configuration;
   std::array<ListPlace, kPages> places_;
   ListPlace start_;
-  MessageLine message_;
+  Message message_;
   std::optional<ValueEdit> edit_;
   std::optional<PathPrompt> prompt_;
   std::optional<Seeking> seeking_;
   std::optional<Asking> asking_;
   bool leaving_ = false;  ///< a yes to the question leads back
-  mutable Place cursor_{-1, -1};
+  mutable CellPosition cursor_{-1, -1};
   mutable Area list_area_;  ///< rows of the list, for clicks and pages
 };
 

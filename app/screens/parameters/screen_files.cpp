@@ -75,7 +75,7 @@ void ParametersScreen::ask_for_check() {
         }
         prompt_.reset();
         const std::size_t count = controller_.findings().size();
-        message_.say(count == 0 ? "nothing stands against these parameters"
+        message_.say(count == 0 ? "no findings for these parameters"
                                 : fmt::format("{} finding{}: page 4", count, count == 1 ? "" : "s"),
                      count == 0 ? Tone::good : Tone::warning);
       });
@@ -101,7 +101,7 @@ void ParametersScreen::save_to(const std::string& path) {
     message_.say("saved to " + path);
   else
     message_.say(fmt::format("saved to {}, though {} against it: page 4", path,
-                             errors == 1 ? "an error stands" : fmt::format("{} errors stand", errors)),
+                             errors == 1 ? "there is an error" : fmt::format("there are {} errors", errors)),
                  Tone::warning);
 }
 
@@ -125,8 +125,8 @@ void ParametersScreen::send() {
     turn_page(static_cast<int>(Page::findings));
     place().selected = 0;
     message_.say(fmt::format("not sent: {} against these parameters; Enter goes to the field",
-                             controller_.errors() == 1 ? "an error stands"
-                                                       : fmt::format("{} errors stand", controller_.errors())),
+                             controller_.errors() == 1 ? "there is an error"
+                                                       : fmt::format("there are {} errors", controller_.errors())),
                  Tone::warning);
     return;
   }
@@ -139,8 +139,8 @@ void ParametersScreen::receive() {
 
 void ParametersScreen::look_again() {
   transfer_.look();
-  if (transfer_.line().standing().open)
-    message_.say("looking into the unit again; what differs stands on page 5");
+  if (transfer_.line().snapshot().open)
+    message_.say("reading the unit again; page 5 shows what differs");
   else
     message_.say("no unit answers now; it is looked into as soon as one does", Tone::warning);
 }

@@ -10,6 +10,13 @@
 namespace ecs::app {
 namespace {
 
+void draw_transfer(Canvas& canvas, const Area& area, const ParametersTransfer& transfer) {
+  if (transfer.sending())
+    draw_progress(canvas, area, 0, "sending to the unit; Esc cancels", transfer.part(), transfer.seconds_left());
+  else if (transfer.running())
+    canvas.text(area, 0, 0, "reading the unit ... Esc cancels", Tone::warning);
+}
+
 constexpr std::array<const char*, 5> kTitles{"Configuration", "Compensation", "Datuming", "Findings", "Compare"};
 constexpr int kWide = 118;  ///< columns from which on the panel stands beside the list
 
@@ -20,7 +27,7 @@ std::string unit_words(const WatchedUnit& unit) {
   const std::string name = unit.emulator ? "EMULATOR" : unit.link;
   if (unit.open && unit.identity) return fmt::format("{}, unit {} answers", name, unit.identity->serial_number);
   if (!unit.problem.empty()) return "no unit answers now: " + unit.problem;
-  return "the line to the unit is being opened";
+  return "the link to the unit is being opened";
 }
 
 }  // namespace
@@ -73,7 +80,7 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
                      "It was neither saved to a file nor sent to a unit. Other parameters can be opened "
                      "when it has been taken up and saved, or dropped.",
                      Tone::faint);
-    message_.draw(canvas, inside.below(row + 3));
+    draw_message(canvas, inside.below(row + 3), message_);
     return;
   }
   int row = canvas.paragraph(inside, 0, "No parameters yet. Where shall they come from?", Tone::strong);
@@ -86,16 +93,16 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
                         "takes its default and is to be set."};
   canvas.paragraph(inside, row, help[static_cast<std::size_t>(std::clamp(start_.selected, 0, 2))], Tone::faint);
   row += 3;
-  const WatchedUnit unit = transfer_.line().standing();
+  const WatchedUnit unit = transfer_.line().snapshot();
   const std::string words = unit_words(unit);
   row += canvas.paragraph(inside.top(row + 4), row, "Line: " + words, unit.open ? Tone::good : Tone::warning);
   row = std::min(row + 1, area.rows - 2);
   if (prompt_)
     draw_prompt(canvas, area.below(std::min(row, area.rows - 6)));
   else if (transfer_.running())
-    transfer_.draw(canvas, inside.below(row));
+    draw_transfer(canvas, inside.below(row), transfer_);
   else
-    message_.draw(canvas, inside.below(row));
+    draw_message(canvas, inside.below(row), message_);
 }
 
 void ParametersScreen::draw_tabs(Canvas& canvas, const Area& area) const {
@@ -147,7 +154,7 @@ void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
 
 void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   if (transfer_.running()) {
-    transfer_.draw(canvas, area);
+    draw_transfer(canvas, area, transfer_);
   } else if (seeking_) {
     canvas.text(area, 0, 0, "find:", Tone::strong);
     const int room = std::clamp(area.columns - 40, 8, 30);
@@ -159,7 +166,7 @@ void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
                                   : fmt::format("{} of {}; up, down: others", seeking_->at + 1, seeking_->found.size());
     canvas.text(area, 0, 6 + room + 2, found, seeking_->found.empty() ? Tone::warning : Tone::faint);
   } else if (!message_.is_problem() && width_of(message_.text()) <= area.columns) {
-    message_.draw(canvas, area);
+    draw_message(canvas, area, message_);
   }
 }
 
@@ -174,7 +181,7 @@ void ParametersScreen::draw_prompt(Canvas& canvas, const Area& area) const {
   cursor_ = {line.row, line.column + prompt_->path.cursor_column(line.columns)};
 }
 
-Place ParametersScreen::cursor(const Area& /*area*/) const { return cursor_; }
+CellPosition ParametersScreen::cursor(const Area& /*area*/) const { return cursor_; }
 
 std::vector<KeyHelp> ParametersScreen::keys() const {
   if (asking_) return {{"y", asking_->question.yes}, {"n", asking_->question.no}};
@@ -207,7 +214,7 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
 }
 
 std::string ParametersScreen::help() const {
-  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! something stands against the value, "
+  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! a finding against the value, "
          "* changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
          "survives a crash and is offered again.";
 }

@@ -50,7 +50,7 @@ std::string note_of(const ParametersController& controller, const std::string& k
 }
 
 void draw_row(Canvas& canvas, const Area& area, int r, const ParametersController& controller, const ParameterRow& row,
-              bool here, const ValueEdit* edit, Place& cursor) {
+              bool here, const ValueEdit* edit, CellPosition& cursor) {
   if (row.key.empty()) {
     canvas.text(area, r, kMarks, row.label, Tone::strong);
     return;
@@ -116,10 +116,10 @@ std::string about(const ParametersController& controller, int columns) {
   return name + rest;
 }
 
-Place draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
-                      const std::vector<ParameterRow>& rows, const ListPlace& place,
-                      const std::optional<ValueEdit>& edit) {
-  Place cursor{-1, -1};
+CellPosition draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
+                             const std::vector<ParameterRow>& rows, const ListPlace& place,
+                             const std::optional<ValueEdit>& edit) {
+  CellPosition cursor{-1, -1};
   if (area.rows < 2) return cursor;
   const Columns at = columns_of(area);
   canvas.text(area.left(at.value - 1), 0, kNames, "parameter", Tone::faint);
@@ -166,7 +166,7 @@ void draw_findings(Canvas& canvas, const Area& area, const ParametersController&
   const auto& findings = controller.findings();
   if (findings.empty()) {
     canvas.paragraph({area.row + 1, area.column + 2, area.rows - 1, area.columns - 4}, 0,
-                     "Nothing stands against these parameters." +
+                     "No findings for these parameters." +
                          std::string(controller.machine().empty() ? " Press m to check them against a machine file too."
                                                                   : " They were checked against the machine as well."),
                      Tone::good);

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/screens/parameters/controller.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/parameters/controller.hpp"
 
 namespace ecs::app {
 
@@ -23,9 +23,9 @@ struct ValueEdit {
 [[nodiscard]] std::string about(const ParametersController& controller, int columns);
 
 /// @return where the terminal's cursor belongs; row −1: nowhere
-Place draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
-                      const std::vector<ParameterRow>& rows, const ListPlace& place,
-                      const std::optional<ValueEdit>& edit);
+CellPosition draw_parameters(Canvas& canvas, const Area& area, const ParametersController& controller,
+                             const std::vector<ParameterRow>& rows, const ListPlace& place,
+                             const std::optional<ValueEdit>& edit);
 
 /// The key under the cursor: what stands against it, what it accepts, its help.
 void draw_key_panel(Canvas& canvas, const Area& area, const ParametersController& controller, const std::string& key,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/screens/unit/link_statistics.hpp"
+#include "app/ui/talk.hpp"
 
 namespace ecs::app {
 namespace {
@@ -47,12 +48,12 @@ void add_wrapped(std::vector<ToneLine>& lines, const std::string& text, int colu
 void LinkScreen::draw(Canvas& canvas, const Area& area) const {
   if (area.rows < 1 || area.columns < 10) return;
   draw_top(canvas, area.top(2));
-  const int told = std::max(2, controller_.message().rows(area.columns - 2, area.rows / 3));
-  const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - told), area.columns - 2};
+  const int message_part = std::max(2, rows_of_message(controller_.message(), area.columns - 2, area.rows / 3));
+  const Area body{area.row + 2, area.column + 1, std::max(0, area.rows - 2 - message_part), area.columns - 2};
   if (page_ == Page::setting) draw_setting(canvas, body);
   if (page_ == Page::doctor) draw_doctor(canvas, body);
   if (page_ == Page::statistics) draw_statistics(canvas, body);
-  const Area bottom{area.row + area.rows - told, area.column + 1, told, area.columns - 2};
+  const Area bottom{area.row + area.rows - message_part, area.column + 1, message_part, area.columns - 2};
   if (area.rows > 4) {
     if (!controller_.working_on().empty() && controller_.message().text().empty())
       canvas.text(
@@ -60,7 +61,7 @@ void LinkScreen::draw(Canvas& canvas, const Area& area) const {
           fmt::format("{} ... {:.0f} s, Esc gives it up", controller_.working_on(), controller_.seconds_working()),
           Tone::warning);
     else if (!controller_.message().text().empty())
-      controller_.message().draw(canvas, bottom);
+      draw_message(canvas, bottom, controller_.message());
     else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
       canvas.paragraph(bottom, 0, help_here(), Tone::faint);
   }
@@ -320,10 +321,10 @@ std::string LinkScreen::help() const {
          "what "
          "to do (it only reads), u uses the setting now in all screens, s stores it for the next start. If another "
          "setting "
-         "answers, it is offered. The statistics count what happened on the line since it was opened.";
+         "answers, it is offered. The statistics count what happened on the link since it was opened.";
 }
 
-Place LinkScreen::cursor(const Area& area) const {
+CellPosition LinkScreen::cursor(const Area& area) const {
   if (!editing_) return {-1, -1};
   const int columns = std::max(1, area.columns - 2 - kNameColumns - 2);
   return {area.row + 2 + row_.selected, area.column + 1 + kNameColumns + 2 + text_.cursor_column(columns)};

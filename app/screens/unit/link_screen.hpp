@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "app/screens/unit/link_controller.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/link/controller.hpp"
 
 namespace ecs::app {
 
@@ -22,7 +22,7 @@ class LinkScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return editing_; }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { setting, doctor, statistics };

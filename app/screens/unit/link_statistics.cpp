@@ -45,9 +45,9 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
 
 StatisticsRow judgement(const WatchedUnit& unit) {
   const protocol::LinkStatistics& s = unit.statistics;
-  if (unit.lent) return {"", "", "the line is lent to the doctor or a verb", Tone::warning};
-  if (!unit.open) return {"", "", unit.problem.empty() ? "no line is open yet" : unit.problem, Tone::bad};
-  if (s.requests < 20) return {"", "", "too few requests to judge the line yet", Tone::faint};
+  if (unit.lent) return {"", "", "the link is in use by the doctor or a verb", Tone::warning};
+  if (!unit.open) return {"", "", unit.problem.empty() ? "no link is open yet" : unit.problem, Tone::bad};
+  if (s.requests < 20) return {"", "", "too few requests to judge the link yet", Tone::faint};
   if (share(s.crc_errors, s.requests) > kMuch)
     return {"", "", "many garbled answers: check shield, ground, length of the cable, and the parity", Tone::bad};
   if (share(s.stale_replies, s.requests) > kMuch)
@@ -55,8 +55,8 @@ StatisticsRow judgement(const WatchedUnit& unit) {
             Tone::bad};
   if (share(s.timeouts, s.requests) > kMuch)
     return {"", "", "many requests without an answer: check plugs and cable", Tone::bad};
-  if (s.retries > 0) return {"", "", "a good line: a few requests had to be repeated, nothing was lost", Tone::good};
-  return {"", "", "a clean line: every request was answered at once", Tone::good};
+  if (s.retries > 0) return {"", "", "a good link: a few requests had to be repeated, nothing was lost", Tone::good};
+  return {"", "", "a clean link: every request was answered at once", Tone::good};
 }
 
 }  // namespace ecs::app

@@ -69,7 +69,7 @@ void LogScreen::draw(Canvas& canvas, const Area& area) const {
   if (rows.empty()) {
     canvas.text(text, 2, 0,
                 only_errors_ ? "no error since the start; e shows all messages"
-                             : "nothing was told yet: what the screens say is kept here, errors too");
+                             : "No messages yet. Messages and errors of the screens are kept here.");
   } else {
     std::vector<ListRow> lines;
     for (const LogEntry* entry : rows)
@@ -191,14 +191,14 @@ std::vector<KeyHelp> LogScreen::keys() const {
 }
 
 std::string LogScreen::help() const {
-  return "What the screens told since the program began, newest last; the whole text of the marked message stands "
+  return "The messages of the screens since the program began, newest last; the whole text of the marked message is "
          "below the "
          "list. All of it is in the file named above, with date and time, for copying and sending; s writes a copy "
          "where "
          "you say. To copy with the mouse hold Shift while selecting, as the screens use the mouse themselves.";
 }
 
-Place LogScreen::cursor(const Area& area) const {
+CellPosition LogScreen::cursor(const Area& area) const {
   if (!typing()) return {-1, -1};
   const int begin = width_of(prompt());
   return {area.row + area.rows - 1,

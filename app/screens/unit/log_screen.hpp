@@ -1,4 +1,4 @@
-// LOG: what the screens told, newest last, with the whole text of one below. Does not live here: keeping it
+// LOG: what the screens said, newest last, with the whole text of one below. Does not live here: keeping it
 // (commissioning/session/event_log.hpp).
 #pragma once
 
@@ -25,7 +25,7 @@ class LogScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return typing_ != Typing::nothing; }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Typing { nothing, sought, file };

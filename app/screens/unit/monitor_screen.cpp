@@ -7,6 +7,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
 #include "app/ui/chart.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "core/fault.hpp"
@@ -68,7 +69,7 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
 void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s) {
   if (unit.samples.empty()) {
     canvas.paragraph({area.row + 1, area.column + 1, area.rows, area.columns - 2}, 0,
-                     unit.problem.empty() ? "opening the line ..." : unit.problem,
+                     unit.problem.empty() ? "opening the link ..." : unit.problem,
                      unit.problem.empty() ? Tone::warning : Tone::bad);
     return;
   }
@@ -109,7 +110,7 @@ void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
                 fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
                 Tone::warning);
   else
-    message_.draw(canvas, last);
+    draw_message(canvas, last, message_);
 }
 
 PlotPanel MonitorScreen::strip_panel() const {
@@ -193,7 +194,7 @@ Step MonitorScreen::on_key(const Key& key) {
   if (is_letter(key, U'r')) toggle_recording();
   if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
   if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
-  if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor");
+  if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot);
   for (const Axis axis : kAllAxes)
     if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
   return stay();
@@ -214,7 +215,7 @@ std::string MonitorScreen::help() const {
          "and "
          "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
          "the "
-         "age of what is shown. A lost line is opened again by itself. r records every sample to a CSV file until r is "
+         "age of what is shown. A lost link is opened again by itself. r records every sample to a CSV file until r is "
          "pressed again, until then beside it as .part; f freezes the picture, not the recording. t shows air and "
          "material temperature of a USB "
          "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";

@@ -5,12 +5,12 @@
 #include <chrono>
 #include <optional>
 
-#include "app/ui/picture_export.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/measurements/environment_watch.hpp"
 #include "commissioning/plot/figure.hpp"
+#include "commissioning/plot/picture_export.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 
 namespace ecs::app {
@@ -36,7 +36,7 @@ class MonitorScreen final : public Screen {
   bool frozen_ = false;
   Axis axis_ = Axis::X;
   Strip strip_ = Strip::compensation;
-  MessageLine message_;
+  Message message_;
   std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
   PictureExport picture_;

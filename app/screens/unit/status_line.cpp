@@ -6,25 +6,25 @@
 
 namespace ecs::app {
 
-Standing standing_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest) {
-  Standing standing;
-  standing.link = unit.emulator ? "EMULATOR" : unit.link;
+StatusLine status_line_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest) {
+  StatusLine status;
+  status.link = unit.emulator ? "EMULATOR" : unit.link;
   if (unit.lent) {
-    standing.state = "busy";
+    status.state = "busy";
   } else if (!unit.problem.empty()) {
-    standing.state = "no answer";
-    standing.bad = true;
+    status.state = "no answer";
+    status.bad = true;
   } else if (newest) {
-    standing.state = ecs::name_of(newest->mode);
+    status.state = ecs::name_of(newest->mode);
     if (newest->fault != Fault::none) {
-      standing.state += fmt::format(", FAULT {}", ecs::text_of(newest->fault).name);
-      standing.bad = true;
+      status.state += fmt::format(", FAULT {}", ecs::text_of(newest->fault).name);
+      status.bad = true;
     }
   } else {
-    standing.state = unit.open ? "..." : "opening";
+    status.state = unit.open ? "..." : "opening";
   }
-  if (standing.link.empty()) standing.link = "line";
-  return standing;
+  if (status.link.empty()) status.link = "line";
+  return status;
 }
 
 }  // namespace ecs::app

@@ -9,6 +9,6 @@
 
 namespace ecs::app {
 
-[[nodiscard]] Standing standing_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest);
+[[nodiscard]] StatusLine status_line_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest);
 
 }  // namespace ecs::app

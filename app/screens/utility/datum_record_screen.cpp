@@ -47,14 +47,14 @@ void DatumRecordScreen::draw(Canvas& canvas, const Area& area) const {
                             Tone::warning) +
            2;
   } else if (controller_.phase() == DatumRecordController::Phase::starting) {
-    canvas.text(inside, kProgressRow, 0, "The unit is told ...");
+    canvas.text(inside, kProgressRow, 0, "Sending ...");
   } else if (busy) {
     draw_progress(canvas, inside, kProgressRow, "fetching the record", controller_.part(), controller_.seconds_left());
   } else {
     canvas.text(inside, kProgressRow, 0, fmt::format("Enter records axis {}.", axis));
   }
   canvas.paragraph(inside, row + 1, kDatumRecordExplained, Tone::faint);
-  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   asking_.draw(canvas, inside);
 }
 

@@ -2,8 +2,9 @@
 // Does not live here: recording (datum_record_controller.hpp), the graph (datum_view_screen.hpp).
 #pragma once
 
-#include "app/screens/utility/datum_record_controller.hpp"
+#include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/datum_record_controller.hpp"
 
 namespace ecs::app {
 

@@ -7,7 +7,7 @@
 namespace ecs::app {
 namespace {
 
-using Standing = DatumTestController::Standing;
+using TestState = DatumTestController::TestState;
 constexpr int kRowsRow = 2;
 constexpr int kCallRow = 7;
 constexpr const char* kDatumTestExplained =
@@ -16,27 +16,27 @@ constexpr const char* kDatumTestExplained =
     "parameters fails with the reason and what to do.";
 
 std::string word_for(const DatumTestController::AxisRow& row) {
-  switch (row.standing) {
-    case Standing::not_chosen:
+  switch (row.state) {
+    case TestState::not_chosen:
       return "not tested";
-    case Standing::chosen:
+    case TestState::chosen:
       return "to be tested";
-    case Standing::under_way:
+    case TestState::under_way:
       return std::string(ecs::name_of(row.stage)) + " ...";
-    case Standing::passed:
+    case TestState::passed:
       return "DATUM FOUND";
-    case Standing::failed:
+    case TestState::failed:
       return "FAILED";
-    case Standing::given_up:
+    case TestState::given_up:
       return "given up";
   }
   return {};
 }
 
-Tone tone_for(Standing standing) {
-  if (standing == Standing::passed) return Tone::good;
-  if (standing == Standing::failed) return Tone::bad;
-  return standing == Standing::under_way ? Tone::strong : Tone::plain;
+Tone tone_for(TestState state) {
+  if (state == TestState::passed) return Tone::good;
+  if (state == TestState::failed) return Tone::bad;
+  return state == TestState::under_way ? Tone::strong : Tone::plain;
 }
 
 }  // namespace
@@ -52,10 +52,10 @@ void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
     const auto* s = controller_.unit().axis(row.axis);
     const bool here = r - 1 == place_.selected && !controller_.busy();
     if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
-    const Tone tone = here ? Tone::selected : tone_for(row.standing);
+    const Tone tone = here ? Tone::selected : tone_for(row.state);
     canvas.text(area, r, 0,
                 fmt::format("{} [{}] {:<6} {:<18}", here || controller_.under_test() == row.axis ? ">" : " ",
-                            row.standing == Standing::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
+                            row.state == TestState::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
                 tone);
     if (s != nullptr)
       canvas.text(area, r, 32,
@@ -67,7 +67,7 @@ void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
 
 std::string DatumTestScreen::call() const {
   if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
-  if (!controller_.under_test()) return "The unit is told ...";
+  if (!controller_.under_test()) return "Sending ...";
   if (controller_.referencing())
     return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
   return controller_.emulator() ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.",
@@ -86,7 +86,7 @@ void DatumTestScreen::draw(Canvas& canvas, const Area& area) const {
     if (!axis.message.empty())
       row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
   if (row == kCallRow + 2) canvas.paragraph(inside, row, kDatumTestExplained, Tone::faint);
-  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   asking_.draw(canvas, inside);
 }
 

@@ -2,8 +2,9 @@
 // Does not live here: testing (datum_test_controller.hpp).
 #pragma once
 
-#include "app/screens/utility/datum_test_controller.hpp"
+#include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/datum_test_controller.hpp"
 
 namespace ecs::app {
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
+
 namespace ecs::app {
 namespace {
 
@@ -30,7 +32,7 @@ void DatumViewScreen::draw(Canvas& canvas, const Area& area) const {
   }
   const Area last{inside.row + inside.rows - kMessageRows, inside.column, kMessageRows, inside.columns};
   if (!controller_.message().text().empty())
-    controller_.message().draw(canvas, last);
+    draw_message(canvas, last, controller_.message());
   else if (controller_.busy())
     canvas.text(last, 0, 0, "The file is being read or written ...");
   prompt_.draw(canvas, inside, inside.rows - 1);
@@ -89,7 +91,7 @@ void DatumViewScreen::ask_save() {
       return;
     }
     asking_.ask(
-        {"Overwrite " + path + "?", "The file is there already; what it holds is lost.", "overwrite", "keep it"},
+        {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
         [this, path] { controller_.save(path); });
   });
 }
@@ -126,7 +128,7 @@ bool DatumViewScreen::on_record_key(const Key& key) {
   } else if (is_letter(key, U'a')) {
     controller_.align();
   } else if (is_letter(key, U'e')) {
-    controller_.export_picture();
+    controller_.export_picture(write_plot);
   } else {
     return false;
   }
@@ -205,7 +207,7 @@ std::string DatumViewScreen::help() const {
          "survives a crash: this screen offers it again.";
 }
 
-Place DatumViewScreen::cursor(const Area& area) const {
+CellPosition DatumViewScreen::cursor(const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
   return prompt_.cursor(inside, inside.rows - 1);
 }

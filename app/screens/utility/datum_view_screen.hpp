@@ -2,9 +2,9 @@
 // Does not live here: the records (datum_view_controller.hpp), the graph (datum_chart.hpp).
 #pragma once
 
-#include "app/screens/utility/datum_view_controller.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/datum_view_controller.hpp"
 
 namespace ecs::app {
 
@@ -21,7 +21,7 @@ class DatumViewScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override;
 
  private:

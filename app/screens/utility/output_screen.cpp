@@ -23,7 +23,7 @@ ListRow relay_row(const OutputController& controller) {
   const std::string um = um_text(now.um);
   if (!controller.unit().fresh)
     return {now.at_rest() ? std::string("RELAY NOT KNOWN  no answer: what the unit puts out is not known")
-                          : fmt::format("RELAY NOT KNOWN  no answer; axis {} was told {}, relay {}", axis, um,
+                          : fmt::format("RELAY NOT KNOWN  no answer; axis {} was sent {}, relay {}", axis, um,
                                         now.relay ? "closed" : "open"),
             Tone::bad};
   if (now.relay) return {fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um), Tone::bad};
@@ -63,10 +63,10 @@ void OutputScreen::draw(Canvas& canvas, const Area& area) const {
   if (prompt_.active())
     prompt_.draw(canvas, inside, kOutputPromptRow);
   else if (controller_.busy())
-    canvas.text(inside, kOutputPromptRow, 0, "The unit is told ...");
+    canvas.text(inside, kOutputPromptRow, 0, "Sending ...");
   canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kOutputPromptRow + 1,
                    proposal_.empty() ? kScaleExplained : proposal_, proposal_.empty() ? Tone::faint : Tone::strong);
-  controller_.message().draw(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns});
+  draw_message(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns}, controller_.message());
   asking_.draw(canvas, inside);
 }
 
@@ -166,12 +166,12 @@ std::string OutputScreen::help() const {
   return std::string(
              "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
              "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
-             "Esc switch everything off; a second Esc leaves. If the line is lost the unit opens its relays by itself "
+             "Esc switch everything off; a second Esc leaves. If the link is lost the unit opens its relays by itself "
              "after 60 s without a question. ") +
          kScaleExplained;
 }
 
-Place OutputScreen::cursor(const Area& area) const {
+CellPosition OutputScreen::cursor(const Area& area) const {
   return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kOutputPromptRow);
 }
 

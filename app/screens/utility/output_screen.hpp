@@ -2,8 +2,9 @@
 // Does not live here: what the unit is told (output_controller.hpp).
 #pragma once
 
-#include "app/screens/utility/output_controller.hpp"
+#include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/output_controller.hpp"
 
 namespace ecs::app {
 
@@ -18,7 +19,7 @@ class OutputScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   [[nodiscard]] Step leave();

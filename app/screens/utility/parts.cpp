@@ -10,78 +10,17 @@
 #include "core/fault.hpp"
 
 namespace ecs::app {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// Ages are shown in seconds, below one not at all.
-int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); }
-
-}  // namespace
-
-double seconds_since(std::chrono::steady_clock::time_point moment) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
-}
-
-bool UnitView::look(const UnitConnection& connection) {
-  const int age_before = shown_age(age_s);
-  const bool fresh_before = fresh;
-  const std::uint64_t now = connection.changes();
-  if (now != changes || !sample) {
-    standing = connection.standing();
-    const auto newest = connection.newest();
-    fresh = newest.has_value();
-    if (newest && standing.newest_at >= taken_at_) take(*newest, standing.newest_at);
-  }
-  age_s = sample ? seconds_since(taken_at_) : 0.0;
-  const bool changed = now != changes || fresh != fresh_before || shown_age(age_s) != age_before;
-  changes = now;
-  return changed;
-}
-
-void UnitView::take(const protocol::MonitorSample& seen) { take(seen, Clock::now()); }
-
-void UnitView::take(const protocol::MonitorSample& seen, Clock::time_point at) {
-  const bool was_away = standing.times_lost != times_lost_;  // a busy computer alone makes no unit late
-  if (sample && began_anew(*sample, seen, was_away ? at - taken_at_ : Clock::duration::zero())) ++restarts;
-  times_lost_ = standing.times_lost;
-  sample = seen;
-  fresh = true;
-  taken_at_ = at;
-  age_s = 0.0;
-}
-
-bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after, Clock::duration passed) {
-  const auto had_run_us = static_cast<double>(before.unit_time_us);
-  const auto now_us = static_cast<double>(after.unit_time_us);
-  const double passed_us = std::chrono::duration<double, std::micro>(passed).count();
-  return now_us < had_run_us || had_run_us + passed_us - now_us > had_run_us / 2.0;
-}
-
-std::vector<Axis> UnitView::axes() const {
-  std::vector<Axis> axes;
-  for (const Axis a : kAllAxes)
-    if (!standing.identity || standing.identity->axis_present[index_of(a)]) axes.push_back(a);
-  return axes;
-}
-
-const protocol::AxisSample* UnitView::axis(Axis which) const {
-  return sample && sample->axes[index_of(which)].present ? &sample->axes[index_of(which)] : nullptr;
-}
-
-std::string age_text(double age_s) { return age_s < 1.0 ? "" : fmt::format("seen {} s ago", shown_age(age_s)); }
-
 void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& unit) {
-  if (!unit.standing.problem.empty()) {
+  if (!unit.watched.problem.empty()) {
     const std::string age = unit.sample ? " (" + age_text(std::max(1.0, unit.age_s)) + ")" : "";
-    canvas.paragraph(area.below(row).top(2), 0, fmt::format("NO ANSWER{}: {}", age, unit.standing.problem), Tone::bad);
+    canvas.paragraph(area.below(row).top(2), 0, fmt::format("NO ANSWER{}: {}", age, unit.watched.problem), Tone::bad);
     return;
   }
   if (!unit.sample) {
-    canvas.text(area, row, 0, "Opening the line to the unit ...", Tone::warning);
+    canvas.text(area, row, 0, "Opening the link to the unit ...", Tone::warning);
     return;
   }
-  const std::string name = unit.standing.identity ? "unit " + unit.standing.identity->serial_number : "the unit";
+  const std::string name = unit.watched.identity ? "unit " + unit.watched.identity->serial_number : "the unit";
   const std::string mode = fmt::format("{}, {}", name, ecs::name_of(unit.sample->mode));
   if (unit.sample->fault == Fault::none)
     canvas.text(area, row, 0, mode, Tone::strong);
@@ -182,33 +121,15 @@ void Prompt::draw(Canvas& canvas, const Area& area, int row) const {
   }
 }
 
-Place Prompt::cursor(const Area& area, int row) const {
+CellPosition Prompt::cursor(const Area& area, int row) const {
   if (!active()) return {-1, -1};
   return {area.row + row, area.column + width_of(label_) + 1 + line_.cursor_column(columns(area))};
-}
-
-void say_failed(MessageLine& message, const Problem& problem, bool& given_up) {
-  const bool unit_knows = problem.message.find("could not be told") == std::string::npos;
-  if (given_up && unit_knows)
-    message.say("Given up.", Tone::warning);
-  else
-    message.say(problem);
-  given_up = false;
-}
-
-std::string file_name_now(const std::string& stem, const std::string& extension) {
-  return fmt::format("{}-{:%Y%m%d-%H%M%S}{}", stem, fmt::localtime(std::time(nullptr)), extension);
 }
 
 std::optional<int> axis_clicked(const Key& key, int first_row, int count) {
   const int k = key.row - first_row;
   if (key.name != Key::Name::mouse || k < 0 || k >= count) return std::nullopt;
   return k;
-}
-
-bool file_is_there(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
 }
 
 std::optional<Axis> axis_of_key(const Key& key) {

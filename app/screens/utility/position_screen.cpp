@@ -13,7 +13,7 @@ constexpr const char* kPositionExplained =
     "The unit adds up the counts of an axis's transducer. Here the number it shows for an axis is set to any value, "
     "and "
     "it counts on from there. Set an axis to 0, move it by a known distance and compare: a wrong sign is the wiring or "
-    "the sign of the position feedback scaling factor, a wrong length its size, a number that stands still the "
+    "the sign of the position feedback scaling factor, a wrong length its size, a number that does not change the "
     "transducer or its module. Nothing moves by this, and no axis becomes referenced.";
 
 }  // namespace
@@ -32,7 +32,7 @@ void PositionScreen::draw(Canvas& canvas, const Area& area) const {
     prompt_.draw(canvas, inside, kPositionPromptRow);
   else
     canvas.text(inside, kPositionPromptRow, 0,
-                controller_.busy() ? "The unit is told ..."
+                controller_.busy() ? "Sending ..."
                                    : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
   int row = kPositionPromptRow + 2;
   row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
@@ -41,7 +41,7 @@ void PositionScreen::draw(Canvas& canvas, const Area& area) const {
   for (auto it = done.rbegin(); it != done.rend() && row < inside.rows - 3; ++it)
     canvas.text(inside, row++, 2,
                 fmt::format("{}  {:>13.4f} mm, was {:.4f} mm", letter_of(it->axis), it->after_mm, it->before_mm));
-  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   asking_.draw(canvas, inside);
 }
 
@@ -90,7 +90,7 @@ std::string PositionScreen::help() const {
          "same amount, also if it has moved since.";
 }
 
-Place PositionScreen::cursor(const Area& area) const {
+CellPosition PositionScreen::cursor(const Area& area) const {
   return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kPositionPromptRow);
 }
 

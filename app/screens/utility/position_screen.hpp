@@ -2,8 +2,9 @@
 // Does not live here: the line (commissioning/link/unit_connection.hpp), what is set (position_controller.hpp).
 #pragma once
 
-#include "app/screens/utility/position_controller.hpp"
+#include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/position_controller.hpp"
 
 namespace ecs::app {
 
@@ -18,7 +19,7 @@ class PositionScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   [[nodiscard]] Axis chosen() const;

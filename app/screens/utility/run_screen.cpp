@@ -85,7 +85,7 @@ void RunScreen::draw(Canvas& canvas, const Area& area) const {
   draw_regions(canvas, inside.below(kRegionRow));
   const int result_row = kRegionRow + static_cast<int>(regions_.size()) + 1;
   draw_result(canvas, inside.below(result_row));
-  controller_.message().draw(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns});
+  draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
   asking_.draw(canvas, inside);
 }
 
@@ -150,7 +150,7 @@ std::string RunScreen::help() const {
          "takes an address.";
 }
 
-Place RunScreen::cursor(const Area& area) const {
+CellPosition RunScreen::cursor(const Area& area) const {
   if (!typing()) return {-1, -1};
   return {area.row + kFieldRow + place_,
           area.column + 1 + kFieldColumn + fields_[static_cast<std::size_t>(place_)].cursor_column(kFieldColumns)};

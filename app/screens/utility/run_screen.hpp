@@ -2,8 +2,9 @@
 // Does not live here: running (run_controller.hpp).
 #pragma once
 
-#include "app/screens/utility/run_controller.hpp"
+#include "app/screens/utility/parts.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/run_controller.hpp"
 
 namespace ecs::app {
 
@@ -18,7 +19,7 @@ class RunScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return in_field() && !asking_.active() && !controller_.busy(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   static constexpr int kFields = 3;

@@ -130,7 +130,7 @@ void StatusScreen::draw(Canvas& canvas, const Area& area) const {
   else if (controller_.message().text().empty() && controller_.file() == nullptr)
     canvas.paragraph(last, 0, controller_.lack(), Tone::bad);
   else
-    controller_.message().draw(canvas, last);
+    draw_message(canvas, last, controller_.message());
   prompt_.draw(canvas, inside, inside.rows - 1);
   asking_.draw(canvas, inside);
 }
@@ -145,7 +145,7 @@ void StatusScreen::ask_save() {
       controller_.save(path);
     else
       asking_.ask(
-          {"Overwrite " + path + "?", "The file is there already; what it holds is lost.", "overwrite", "keep it"},
+          {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
           [this, path] { controller_.save(path); });
   });
 }
@@ -218,7 +218,7 @@ std::string StatusScreen::help() const {
          "machine.";
 }
 
-Place StatusScreen::cursor(const Area& area) const {
+CellPosition StatusScreen::cursor(const Area& area) const {
   const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
   return prompt_.cursor(inside, inside.rows - 1);
 }

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "app/screens/utility/parts.hpp"
-#include "app/screens/utility/status_controller.hpp"
 #include "app/ui/screen.hpp"
+#include "commissioning/utility/status_controller.hpp"
 
 namespace ecs::app {
 
@@ -19,7 +19,7 @@ class StatusScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override { return controller_.advance(); }
   [[nodiscard]] bool typing() const override { return prompt_.active(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   enum class Page { state, pointers, axes, memory };

@@ -118,7 +118,7 @@ void LiveScreen::draw(Canvas& canvas, const Area& area) const {
   }
 }
 
-Place LiveScreen::cursor(const Area& area) const {
+CellPosition LiveScreen::cursor(const Area& area) const {
   if (answer_) return {-1, -1};
   const int columns = area.columns - 2;
   const int rows = std::max<int>(1, static_cast<int>(wrapped(next(), columns).size()));
@@ -171,7 +171,8 @@ std::vector<KeyHelp> LiveScreen::keys() const {
 
 std::string LiveScreen::help() const {
   return "The verb `ecs " + name_ +
-         "` as it runs. What comes next stands in the upper row, what it said below, the newest first. Type a value, "
+         "` as it runs. The upper row says what comes next, the rows below what it said, the newest first. Type a "
+         "value, "
          "or a "
          "command (u takes the last reading back, s skips a target, q leaves), and press Enter; an empty line is a "
          "trigger "

@@ -30,7 +30,7 @@ class LiveScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return job_.running(); }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   struct Wire;

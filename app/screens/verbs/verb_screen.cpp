@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/verbs/registry.hpp"
 #include "app/screens/verbs/live_screen.hpp"
+#include "app/verbs/registry.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/event_log.hpp"
@@ -129,7 +129,7 @@ void VerbScreen::draw(Canvas& canvas, const Area& area) const {
   draw_answer(canvas, {area.row + row, area.column, area.rows - row, area.columns});  // answers have 80 columns
 }
 
-Place VerbScreen::cursor(const Area& area) const {
+CellPosition VerbScreen::cursor(const Area& area) const {
   if (reading_ || values_.empty()) return {-1, -1};
   const int names = name_columns();
   const int heading = static_cast<int>(wrapped(verb_.help, area.columns - 2).size());

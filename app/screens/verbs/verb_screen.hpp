@@ -27,7 +27,7 @@ class VerbScreen final : public Screen {
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
   [[nodiscard]] bool typing() const override { return !reading_; }
-  [[nodiscard]] Place cursor(const Area& area) const override;
+  [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
   struct Answer {

@@ -80,9 +80,9 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   auto written = write_all(*made, arguments.output, folder, work->inputs);
   if (!written) return tl::unexpected(written.error());
   if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, format);
-  const ExportReport told{std::string(format.title),       *work, *made, *residuals, std::move(*written),
-                          folder ? "-o FOLDER" : "-o FILE"};
-  return Outcome{export_text(told), one_line(json_of(told)), kDone};
+  const ExportReport report{std::string(format.title),       *work, *made, *residuals, std::move(*written),
+                            folder ? "-o FOLDER" : "-o FILE"};
+  return Outcome{export_text(report), one_line(json_of(report)), kDone};
 }
 
 struct WriteArguments : ExportArguments {

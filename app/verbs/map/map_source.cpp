@@ -6,7 +6,7 @@
 namespace ecs::app {
 
 Result<FoundMap> map_in(VerbContext& context, UnitLink& unit) {
-  auto found = map_in(unit.client(), progress_bar(context, "map"));
+  auto found = commissioning::map_in(unit.client(), progress_bar(context, "map"));
   context.console.end_progress();
   return found;
 }

@@ -5,7 +5,7 @@
 
 #include "tests/support/unit_model.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 Result<int> work_on(UnitConnection& connection, int& done) {
@@ -23,14 +23,14 @@ TEST_CASE("another unit on the same link is reported before anything is done, an
   UnitConnection connection(protocol::to_text(shop.address()));
   int done = 0;
   REQUIRE(work_on(connection, done));
-  CHECK(connection.standing().identity->serial_number == "ECS-0042");
+  CHECK(connection.snapshot().identity->serial_number == "ECS-0042");
   shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.serial_number = "OTHER-9"; });
   const auto refused = work_on(connection, done);
   REQUIRE(!refused);
   CHECK(refused.error().kind == ProblemKind::refused);
   CHECK(refused.error().message.find("OTHER-9 in place of ECS-0042") != std::string::npos);
   CHECK(done == 1);
-  CHECK(connection.standing().identity->serial_number == "OTHER-9");
+  CHECK(connection.snapshot().identity->serial_number == "OTHER-9");
   CHECK(work_on(connection, done));
   CHECK(done == 2);
 }
@@ -57,4 +57,4 @@ TEST_CASE("cancelled work ends soon, and the link serves the next") {
   CHECK(work_on(connection, done));
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

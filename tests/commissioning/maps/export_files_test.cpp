@@ -11,7 +11,7 @@
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/output_files.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 TEST_CASE("several files are written together, and each says whether it replaced one") {
@@ -94,4 +94,4 @@ TEST_CASE("in a folder that may not be written, nothing is changed") {
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

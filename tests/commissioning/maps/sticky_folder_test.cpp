@@ -8,7 +8,7 @@
 #include "tests/support/output_files.hpp"
 #include "tests/support/test.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 TEST_CASE("a file of another user in a sticky folder fails in the middle, and the files before it are restored") {
@@ -24,7 +24,7 @@ TEST_CASE("a file of another user in a sticky folder fails in the middle, and th
     REQUIRE_FALSE(written);
     CHECK(written.error().file == folder / "z.comp");
     CHECK(written.error().message ==
-          "cannot write: Operation not permitted; the files before it were taken back: everything stands as it was");
+          "cannot write: Operation not permitted; the files before it were restored: nothing has changed");
   }
   CHECK(content_of(folder / "x.comp") == "old x");
   CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
@@ -33,4 +33,4 @@ TEST_CASE("a file of another user in a sticky folder fails in the middle, and th
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -8,7 +8,7 @@
 #include "laser/map/image.hpp"
 #include "tests/support/unit_model.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 std::vector<std::uint8_t> image_with(std::size_t values, std::uint8_t modules, const std::string& serial_number = {}) {
@@ -81,4 +81,4 @@ TEST_CASE("parameters without a serial number are for any unit, others for their
 }
 
 }  // namespace
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

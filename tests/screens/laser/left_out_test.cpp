@@ -11,7 +11,7 @@ PlotPanel three_points() {
   return {"t", "X [mm]", "error [um]", {{"runs", Mark::forward_reading, {{0, 0}, {100, 10}, {200, 4}}}}};
 }
 
-Place place_of(const Canvas& canvas, char32_t sign) {
+CellPosition place_of(const Canvas& canvas, char32_t sign) {
   for (int r = 1; r < canvas.rows() - 3; ++r)
     for (int c = 9; c < canvas.columns(); ++c)
       if (canvas.at(r, c).glyph == sign) return {r, c};
@@ -33,8 +33,8 @@ TEST_CASE("a reading left out is an x in the cell where a chart puts it") {
       PlotPanel with = three_points();
       with.series.push_back({"", Mark::reading, {p}});
       draw_chart(counted, counted.whole(), with, left_out_seen(three_points(), {p}, {}).view);
-      const Place x = place_of(left_out, U'x');
-      const Place o = place_of(counted, glyphs == Glyphs::ascii ? U'o' : U'○');
+      const CellPosition x = place_of(left_out, U'x');
+      const CellPosition o = place_of(counted, glyphs == Glyphs::ascii ? U'o' : U'○');
       CAPTURE(p.x);
       CHECK(x.row == o.row);
       CHECK(x.column == o.column);

@@ -110,7 +110,7 @@ TEST_CASE("without a unit everything up to the file works, and sending says why 
   REQUIRE(driver.shows("saved, but not sent: "));
   CHECK(std::filesystem::exists(folder.path / "map.csv"));
   CHECK(driver.controller().unsaved().empty());
-  CHECK(driver.seen().find("no line to a unit") != std::string::npos);
+  CHECK(driver.seen().find("no link to a unit") != std::string::npos);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST_CASE(
   CHECK(changed_since(then, now) == "it was restarted");
   now = then;
   now.opened_at += std::chrono::seconds(5);
-  CHECK(changed_since(then, now) == "the line to it was opened again");
+  CHECK(changed_since(then, now) == "the link to it was opened again");
 }
 
 TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {

@@ -1,10 +1,10 @@
 // What the memory screen is made of: bytes that are known, patterns, differences.
 #include <doctest/doctest.h>
 
-#include "app/screens/memory/differences.hpp"
-#include "app/screens/memory/pattern.hpp"
 #include "app/screens/memory/picture.hpp"
-#include "app/screens/memory/write.hpp"
+#include "commissioning/memory/differences.hpp"
+#include "commissioning/memory/pattern.hpp"
+#include "commissioning/memory/write.hpp"
 
 namespace ecs::app {
 namespace {

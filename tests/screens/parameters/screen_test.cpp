@@ -126,19 +126,19 @@ TEST_CASE("the cross-check follows every edit; a finding leads to its field, and
   ParametersScreen screen(no_link());
   open_file(screen, one);
   type(screen, "4");
-  CHECK(reads(picture(screen), "Nothing stands against these parameters"));
+  CHECK(reads(picture(screen), "No findings for these parameters"));
   find(screen, "X.deadband");
   edit(screen, "0.5");
   CHECK(reads(picture(screen), "! error: 0.5 um is less than one position count"));
   type(screen, "t");
   std::string text = picture(screen);
   CHECK(reads(text, "[4 Findings 1]"));
-  CHECK(reads(text, "not sent: an error stands"));
+  CHECK(reads(text, "not sent: there is an error"));
   CHECK(reads(text, "X deadband"));
   (void)press(screen, Key::Name::enter);
   CHECK(reads(picture(screen), "axis.X.deadband_um"));
   type(screen, "u4");
-  CHECK(reads(picture(screen), "Nothing stands against these parameters"));
+  CHECK(reads(picture(screen), "No findings for these parameters"));
 }
 
 TEST_CASE("a machine file adds what it knows to the cross-check, and m with nothing takes it away") {
@@ -341,7 +341,7 @@ TEST_CASE("sending without a link says why and loses nothing") {
   find(screen, "deadband");
   edit(screen, "7.5");
   type(screen, "t");
-  CHECK(shows(screen, "everything here stays as it is"));
+  CHECK(shows(screen, "Nothing was changed here"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK_FALSE(screen.unsaved().empty());
   CHECK(draft_of("parameters"));

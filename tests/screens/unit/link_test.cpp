@@ -95,7 +95,7 @@ TEST_CASE("the bundled emulator answers, the doctor says how well, and the stati
   CHECK(contains(picture(one.screen), "20 of 20 reads answered"));
   CHECK(contains(picture(one.screen), "the link works"));
   type(one.screen, "3");
-  REQUIRE(shows(one.screen, "a clean line"));
+  REQUIRE(shows(one.screen, "a clean link"));
   type(one.screen, "s");
   CHECK(stored_link().value().value().starts_with("emulator"));
 }
@@ -122,7 +122,7 @@ TEST_CASE("a link that returns what is sent is called an echo") {
   const BadLine echo("");
   LinkCase one("rtu:" + echo.device + ":9600");
   one.try_it();
-  CHECK(contains(picture(one.screen), "PROBLEM  echo: the line gives back what is sent"));
+  CHECK(contains(picture(one.screen), "PROBLEM  echo: the link returns what is sent"));
 }
 
 TEST_CASE("the right speed is found and offered where another was set") {
@@ -171,7 +171,7 @@ TEST_CASE("the link screen reports a killed emulator and its return") {
   LinkCase one("emulator");
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   REQUIRE(kill_emulators() == 1);
-  REQUIRE(until(one.screen, [&] { return one.unit->standing().times_lost > 0; }));
+  REQUIRE(until(one.screen, [&] { return one.unit->snapshot().times_lost > 0; }));
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   type(one.screen, "3");
   REQUIRE(shows(one.screen, "was opened again"));
@@ -212,9 +212,9 @@ TEST_CASE("the statistics say in plain words what high numbers mean") {
   unit.open = true;
   unit.statistics.requests = 1000;
   unit.statistics.replies = 1000;
-  CHECK(contains(judgement(unit).meaning, "a clean line"));
+  CHECK(contains(judgement(unit).meaning, "a clean link"));
   unit.statistics.retries = 2;
-  CHECK(contains(judgement(unit).meaning, "a good line"));
+  CHECK(contains(judgement(unit).meaning, "a good link"));
   unit.statistics.timeouts = 20;
   CHECK(contains(judgement(unit).meaning, "plugs and cable"));
   unit.statistics.stale_replies = 20;

@@ -67,12 +67,12 @@ TEST_CASE("with the emulator killed the log continues, and the unit returns") {
   const StateFolder one;
   const auto unit = std::make_shared<UnitConnection>("emulator");
   LogScreen screen;
-  REQUIRE(until(screen, [&] { return unit->standing().open; }));
+  REQUIRE(until(screen, [&] { return unit->snapshot().open; }));
   REQUIRE(kill_emulators() == 1);
-  REQUIRE(until(screen, [&] { return unit->standing().times_lost > 0; }));
+  REQUIRE(until(screen, [&] { return unit->snapshot().times_lost > 0; }));
   log_event(Tone::bad, "told while the unit was away");
   REQUIRE(shows(screen, "told while the unit was away"));
-  REQUIRE(until(screen, [&] { return unit->standing().open; }));
+  REQUIRE(until(screen, [&] { return unit->snapshot().open; }));
 }
 
 TEST_CASE("the log fits any size") {

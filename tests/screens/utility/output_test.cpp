@@ -146,7 +146,7 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   REQUIRE(shows(screen, "RELAY CLOSED"));
   bench.wait_until_it_ran(std::chrono::seconds(1));
   CHECK(kill_emulators() == 1);
-  REQUIRE(shows(screen, "The line is lost"));
+  REQUIRE(shows(screen, "The link is lost"));
   REQUIRE(shows(screen, "The unit was restarted: every output is 0"));
   REQUIRE(shows(screen, "RELAY OPEN"));
   (void)letter(screen, '+');

@@ -1,0 +1,323 @@
+#include "commissioning/laser_session/controller.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr const char* kDraft = "laser";
+
+/// A folder for this controller; those of programs that are gone are cleared away.
+std::filesystem::path new_work_folder() {
+  static int count = 0;
+  const auto state = state_folder();
+  const auto parent = (state ? *state : std::filesystem::temp_directory_path()) / "laser-work";
+  std::error_code error;
+  for (const auto& folder : std::filesystem::directory_iterator(parent, error)) {
+    const std::string name = folder.path().filename().string();
+    const auto pid = integer_in(name.substr(0, name.find('-')));
+    if (pid && *pid > 0 && ::kill(static_cast<pid_t>(*pid), 0) != 0 && errno == ESRCH)
+      std::filesystem::remove_all(folder.path(), error);
+  }
+  return parent / fmt::format("{}-{}", ::getpid(), ++count);
+}
+
+/// As the time of a draft: "2026-05-04 14:05".
+std::string written_at(const std::string& file) {
+  struct stat facts {};
+  if (::stat(file.c_str(), &facts) != 0) return {};
+  return fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(facts.st_mtime));
+}
+
+LaserMark done_unless(bool doubtful) { return doubtful ? LaserMark::doubtful : LaserMark::done; }
+
+}  // namespace
+
+struct LaserController::WorkFolder {
+  std::filesystem::path path = new_work_folder();
+  ~WorkFolder() {
+    std::error_code error;
+    std::filesystem::remove_all(path, error);
+  }
+};
+
+LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
+    : unit_(std::move(unit)),
+      folder_(std::make_unique<WorkFolder>()),
+      offered_(draft_of(kDraft)),
+      work_(std::make_shared<const LaserWork>()) {
+  if (offered_ && !choices_in(offered_->text)) offered_.reset();
+}
+
+LaserController::~LaserController() {
+  job_.cancel();
+  look_.cancel();
+  working_out_.cancel();
+}
+
+// --- choices --------------------------------------------------------------------------------------------------------
+
+void LaserController::change(const std::string& what, const std::function<void(LaserChoices&)>& how) {
+  LaserChoices next = choices_;
+  how(next);
+  if (next == choices_) return;
+  past_.emplace_back(what, choices_);
+  if (past_.size() > 200) past_.erase(past_.begin());
+  future_.clear();
+  choices_ = std::move(next);
+  keep();
+  work_out(false);
+}
+
+void LaserController::undo() {
+  if (past_.empty()) {
+    message_.say("nothing to undo", Tone::warning);
+    return;
+  }
+  message_.say("taken back: " + past_.back().first);
+  step_over(past_, future_);
+}
+
+void LaserController::redo() {
+  if (future_.empty()) {
+    message_.say("nothing to do again", Tone::warning);
+    return;
+  }
+  message_.say("done again: " + future_.back().first);
+  step_over(future_, past_);
+}
+
+/// The newest of `from` becomes what is chosen, what was chosen goes onto `to`.
+void LaserController::step_over(History& from, History& to) {
+  to.emplace_back(from.back().first, std::move(choices_));
+  choices_ = std::move(from.back().second);
+  from.pop_back();
+  keep();
+  work_out(false);
+}
+
+void LaserController::keep() {
+  changed_ = true;
+  ready_.reset();
+  if (const auto kept = keep_draft(kDraft, choices_text(choices_)); !kept) message_.say(kept.error());
+}
+
+void LaserController::take_up_offered() {
+  if (!offered_) return;
+  choices_ = choices_in(offered_->text).value_or(LaserChoices{});
+  message_.say("taken up: work of " + offered_->kept);
+  warn_of_newer_files(offered_->kept);
+  offered_.reset();
+  changed_ = true;
+  work_out(false);
+}
+
+void LaserController::drop_offered() {
+  offered_.reset();
+  drop_draft(kDraft);
+}
+
+/// Single readings are known by their place in the file: a file written anew may hold others there.
+void LaserController::warn_of_newer_files(const std::string& than) {
+  for (const auto& [key, line] : choices_.lines) {
+    if (line.readings.empty()) continue;
+    for (const LaserFileChoice& file : choices_.files)
+      if (written_at(file.path) > than) {
+        message_.say(fmt::format("{} was written after readings were left out: look at step 3 again", file.path),
+                     Tone::warning);
+        return;
+      }
+  }
+}
+
+void LaserController::read_again() {
+  for (const LaserFile& file : work_->files)
+    if (file.stamp != stamp_of(file.choice.path)) {
+      warn_of_newer_files("");
+      break;
+    }
+  work_out(false);
+}
+
+void LaserController::work_out(bool with_map) {
+  if (working_out_.running()) {
+    pending_ = true;
+    working_out_.cancel();
+    return;
+  }
+  pending_ = false;
+  map_pending_ = !with_map;
+  working_out_.start([choices = choices_, before = work_, folder = folder_->path, with_map](JobControl& control) {
+    return worked_out(choices, before, folder, with_map, control);
+  });
+}
+
+// --- how the steps stand --------------------------------------------------------------------------------------------
+
+LaserMark LaserController::mark(LaserStep step) const {
+  const LaserWork& w = *work_;
+  const auto any_line = [&](auto&& is) { return std::any_of(w.lines.begin(), w.lines.end(), is); };
+  switch (step) {
+    case LaserStep::files:
+      if (w.files.empty()) return LaserMark::open;
+      return done_unless(std::any_of(w.files.begin(), w.files.end(), [](const LaserFile& f) { return !f.set; }));
+    case LaserStep::lines:
+      if (w.lines.empty()) return LaserMark::open;
+      return done_unless(any_line([](const LaserLine& line) {
+        return line.group.compensated.value_or(false) || !line.summary.forward || !line.summary.reverse ||
+               !line.place_unknown.empty();
+      }));
+    case LaserStep::leave_out: {
+      if (w.lines.empty()) return LaserMark::open;
+      bool doubtful = false;
+      for (std::size_t k = 0; k < w.lines.size(); ++k) {
+        const LaserLineResult& result = *w.results[k];
+        doubtful = doubtful || !result.problem.empty();
+        for (const std::size_t i : w.lines[k].suspects)
+          doubtful = doubtful || !left_out(result.choice, *w.lines[k].set, i);
+      }
+      return done_unless(doubtful);
+    }
+    case LaserStep::curves:
+      if (w.curves.empty()) return LaserMark::open;
+      return done_unless(std::any_of(w.curves.begin(), w.curves.end(), [](const LaserCurve& c) {
+        return !c.problem.empty() || (c.smoothed && c.smoothed->taken == laser::Taken::signal);
+      }));
+    case LaserStep::iso:
+      if (w.results.empty()) return LaserMark::open;
+      return done_unless(std::any_of(w.results.begin(), w.results.end(),
+                                     [](const auto& result) { return !result->iso || !result->iso->notes.empty(); }));
+    case LaserStep::map:
+      if (!w.map.parameters && w.map.parameters_problem.empty()) return LaserMark::open;
+      return done_unless(!w.map.complete() || !w.map.findings.empty());
+    case LaserStep::header: {
+      if (!w.map.built) return LaserMark::open;
+      const laser::MapHeader& h = w.map.built->map.header;
+      return done_unless(h.customer.empty() || h.engineer.empty() || h.date.empty() || h.machine.empty() ||
+                         h.serial_number.empty());
+    }
+    case LaserStep::send:
+      if (sent_is_current()) return LaserMark::done;
+      return sent_ || failed_ || saved() ? LaserMark::doubtful : LaserMark::open;
+    case LaserStep::verify:
+      if (!verdict_) return LaserMark::open;
+      return done_unless(!verified());
+  }
+  return LaserMark::open;
+}
+
+std::string LaserController::unsaved() const {
+  if (!changed_ || choices_ == LaserChoices{}) return {};
+  return "PROCESS LASER DATA: the map with these choices is not saved (they are kept and offered again)";
+}
+
+// --- disc and unit --------------------------------------------------------------------------------------------------
+
+bool LaserController::would_overwrite() const {
+  std::error_code error;
+  const MapFiles files = files_of_map(choices_.map_file);
+  const auto there = [&](const std::filesystem::path& file) { return std::filesystem::exists(file, error); };
+  return saved_file_ != choices_.map_file && (there(files.map) || there(files.parameters) || there(files.recipe));
+}
+
+bool LaserController::idle() {
+  if (!job_.running()) return true;
+  message_.say(fmt::format("{}: wait, or Esc stops it", busy_with_), Tone::warning);
+  return false;
+}
+
+void LaserController::start(Doing doing, const std::string& label, Piece piece) {
+  busy_with_ = label;
+  seen_ = std::make_shared<SendProgress>();
+  part_shown_ = -1.0;
+  job_.start([doing, seen = seen_, piece = std::move(piece)](JobControl& control) {
+    Done done;
+    done.doing = doing;
+    piece(control, *seen, done);
+    return done;
+  });
+}
+
+bool LaserController::can_save() {
+  if (!idle()) return false;
+  if (working() || !work_->map_current)
+    message_.say("The map is still being computed. Try again in a moment.", Tone::warning);
+  else if (!work_->map.built)
+    message_.say("there is no map to save yet: step 6 says what is missing", Tone::bad);
+  else if (choices_.map_file.empty())
+    message_.say("the map needs the name of a file", Tone::bad);
+  else
+    return true;
+  return false;
+}
+
+void LaserController::save() {
+  if (!can_save()) return;
+  start(Doing::saving, "saving",
+        [work = work_, choices = choices_, folder = folder_->path](JobControl&, SendProgress&, Done& done) {
+          const auto files = save_laser_map(work->map, choices, folder);
+          done.csv = work->map.csv;
+          if (files)
+            done.files = *files;
+          else
+            done.problem = files.error();
+        });
+}
+
+void LaserController::prepare() {
+  if (!can_save()) return;
+  ready_.reset();
+  start(Doing::preparing, "saving and checking",
+        [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobControl& control, SendProgress&,
+                                                                                 Done& done) {
+          const auto files = save_laser_map(work->map, choices, folder);
+          if (!files) {
+            done.problem = files.error();
+            return;
+          }
+          done.files = *files;
+          done.csv = work->map.csv;
+          auto ready = ready_map(*unit, control, *files);
+          if (ready)
+            done.ready = std::move(*ready);
+          else
+            done.problem = ready.error();
+        });
+}
+
+void LaserController::send() {
+  if (!idle() || !ready_) return;
+  failed_.reset();
+  after_failure_.clear();
+  forget_verdict();
+  start(Doing::sending, "sending the map",
+        [ready = *ready_, unit = unit_](JobControl& control, SendProgress& seen, Done& done) {
+          done.ready = ready;
+          auto sent = sent_map(*unit, control, ready, seen);
+          if (sent)
+            done.sent = std::move(*sent);
+          else
+            done.problem = sent.error();
+        });
+}
+
+void LaserController::receive_parameters(const std::string& file) {
+  if (!idle()) return;
+  start(Doing::receiving, "receiving the parameters",
+        [file, unit = unit_](JobControl& control, SendProgress&, Done& done) {
+          done.params_file = file;
+          if (const auto got = receive_parameters_into(*unit, control, file); !got) done.problem = got.error();
+        });
+}
+
+}  // namespace ecs::commissioning

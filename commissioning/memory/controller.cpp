@@ -1,0 +1,319 @@
+#include "commissioning/memory/controller.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "commissioning/memory/fields.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kBeforeNextRead = 1s;
+constexpr std::uint32_t kPagesSeen = 2;   ///< in one piece of work, so that a cancel and a jump are soon felt
+constexpr std::uint32_t kPagesLong = 16;  ///< the same for long reading
+
+std::string name_of_file(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+}  // namespace
+
+std::string MemoryController::compared_file() const { return name_of_file(other_file_); }
+
+MemoryController::MemoryController(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {}
+
+std::string MemoryController::source() const {
+  if (is_file()) return fmt::format("file {}{}", name_of_file(file_), file_detail_);
+  if (serial_number_.empty()) return "unit: none has answered yet";
+  return fmt::format("unit {}", serial_number_);
+}
+
+bool MemoryController::advance(const Stretch& shown) {
+  bool changed = !working_on().empty();
+  if (auto landing = job_.take()) {
+    if (!waiting_) label_.clear();
+    (*landing)(*this);
+    changed = true;
+  }
+  changed = follow_unit() || changed;
+  if (search_) step_search();
+  if (job_.running()) return changed;
+  if (waiting_) {
+    job_.start(std::move(*waiting_));
+    waiting_.reset();
+  } else {
+    start_needed(shown);
+  }
+  return changed;
+}
+
+bool MemoryController::follow_unit() {
+  if (is_file()) return false;
+  const WatchedUnit now = unit_->snapshot();
+  if (!now.open) {
+    if (now.problem.empty() || now.lent || read_failed_) return false;
+    message_.say(now.problem, Tone::bad);
+    return read_failed_ = true;
+  }
+  if (!now.identity || now.opened_at == opened_at_) return false;
+  const std::string& serial = now.identity->serial_number;
+  const bool same = serial == serial_number_ && !memory_.regions().empty();
+  opened_at_ = now.opened_at;
+  if (same) {
+    memory_.forget();
+    message_.say("the link was opened again: memory is read again", Tone::warning);
+    read_failed_ = false;
+    return true;
+  }
+  memory_ = MemoryBytes::of_unit(now.identity->memory_modules);
+  names_ = {};
+  serial_number_ = serial;
+  if (written_in_ != serial) written_.clear();
+  if (read_failed_) message_.clear();
+  read_failed_ = false;
+  go(cursor_);
+  return true;
+}
+
+// --- where
+void MemoryController::go(Address address) {
+  if (memory_.regions().empty()) {
+    cursor_ = address;
+    return;
+  }
+  const MemoryRegion* nearest = &memory_.regions().front();
+  for (const MemoryRegion& region : memory_.regions())
+    if (region.first <= address) nearest = &region;
+  cursor_ = std::clamp(address, nearest->first, nearest->last());
+}
+
+void MemoryController::move(long long bytes) {
+  const MemoryRegion* region = memory_.region_of(cursor_);
+  if (region == nullptr) return;
+  const long long to = static_cast<long long>(cursor_) + bytes;
+  const MemoryRegion* next = nullptr;
+  for (const MemoryRegion& other : memory_.regions()) {
+    if (bytes > 0 && other.first > region->last() && (next == nullptr || other.first < next->first)) next = &other;
+    if (bytes < 0 && other.last() < region->first && (next == nullptr || other.first > next->first)) next = &other;
+  }
+  const bool beyond = to < region->first || to > region->last();
+  const bool at_edge = cursor_ == (bytes > 0 ? region->last() : region->first);
+  if (beyond && next != nullptr && (at_edge || std::abs(bytes) <= 32))
+    cursor_ = bytes > 0 ? next->first : next->last();
+  else
+    cursor_ = static_cast<Address>(std::clamp<long long>(to, region->first, region->last()));
+}
+
+// --- reading
+Stretch MemoryController::needed(const Stretch& shown) const {
+  const auto unread = [this](Address first, std::uint32_t bytes, std::uint32_t pages) {
+    return memory_.unread(first, first + bytes, pages);
+  };
+  if (const Stretch seen = unread(shown.first, shown.bytes, kPagesSeen); seen.bytes > 0) return seen;
+  for (const Stretch& part : MemoryNames::structure(memory_))
+    if (const Stretch names = unread(part.first, part.bytes, kPagesSeen); names.bytes > 0) return names;
+  if (search_)
+    if (const MemoryRegion* region = memory_.region_of(search_->at))
+      if (const Stretch path = memory_.unread(search_->at, region->last() + 1, kPagesLong); path.bytes > 0) return path;
+  if (filling_)
+    if (const MemoryRegion* region = memory_.region_of(*filling_))
+      if (const Stretch rest = unread(region->first, region->size, kPagesLong); rest.bytes > 0) return rest;
+  return unread(shown.first + shown.bytes, kPageBytes, 1);
+}
+
+void MemoryController::start_needed(const Stretch& shown) {
+  if (is_file() || is_empty() || Clock::now() < not_before_) return;
+  if (const WatchedUnit now = unit_->snapshot(); !now.open) return;
+  const Stretch stretch = needed(shown);
+  if (stretch.bytes > 0) read(stretch);
+  if (stretch.bytes == 0 && filling_) filling_.reset();
+}
+
+void MemoryController::read(const Stretch& stretch) {
+  job_.start([unit = unit_, stretch](JobControl& control) -> Landing {
+    const auto bytes =
+        unit->on_line(control, [&](UnitLink& line) { return line.client().read_memory(stretch.first, stretch.bytes); });
+    if (control.cancelled) return [](MemoryController&) {};
+    return [stretch, bytes](MemoryController& controller) { controller.landed(stretch, bytes); };
+  });
+}
+
+void MemoryController::landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes) {
+  if (is_file()) return;
+  if (!bytes) {
+    not_before_ = Clock::now() + kBeforeNextRead;
+    message_.say(bytes.error());
+    read_failed_ = true;
+    return;
+  }
+  if (read_failed_) message_.clear();
+  read_failed_ = false;
+  const auto structure = MemoryNames::structure(memory_);
+  memory_.put(stretch.first, *bytes);
+  const bool names = std::any_of(structure.begin(), structure.end(), [&](const Stretch& part) {
+    return stretch.first < part.first + part.bytes && part.first < stretch.first + stretch.bytes;
+  });
+  if (const MemoryRegion* region = memory_.region_of(stretch.first)) {
+    const bool whole = memory_.part_known(*region) >= 1.0;
+    if (names || whole) decode_again();
+    if (whole && filling_ == region->first) {
+      filling_.reset();
+      message_.say(fmt::format("{} read: {} bytes", region->name, region->size));
+    }
+  }
+  compare_again();
+}
+
+void MemoryController::decode_again() { names_ = MemoryNames(memory_); }
+
+void MemoryController::read_again(const Stretch& shown) {
+  if (is_file()) return message_.say("this is a file: it does not change", Tone::warning);
+  if (job_.running()) return message_.say("still reading", Tone::warning);
+  if (is_empty() || !memory_.region_of(shown.first)) return;
+  const Address from = memory_.region_of(shown.first)->first;
+  const std::uint32_t page = (shown.first - from) / kPageBytes;
+  const MemoryRegion& region = *memory_.region_of(shown.first);
+  const std::uint32_t end = std::min(region.size, ((shown.first - from + shown.bytes) / kPageBytes + 1) * kPageBytes);
+  read({from + page * kPageBytes, end - page * kPageBytes});
+  message_.say("read again");
+}
+
+void MemoryController::read_region() {
+  const MemoryRegion* region = memory_.region_of(cursor_);
+  if (region == nullptr) return;
+  if (memory_.part_known(*region) >= 1.0)
+    return message_.say(fmt::format("{} is read whole already", region->name), Tone::warning);
+  filling_ = region->first;
+  part_begun_ = memory_.part_known(*region);
+  begun_ = Clock::now();
+}
+
+// --- finding
+void MemoryController::seek(const std::string& typed) {
+  const auto pattern = pattern_in(typed);
+  if (!pattern) return message_.say(pattern.error());
+  sought_ = typed;
+  search_ = Search{*pattern, typed, cursor_, cursor_};
+  begun_ = Clock::now();
+  step_search();
+}
+
+void MemoryController::seek_on() {
+  if (sought_.empty()) return message_.say("nothing was sought yet: / begins", Tone::warning);
+  const MemoryRegion* region = memory_.region_of(cursor_);
+  const auto pattern = pattern_in(sought_);
+  if (region == nullptr || !pattern) return;
+  const Address from = std::min(cursor_ + 1, region->last());
+  search_ = Search{*pattern, sought_, from, from};
+  begun_ = Clock::now();
+  step_search();
+}
+
+void MemoryController::step_search() {
+  const SearchStep step = find_pattern(memory_, search_->pattern, search_->from);
+  if (step.kind == SearchStep::Kind::unread) {
+    search_->at = step.address;
+    return;
+  }
+  const MemoryRegion* region = memory_.region_of(search_->from);
+  if (step.kind == SearchStep::Kind::found) {
+    go(step.address);
+    message_.say(fmt::format("{} found at {}; m finds the next", search_->typed, hex_address(step.address)));
+  } else {
+    message_.say(fmt::format("{} is not in {} from {} to its end; g goes to another region", search_->typed,
+                             region == nullptr ? std::string("memory") : region->name, hex_address(search_->from)),
+                 Tone::warning);
+  }
+  search_.reset();
+}
+
+// --- comparing
+void MemoryController::compare_again() {
+  differences_ = other_ ? difference_rows(memory_, names_, *other_, other_names_) : std::vector<DifferenceRow>();
+}
+
+void MemoryController::compare_with(const std::string& path) {
+  begin("reading " + path, [path](JobControl&) -> Landing {
+    const auto dump = read_dump(path);
+    return [path, dump](MemoryController& controller) {
+      if (!dump) return controller.message_.say(dump.error());
+      controller.other_ = MemoryBytes::of_dump(*dump);
+      controller.other_names_ = MemoryNames(*controller.other_);
+      controller.other_file_ = path;
+      controller.compare_again();
+      controller.message_.say(controller.differences_.empty()
+                                  ? fmt::format("no difference to {} in what is read", path)
+                                  : fmt::format("compared with {}: d goes to the next difference, 2 "
+                                                "lists them",
+                                                path));
+      for (const std::string& damage : dump->damage) controller.message_.say(damage, Tone::bad);
+    };
+  });
+}
+
+void MemoryController::end_comparison() {
+  other_.reset();
+  compare_again();
+}
+
+void MemoryController::to_next_difference() {
+  if (!other_) return message_.say("nothing is compared yet: c names a file", Tone::warning);
+  const auto next = next_difference(memory_, *other_, cursor_);
+  if (!next) return message_.say(fmt::format("no difference to {} in what is read", other_file_));
+  go(*next);
+}
+
+// --- long work
+void MemoryController::begin(std::string label, Work work) {
+  if (!label_.empty()) return message_.say(fmt::format("still {}: Esc gives it up", label_), Tone::warning);
+  filling_.reset();
+  search_.reset();
+  label_ = std::move(label);
+  begun_ = Clock::now();
+  part_begun_ = 0.0;
+  if (job_.running()) {
+    job_.cancel();  // only pages, which are read again
+    waiting_ = std::move(work);
+  } else {
+    job_.start(std::move(work));
+  }
+}
+
+std::string MemoryController::working_on() const {
+  if (!label_.empty()) return label_;
+  if (search_) return "looking for " + search_->typed;
+  const MemoryRegion* region = filling_ ? memory_.region_of(*filling_) : nullptr;
+  return region == nullptr ? "" : "reading " + region->name;
+}
+
+double MemoryController::part() const {
+  if (!label_.empty()) return waiting_ ? 0.0 : job_.part();
+  const MemoryRegion* region = memory_.region_of(search_ ? search_->at : filling_.value_or(0));
+  if (region == nullptr) return 0.0;
+  if (search_) return static_cast<double>(search_->at - region->first) / static_cast<double>(region->size);
+  return memory_.part_known(*region);
+}
+
+double MemoryController::seconds_left() const {
+  if (search_) return -1.0;
+  const double done = part() - part_begun_;
+  const double spent_s = std::chrono::duration<double>(Clock::now() - begun_).count();
+  return done > 0.01 ? spent_s * (1.0 - part()) / done : -1.0;
+}
+
+void MemoryController::cancel() {
+  if (working_on().empty()) return;
+  message_.say(fmt::format("given up: {}", working_on()), Tone::warning);
+  search_.reset();
+  filling_.reset();
+  job_.cancel();
+  if (waiting_) label_.clear();
+  waiting_.reset();
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,197 @@
+// What a memory controller writes: bytes into the unit and back, dumps into files.
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "commissioning/memory/controller.hpp"
+#include "commissioning/memory/space.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+std::string time_now() { return fmt::format("{:%H:%M:%S}", fmt::localtime(std::time(nullptr))); }
+
+}  // namespace
+
+void MemoryController::say_unless(const Result<void>& result) {
+  if (!result) message_.say(result.error());
+}
+
+// --- writing
+bool MemoryController::lets_write() {
+  Result<void> may = may_write(memory_, cursor_, 1);
+  if (is_file()) may = problem(ProblemKind::refused, "this is a file: o with an empty name goes back to the unit");
+  const auto sample = unit_->newest();
+  if (may && !sample) may = problem(ProblemKind::refused, "the unit does not answer: nothing can be written now");
+  if (may) may = may_write_in(sample->mode);
+  say_unless(may);
+  return may.has_value();
+}
+
+void MemoryController::propose(const std::string& typed) {
+  const auto bytes = pattern_in(typed);
+  if (!bytes) return message_.say(bytes.error());
+  if (const auto may = may_write(memory_, cursor_, bytes->size()); !may) return message_.say(may.error());
+  const ByteView before = memory_.known(cursor_, static_cast<std::uint32_t>(bytes->size()));
+  if (before.size() < bytes->size())
+    return message_.say("What is there now is not read yet. Wait, then press w again.", Tone::warning);
+  if (std::equal(before.begin(), before.end(), bytes->begin()))
+    return message_.say("The memory holds these bytes already.", Tone::warning);
+  const auto place = names_.at(memory_, cursor_);
+  ask_to_write({cursor_,
+                {before.begin(), before.end()},
+                *bytes,
+                fmt::format("{}{}{}", memory_.region_of(cursor_)->name, place ? ", " : "", place ? place->name : ""),
+                "",
+                false},
+               false);
+}
+
+void MemoryController::propose_undo() {
+  const auto last = std::find_if(written_.rbegin(), written_.rend(), [](const auto& w) { return !w.taken_back; });
+  if (last == written_.rend()) return message_.say("nothing was written that could be taken back", Tone::warning);
+  ByteWrite back = *last;
+  go(back.address);
+  if (!lets_write()) return;
+  std::swap(back.before, back.after);
+  ask_to_write(std::move(back), true);
+}
+
+void MemoryController::ask_to_write(ByteWrite write, bool undo) {
+  const WatchedUnit now = unit_->snapshot();
+  Question question;
+  question.title =
+      fmt::format("{} {} byte{} of unit {}{}?", undo ? "Write the old bytes back:" : "Write", write.after.size(),
+                  write.after.size() == 1 ? "" : "s", serial_number_, now.emulator ? " (EMULATOR)" : "");
+  question.detail = fmt::format("at {}, {}\nnow {}\nnew {}", hex_address(write.address), write.where,
+                                short_hex(write.before), short_hex(write.after));
+  if (names_.in_active_map(write.address, write.after.size()))
+    question.detail += undo ? "\nThey lie in the active map." : fmt::format("\nCareful: {}.", kSpoilsMap);
+  question.yes = "write";
+  question.no = "leave as it is";
+  question_ = question;
+  if_yes_ = [this, write = std::move(write), undo] { this->write(write, undo); };
+}
+
+void MemoryController::write(const ByteWrite& write, bool undo) {
+  begin("writing", [unit = unit_, serial = serial_number_, write, undo](JobControl& control) -> Landing {
+    const Result<void> done = unit->on_line(
+        control, [&](UnitLink& line) -> Result<void> { return write_checked(line.client(), serial, write); });
+    return [write, undo, done](MemoryController& controller) { controller.landed_write(write, undo, done); };
+  });
+}
+
+void MemoryController::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
+  if (!done) {
+    memory_.forget();
+    if (!undo && done.error().kind == ProblemKind::link) {  // some of it may have been written
+      written_.push_back(write);
+      written_.back().when = time_now();
+      written_.back().where += ", NOT CONFIRMED";
+      written_in_ = serial_number_;
+    }
+    return message_.say(done.error());
+  }
+  const Address at = write.address;
+  memory_.put(at, write.after);
+  if (undo) {
+    for (auto old = written_.rbegin(); old != written_.rend(); ++old)
+      if (!old->taken_back && old->address == at && old->before == write.after) {
+        old->taken_back = true;
+        break;
+      }
+  } else {
+    written_.push_back(write);
+    written_.back().when = time_now();
+    written_in_ = serial_number_;
+  }
+  decode_again();
+  compare_again();
+  const std::string count = write.after.size() == 1 ? "1 byte" : fmt::format("{} bytes", write.after.size());
+  message_.say(fmt::format("{} {} at {}, read back the same (before: {}){}", count, undo ? "written back" : "written",
+                           hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
+}
+
+void MemoryController::answer(bool yes) {
+  question_.reset();
+  const auto act = std::move(if_yes_);
+  if_yes_ = {};
+  if (yes && act)
+    act();
+  else
+    message_.say("left as it is", Tone::plain);
+}
+
+// --- files
+void MemoryController::open(const std::string& path) {
+  if (path.empty() || path == "unit") {
+    if (!is_file()) return message_.say("this is the unit", Tone::warning);
+    file_.clear();
+    memory_ = {};
+    names_ = {};
+    serial_number_.clear();
+    opened_at_ = {};
+    compare_again();
+    return message_.say("the unit's memory");
+  }
+  begin("reading " + path, [path](JobControl&) -> Landing {
+    const auto dump = read_dump(path);
+    return [path, dump](MemoryController& controller) {
+      if (!dump) return controller.message_.say(dump.error());
+      controller.show_dump(path, *dump);
+    };
+  });
+}
+
+void MemoryController::show_dump(const std::string& path, const MemoryDump& dump) {
+  file_ = path;
+  file_detail_.clear();
+  if (!dump.serial_number.empty()) file_detail_ += ", unit " + dump.serial_number;
+  if (!dump.taken.empty()) file_detail_ += ", taken " + dump.taken;
+  memory_ = MemoryBytes::of_dump(dump);
+  decode_again();
+  compare_again();
+  go(cursor_);
+  message_.say(fmt::format("{} opened: writing and reading again need the unit, o with an empty name", path));
+  for (const std::string& damage : dump.damage) message_.say(damage, Tone::bad);
+}
+
+void MemoryController::save(const std::string& path, DumpScope scope) {
+  if (path.empty()) return message_.say("expected a file name, got none", Tone::bad);
+  if (is_file()) return message_.say("this is a file already", Tone::warning);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return save_now(path, scope);
+  question_ =
+      Question{fmt::format("Replace {}?", path), "The file exists: what is in it is lost.", "replace", "keep it"};
+  if_yes_ = [this, path, scope] { save_now(path, scope); };
+}
+
+void MemoryController::save_now(const std::string& path, DumpScope scope) {
+  begin("taking the dump", [unit = unit_, path, scope](JobControl& control) -> Landing {
+    const auto dump = unit->on_line(control, [&](UnitLink& line) {
+      return take_dump(line.client(), line.name(), scope, [&control](const protocol::Progress& progress) {
+        control.part = static_cast<double>(progress.bytes_done) /
+                       static_cast<double>(std::max<std::size_t>(1, progress.bytes_total));
+      });
+    });
+    const Result<void> written = dump ? write_file(path, to_bytes(*dump)) : tl::unexpected(dump.error());
+    return [path, dump, written](MemoryController& controller) {
+      if (!written) return controller.message_.say(written.error());
+      std::size_t bytes = 0;
+      for (const DumpRegion& region : dump->regions) {
+        controller.memory_.put(region.address, region.bytes);
+        bytes += region.bytes.size();
+      }
+      controller.decode_again();
+      controller.compare_again();
+      controller.message_.say(fmt::format("{} bytes with the unit's status written to {}", bytes, path));
+    };
+  });
+}
+
+}  // namespace ecs::commissioning

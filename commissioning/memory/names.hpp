@@ -1,0 +1,67 @@
+// What stands where in memory, by name: commit records, prefix, parameters, table directory, values of the tables in
+// their unit, header. Does not live here: decoding (commissioning/memory/decode.hpp, commissioning/memory/fields.hpp).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/memory/bytes.hpp"
+#include "core/memory_image.hpp"
+
+namespace ecs::commissioning {
+
+/// A stretch with a name: a field, all values of a table, the header.
+struct NamedStretch {
+  Address first = 0;
+  std::uint32_t bytes = 0;
+  std::string name;
+  std::string value;  ///< with its unit; empty: the bytes are the value
+  bool table = false;
+  TableEntry entry;  ///< of a table
+  [[nodiscard]] bool contains(Address address) const { return address >= first && address - first < bytes; }
+};
+
+/// What is under the cursor.
+struct NamedPlace {
+  Address first = 0;
+  std::uint32_t bytes = 0;
+  std::string name;   ///< "EXX forward at -3500 mm"
+  std::string value;  ///< "-12.5 um, -1250 counts"
+};
+
+class MemoryNames {
+ public:
+  MemoryNames() = default;
+  /// Decodes what is known.
+  explicit MemoryNames(const MemoryBytes& memory);
+
+  [[nodiscard]] std::optional<NamedPlace> at(const MemoryBytes& memory, Address address) const;
+  [[nodiscard]] const std::vector<NamedStretch>& all() const { return stretches_; }
+  /// Beginning of the next stretch with a name after `address`, or of the one before it; nothing: there is none.
+  [[nodiscard]] std::optional<Address> next(Address address) const;
+  [[nodiscard]] std::optional<Address> previous(Address address) const;
+  [[nodiscard]] const NamedStretch* stretch_at(Address address) const;
+  /// What a region holds, in words: "active map of 12,345 bytes, commit 3"; empty: nothing known.
+  [[nodiscard]] std::string content_of(const MemoryRegion& region) const;
+  /// Whether any of these bytes lies in the map that the unit uses.
+  [[nodiscard]] bool in_active_map(Address address, std::size_t bytes) const {
+    return address < active_.first + active_.bytes && active_.first < address + bytes;
+  }
+  /// The bytes that the names come from.
+  [[nodiscard]] static std::vector<Stretch> structure(const MemoryBytes& memory);
+
+ private:
+  struct Content {
+    Address region = 0;
+    std::string text;
+  };
+  std::vector<NamedStretch> stretches_;  ///< by address
+  std::vector<Content> contents_;
+  Stretch active_;
+};
+
+/// The number under the cursor as the unit could mean it: "u8 69  s16 17731  u32 1162695753  f64 1.5".
+[[nodiscard]] std::string numbers_at(const MemoryBytes& memory, Address address);
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,119 @@
+// What the MODEL screen works on: a model, its readings, the fit, the last diagnosis, what compensation would leave,
+// and the work under way. Pure state; every action is a function that can be called without a terminal. Does not live
+// here: drawing (screen.hpp), the verbs' texts (commissioning/models/view.hpp).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commissioning/models/lines.hpp"
+#include "commissioning/models/work.hpp"
+#include "commissioning/plot/picture_export.hpp"
+#include "commissioning/session/drafts.hpp"
+#include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "model/planning/next_measurement.hpp"
+
+namespace ecs::commissioning {
+
+/// Readings (control) with the model through them (lines), forward and reverse. @param run  absent: all runs
+[[nodiscard]] PlotPanel measured_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
+                                       std::optional<int> run = {});
+/// What the model leaves: readings as control, means as lines.
+[[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
+                                       std::optional<int> run = {});
+
+class ModelController {
+ public:
+  /// Reads and fits; takes up to seconds for large sets.
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(const ModelArguments& files);
+  /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files);
+
+  [[nodiscard]] const model::Model& model() const { return model_; }
+  [[nodiscard]] const model::Observations& data() const { return work_->data; }
+  [[nodiscard]] const model::Fit& fit() const { return fit_; }
+  [[nodiscard]] const std::vector<MeasuredLine>& lines() const { return lines_; }
+  [[nodiscard]] const std::vector<int>& runs() const { return runs_; }
+  /// Where the model fails, as lines of text.
+  [[nodiscard]] const std::vector<std::string>& comparison() const { return comparison_; }
+  [[nodiscard]] const std::optional<model::Diagnosis>& diagnosis() const { return diagnosis_; }
+  [[nodiscard]] const std::optional<model::NextMeasurement>& next() const { return next_; }
+  /// What compensation would leave, and what it left; empty: not asked yet.
+  [[nodiscard]] const std::vector<std::string>& after() const { return after_; }
+  [[nodiscard]] const std::string& model_file() const { return files_.model; }
+  [[nodiscard]] bool has_machine() const { return !files_.machine.empty(); }
+  [[nodiscard]] bool changed() const { return changed_; }
+  /// Counts up with every fit: curves are made anew only then.
+  [[nodiscard]] int generation() const { return generation_; }
+
+  /// Unsaved work on this model that was kept when it was last open.
+  [[nodiscard]] std::optional<Draft> draft() const;
+  void take_draft();
+  void drop_draft();
+
+  // actions; each tells message() what came of it
+  void start_diagnosis();
+  /// The candidate of the diagnosis, in the place and with the values found.
+  void start_adding(std::size_t candidate);
+  void undo();
+  void save();
+  /// What compensation would leave; with files measured again, what it left.
+  void start_after(const std::vector<std::string>& measured_again);
+  /// The map that the saved model compiles to, and parameters with its squareness beside it.
+  void start_map(const std::string& output);
+  /// The picture of the figure that `ecs model fit --plot` draws.
+  void export_picture(FigureWriter write);
+  void cancel();
+
+  /// Takes what has been finished meanwhile. @return whether anything changed
+  [[nodiscard]] bool advance();
+  [[nodiscard]] bool busy() const { return task_.running(); }
+  [[nodiscard]] const std::string& working_on() const { return task_.label(); }
+  [[nodiscard]] double seconds_working() const { return task_.seconds(); }
+  [[nodiscard]] const Message& message() const { return message_; }
+
+ private:
+  struct Fitted {
+    model::Model model;
+    model::Fit fit;
+    std::vector<std::string> comparison;
+    std::string said;
+  };
+  struct Diagnosed {
+    Result<model::Diagnosis> diagnosis;
+    model::NextMeasurement next;
+  };
+  using Lines = std::vector<std::string>;
+  ModelController() = default;
+  /// Starts a task that ends in a fit.
+  void start_fit(const std::string& label, std::function<Result<Fitted>()> work);
+  [[nodiscard]] static Result<Fitted> fitted(model::Model model, const model::Observations& data, std::string said);
+  void take(Result<Fitted> fitted);
+  void take(Diagnosed found);
+  [[nodiscard]] std::string draft_name() const;
+
+  ModelArguments files_;
+  std::shared_ptr<const ModelWork> work_;  ///< as it was read; shared with the work under way
+  model::Model model_;                     ///< as it is now
+  model::Fit fit_;
+  std::vector<MeasuredLine> lines_;
+  std::vector<int> runs_;
+  Lines comparison_;
+  std::optional<model::Diagnosis> diagnosis_;
+  std::optional<model::NextMeasurement> next_;
+  Lines after_;
+  bool changed_ = false;
+  bool saved_ = false;  ///< since it was opened
+  int generation_ = 0;
+  Message message_;
+  PictureExport picture_;
+  TaskRunner task_;
+};
+
+}  // namespace ecs::commissioning

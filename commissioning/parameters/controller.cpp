@@ -1,0 +1,282 @@
+#include "commissioning/parameters/controller.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "commissioning/parameters/draft.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::size_t kMostUndo = 500;
+
+/// Every key there is, in the order of the file.
+std::vector<std::string> all_keys() {
+  std::vector<std::string> keys{std::string(kMachineKey), std::string(kSerialKey)};
+  for (const params::Field& field : params::fields()) keys.push_back(field.key);
+  return keys;
+}
+
+std::string shown(const std::string& value) { return value.empty() ? "nothing" : value; }
+
+/// A file that cannot make the screen wait.
+Result<void> plain_file(const std::string& path) {
+  if (path.empty()) return problem(ProblemKind::usage, "expected the name of a file, found nothing");
+  std::error_code fault;
+  if (std::filesystem::exists(path, fault) && !std::filesystem::is_regular_file(path, fault))
+    return problem(ProblemKind::usage, fmt::format("{}: expected a file, found something else; choose a file", path));
+  return {};
+}
+
+}  // namespace
+
+Result<void> ParametersController::open_file(const std::string& path) {
+  if (auto plain = plain_file(path); !plain) return plain;
+  auto text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  auto read = params::parse_parameters(*text, path);
+  if (!read) return tl::unexpected(read.error());
+  in_file_ = ParameterSet{read->parameters, read->identity};
+  file_text_ = std::move(*text);
+  load(*in_file_, path);
+  return {};
+}
+
+Result<void> ParametersController::start_from_machine(const std::string& path) {
+  if (auto checked = check_with(path); !checked) return checked;
+  if (!machine_) return problem(ProblemKind::usage, "expected the name of a machine file, found nothing");
+  in_file_.reset();
+  file_text_.clear();
+  load({params::default_parameters_for(*machine_), {machine_->name, {}}}, "");
+  return {};
+}
+
+Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
+  know_unit(unit);
+  if (!unit.parameters)
+    return problem(ProblemKind::refused,
+                   fmt::format("nothing received from {}: {}", title_of(unit), unit.none_because));
+  ParameterSet received{*unit.parameters, {set_.identity.machine, unit.identity.serial_number}};
+  if (loaded_) {
+    edit(std::move(received), "receiving from the unit");
+    settle();
+  } else {
+    load(std::move(received), "");
+  }
+  return {};
+}
+
+std::optional<Draft> ParametersController::draft() const { return loaded_ ? std::nullopt : draft_of(kParametersDraft); }
+
+void ParametersController::drop_draft() { commissioning::drop_draft(kParametersDraft); }
+
+Result<void> ParametersController::take_up_draft() {
+  const auto kept = draft_of(kParametersDraft);
+  if (!kept) return problem(ProblemKind::refused, "the unsaved work is gone: another program took it up");
+  auto draft = parsed_draft(kept->text);
+  if (!draft) return tl::unexpected(draft.error());
+  if (!draft->machine.empty()) (void)check_with(draft->machine);
+  in_file_.reset();
+  file_text_.clear();
+  if (auto text = read_file(draft->file); !draft->file.empty() && text) {
+    if (auto read = params::parse_parameters(*text, draft->file)) {
+      in_file_ = ParameterSet{read->parameters, read->identity};
+      file_text_ = std::move(*text);
+    }
+  }
+  loaded_ = true;
+  set_ = std::move(draft->set);
+  base_ = std::move(draft->base);
+  file_ = draft->file;
+  done_.clear();
+  undone_.clear();
+  refresh();
+  return {};
+}
+
+void ParametersController::load(ParameterSet set, std::string file) {
+  loaded_ = true;
+  set_ = std::move(set);
+  file_ = std::move(file);
+  done_.clear();
+  undone_.clear();
+  settle();
+}
+
+/// What stands there now is safe somewhere: it counts as unchanged from here on.
+void ParametersController::settle() {
+  base_ = set_;
+  drop_draft();
+  refresh();
+}
+
+void ParametersController::edit(ParameterSet after, std::string what) {
+  if (after == set_) return;
+  done_.push_back({set_, after, std::move(what)});
+  if (done_.size() > kMostUndo) done_.erase(done_.begin());
+  undone_.clear();
+  set_ = std::move(after);
+  keep_draft();
+  refresh();
+}
+
+Result<void> ParametersController::change(const std::string& key, const std::string& text) {
+  ParameterSet after = set_;
+  if (auto changed = set_value(key, after, text); !changed) return changed;
+  edit(after, fmt::format("{}: {} > {}", full_label_of(key), shown(value_of(key, set_)), shown(value_of(key, after))));
+  return {};
+}
+
+bool ParametersController::cycle(const std::string& key, int by) {
+  const auto choices = choices_of(key);
+  if (choices.empty()) return false;
+  const auto at = std::find(choices.begin(), choices.end(), value_of(key, set_));
+  const int count = static_cast<int>(choices.size());
+  const int now = at == choices.end() ? 0 : static_cast<int>(at - choices.begin());
+  return change(key, choices[static_cast<std::size_t>((now + by + count) % count)]).has_value();
+}
+
+void ParametersController::set_default(const std::string& key) { (void)change(key, value_of(key, ParameterSet{})); }
+
+bool ParametersController::take_from_file(const std::string& key) {
+  return in_file_ && change(key, value_of(key, *in_file_)).has_value();
+}
+
+bool ParametersController::take_from_unit(const std::string& key) {
+  if (!has_unit_values() || params::field_named(key) == nullptr) return false;
+  return change(key, value_of(key, {*unit_->parameters, {}})).has_value();
+}
+
+std::string ParametersController::undo() {
+  if (done_.empty()) return {};
+  undone_.push_back(std::move(done_.back()));
+  done_.pop_back();
+  set_ = undone_.back().before;
+  keep_draft();
+  refresh();
+  return undone_.back().what;
+}
+
+std::string ParametersController::redo() {
+  if (undone_.empty()) return {};
+  done_.push_back(std::move(undone_.back()));
+  undone_.pop_back();
+  set_ = done_.back().after;
+  keep_draft();
+  refresh();
+  return done_.back().what;
+}
+
+void ParametersController::keep_draft() const {
+  if (set_ == base_)
+    drop_draft();
+  else
+    (void)commissioning::keep_draft(kParametersDraft, draft_text({file_, machine_path_, set_, base_}));
+}
+
+void ParametersController::refresh() {
+  findings_ = params::check(set_.parameters, machine_ ? &*machine_ : nullptr);
+  compared_.clear();
+  changes_ = 0;
+  const std::optional<ParameterSet> held =
+      has_unit_values() ? std::optional(ParameterSet{*unit_->parameters, {}}) : std::nullopt;
+  for (const std::string& key : all_keys()) {
+    const std::string here = value_of(key, set_);
+    if (here != value_of(key, base_)) ++changes_;
+    const bool in_unit = held && params::field_named(key) != nullptr;
+    ComparedKey row{key, here, in_file_ ? value_of(key, *in_file_) : "", in_unit ? value_of(key, *held) : ""};
+    if ((in_file_ && row.file != here) || (in_unit && row.unit != here)) compared_.push_back(std::move(row));
+  }
+}
+
+std::vector<const params::Finding*> ParametersController::findings_of(const std::string& key) const {
+  std::vector<const params::Finding*> found;
+  for (const params::Finding& finding : findings_)
+    if (std::find(finding.keys.begin(), finding.keys.end(), key) != finding.keys.end()) found.push_back(&finding);
+  return found;
+}
+
+std::size_t ParametersController::errors() const {
+  return static_cast<std::size_t>(std::count_if(findings_.begin(), findings_.end(), [](const params::Finding& finding) {
+    return finding.severity == params::Severity::error;
+  }));
+}
+
+std::optional<std::string> ParametersController::was(const std::string& key) const {
+  std::string before = value_of(key, base_);
+  if (before == value_of(key, set_)) return std::nullopt;
+  return before;
+}
+
+std::size_t ParametersController::differs_from_file() const {
+  if (!in_file_) return 0;
+  return static_cast<std::size_t>(
+      std::count_if(compared_.begin(), compared_.end(), [](const ComparedKey& row) { return row.file != row.screen; }));
+}
+
+std::vector<ComparedKey> ParametersController::differs_from_unit() const {
+  std::vector<ComparedKey> differing;
+  for (const ComparedKey& row : compared_)
+    if (differs_from_unit(row.key)) differing.push_back(row);
+  return differing;
+}
+
+bool ParametersController::differs_from_unit(const std::string& key) const {
+  if (!has_unit_values() || params::field_named(key) == nullptr) return false;
+  const auto row = std::find_if(compared_.begin(), compared_.end(), [&](const ComparedKey& c) { return c.key == key; });
+  return row != compared_.end() && row->unit != row->screen;
+}
+
+Result<void> ParametersController::check_with(const std::string& machine_path) {
+  if (machine_path.empty()) {
+    machine_.reset();
+    machine_path_.clear();
+    machine_name_.clear();
+  } else {
+    if (auto plain = plain_file(machine_path); !plain) return plain;
+    auto read = params::read_machine(machine_path);
+    if (!read) return tl::unexpected(read.error());
+    machine_ = std::move(read->machine);
+    machine_path_ = machine_path;
+    machine_name_ = machine_->name.empty() ? machine_path : machine_->name;
+  }
+  refresh();
+  return {};
+}
+
+std::string ParametersController::overwrites(const std::string& path) const {
+  std::error_code fault;
+  if (!std::filesystem::exists(path, fault)) return {};
+  if (path != file_) return fmt::format("{} exists already. Its contents will be overwritten.", path);
+  const auto text = read_file(path);
+  if (text && *text == file_text_) return {};
+  return fmt::format("{} was changed by another program since it was read here; that change is lost.", path);
+}
+
+Result<void> ParametersController::save(const std::string& path) {
+  if (auto plain = plain_file(path); !plain) return plain;
+  std::string text = params::parameters_toml(set_.parameters, set_.identity);
+  if (auto written = write_file(path, text); !written) return written;
+  file_text_ = std::move(text);
+  file_ = path;
+  in_file_ = set_;
+  settle();
+  return {};
+}
+
+void ParametersController::know_unit(UnitContent unit) {
+  unit_ = std::move(unit);
+  refresh();
+}
+
+void ParametersController::sent(const ParameterSet& what, UnitContent after) {
+  unit_ = std::move(after);
+  base_ = what;
+  keep_draft();
+  refresh();
+}
+
+}  // namespace ecs::commissioning

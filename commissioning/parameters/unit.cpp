@@ -1,0 +1,62 @@
+#include "commissioning/parameters/unit.hpp"
+
+#include <fmt/format.h>
+
+#include "commissioning/unit/map_checks.hpp"
+
+namespace ecs::commissioning {
+
+std::string title_of(const UnitContent& unit) {
+  return unit.identity.serial_number.empty() ? unit.name
+                                             : fmt::format("{}, unit {}", unit.name, unit.identity.serial_number);
+}
+
+Result<UnitContent> unit_content(UnitLink& line) {
+  UnitContent unit;
+  unit.name = line.is_emulator() ? "EMULATOR" : line.name();
+  auto identity = line.client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  unit.identity = std::move(*identity);
+  const auto status = line.client().status();
+  if (!status) return tl::unexpected(status.error());
+  unit.mode = status->mode;
+  auto parameters = receive_parameters(line.client());
+  if (parameters) {
+    unit.parameters = *parameters;
+  } else if (parameters.error().kind == ProblemKind::refused) {
+    unit.none_because =
+        status->active_bank == protocol::Bank::none ? "it holds no parameters yet" : to_text(parameters.error());
+  } else {
+    return tl::unexpected(parameters.error());
+  }
+  return unit;
+}
+
+Result<UnitContent> switched_to_integration(UnitLink& line) {
+  if (auto entered = line.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+  return unit_content(line);
+}
+
+Result<SentParameters> sent_to_unit(UnitLink& line, const UnitParameters& parameters, const params::Identity& owner,
+                                    UnfitMap unfit, const protocol::ProgressCallback& progress) {
+  auto report = send_parameters(line.client(), parameters, owner, unfit, progress);
+  if (!report) return tl::unexpected(report.error());
+  auto after = unit_content(line);
+  if (!after) {
+    after.error().message = "the unit has taken the parameters; but looking at it afterwards: " + after.error().message;
+    return tl::unexpected(std::move(after.error()));
+  }
+  return SentParameters{std::move(*report), std::move(*after)};
+}
+
+bool refused_for_map(const Problem& why) {
+  return why.kind == ProblemKind::refused && why.message.starts_with("the map in the unit does not fit");
+}
+
+std::string other_unit_sentence(const ParameterSet& set, const UnitContent& unit) {
+  if (other_unit(set.identity, unit.identity.serial_number).empty()) return {};
+  return fmt::format("These parameters are for unit {}, but this is unit {}.", set.identity.serial_number,
+                     unit.identity.serial_number);
+}
+
+}  // namespace ecs::commissioning

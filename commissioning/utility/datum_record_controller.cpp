@@ -1,0 +1,117 @@
+#include "commissioning/utility/datum_record_controller.hpp"
+
+#include <fmt/format.h>
+
+#include "base/clock.hpp"
+#include "commissioning/utility/datum_view_controller.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::chrono::milliseconds kRecordLimit{30'000};
+
+Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live) {
+  const auto identity = line.client().identity();
+  if (!identity) return tl::unexpected(identity.error());
+  live.begin(line, axis);
+  const auto result = line.client().record_datum(
+      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(line, busy, false); });
+  if (!result) return tl::unexpected(result.error());
+  auto recording = read_recording(line.client(), result->value,
+                                  [&live](const protocol::Progress& progress) { live.fetch(progress); });
+  live.end();
+  if (!recording) return recording;
+  recording->taken = now_utc();
+  recording->serial_number = identity->serial_number;
+  return recording;
+}
+
+}  // namespace
+
+DatumRecordController::DatumRecordController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
+}
+
+Question DatumRecordController::question(Axis axis) const {
+  const std::string unsaved = unsaved_record_of();
+  return {
+      fmt::format("Record axis {} for {:.0f} seconds?", letter_of(axis), kDatumRecord_s),
+      fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon "
+                  "as the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away "
+                  "from the reference switch.{}{}",
+                  letter_of(axis), kDatumRecord_s, emulator() ? " This is the emulator: g references its machine." : "",
+                  unsaved.empty() ? "" : " The record of " + unsaved + " was not saved: this one takes its place."),
+      "record", "not now"};
+}
+
+void DatumRecordController::start(Axis axis) {
+  if (busy()) return;
+  axis_ = axis;
+  switch_seen_ = false;
+  marker_seen_ = false;
+  const auto work = [connection = connection_, live = live_, axis](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) { return recorded(line, axis, *live); });
+  };
+  task_.start("recording", work, [this](Result<DatumRecording> recording) {
+    if (recording)
+      recorded_ = std::move(*recording);
+    else
+      say_failed(message_, recording.error(), task_.cancelled());
+  });
+}
+
+void DatumRecordController::reference() {
+  const auto seen = live_->now();
+  if (!busy() || phase() != Phase::recording)
+    message_.say("g references the emulated machine while the record runs: Enter first.", Tone::warning);
+  else if (seen.workshop.empty())
+    message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
+  else
+    reference_.start(seen.workshop, {axis_});
+}
+
+void DatumRecordController::cancel() {
+  task_.cancel();
+  reference_.cancel();
+}
+
+DatumRecordController::Phase DatumRecordController::phase() const {
+  if (!busy()) return Phase::ready;
+  const auto seen = live_->now();
+  if (seen.fetching) return Phase::fetching;
+  return seen.running ? Phase::recording : Phase::starting;
+}
+
+double DatumRecordController::part() const { return live_->now().part; }
+
+double DatumRecordController::seconds_left() const {
+  const auto seen = live_->now();
+  return seen.fetching ? seen.seconds_left : (1.0 - seen.part) * kDatumRecord_s;
+}
+
+void DatumRecordController::follow_live() {
+  const auto seen = live_->now();
+  if (seen.changes == live_changes_ || !busy()) return;
+  live_changes_ = seen.changes;
+  if (!seen.sample) return;
+  unit_.take(*seen.sample);
+  const protocol::AxisSample& axis = seen.sample->axes[index_of(axis_)];
+  switch_seen_ = switch_seen_ || axis.switch_active;
+  marker_seen_ = marker_seen_ || axis.marker;
+}
+
+bool DatumRecordController::advance() {
+  bool changed = unit_.look(*connection_) || busy();
+  follow_live();
+  changed = reference_.advance(message_) || changed;
+  return task_.advance() || changed;
+}
+
+std::optional<DatumRecording> DatumRecordController::take() {
+  std::optional<DatumRecording> record;
+  record.swap(recorded_);
+  return record;
+}
+
+}  // namespace ecs::commissioning

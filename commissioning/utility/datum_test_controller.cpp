@@ -1,0 +1,158 @@
+#include "commissioning/utility/datum_test_controller.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::chrono::milliseconds kLimit{620'000};  ///< the unit gives up by itself after 600 s
+
+}  // namespace
+
+DatumTestController::DatumTestController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
+  fill_rows();
+}
+
+void DatumTestController::fill_rows() {
+  const auto axes = unit_.axes();
+  if (busy() || axes.size() == rows_.size()) return;
+  rows_.clear();
+  for (const Axis a : axes) rows_.push_back({a, TestState::chosen, DatumStage::waiting, {}});
+}
+
+DatumTestController::AxisRow* DatumTestController::row_of(Axis axis) {
+  const auto row = std::find_if(rows_.begin(), rows_.end(), [axis](const AxisRow& r) { return r.axis == axis; });
+  return row == rows_.end() ? nullptr : &*row;
+}
+
+void DatumTestController::toggle(Axis axis) {
+  AxisRow* row = row_of(axis);
+  if (row == nullptr || busy()) return;
+  row->state = row->state == TestState::not_chosen ? TestState::chosen : TestState::not_chosen;
+  row->message.clear();
+}
+
+Question DatumTestController::question() const {
+  std::string axes;
+  for (const AxisRow& row : rows_)
+    if (row.state != TestState::not_chosen) axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(row.axis));
+  if (axes.empty()) return {"No axis is chosen", "Space chooses the axis under the cursor.", "well", "well"};
+  return {fmt::format("Test the datum routine of {}?", axes),
+          fmt::format("The unit opens its relays, forgets the reference of each of these axes and looks for it again "
+                      "while the machine's control references it, one axis after the other. The unit moves nothing.{}",
+                      emulator() ? " This is the emulator: g references its machine." : ""),
+          "test", "not now"};
+}
+
+void DatumTestController::start() {
+  std::vector<Axis> axes;
+  for (AxisRow& row : rows_) {
+    if (row.state == TestState::not_chosen) continue;
+    row = {row.axis, TestState::chosen, DatumStage::waiting, {}};
+    axes.push_back(row.axis);
+  }
+  if (busy() || axes.empty()) return;
+  {
+    const std::lock_guard lock(finished_->mutex);
+    finished_->tests.clear();
+  }
+  tests_seen_ = 0;
+  reference_each_ = false;
+  referenced_for_.reset();
+  const auto work = [connection = connection_, live = live_, finished = finished_, axes](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) -> Result<void> {
+      for (const Axis axis : axes) {
+        live->begin(line, axis);
+        auto test = test_datum_of(line.client(), axis, kLimit,
+                                  [&](const protocol::CommandResult& busy) { live->look(line, busy, true); });
+        if (!test) return tl::unexpected(test.error());
+        const std::lock_guard lock(finished->mutex);
+        finished->tests.push_back(std::move(*test));
+      }
+      return {};
+    });
+  };
+  task_.start("testing", work, [this](const Result<void>& result) { take(result); });
+}
+
+void DatumTestController::reference() {
+  const auto seen = live_->now();
+  if (!busy() || !under_test_) {
+    message_.say("g references the emulated machine while the test runs: Enter first.", Tone::warning);
+  } else if (seen.workshop.empty()) {
+    message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
+  } else {
+    reference_each_ = true;
+    referenced_for_.reset();
+  }
+}
+
+void DatumTestController::cancel() {
+  task_.cancel();
+  reference_.cancel();
+}
+
+void DatumTestController::follow_live() {
+  const auto seen = live_->now();
+  if (!busy() || seen.changes == live_changes_) return;
+  live_changes_ = seen.changes;
+  under_test_ = seen.running ? seen.axis : std::nullopt;
+  if (seen.sample) unit_.take(*seen.sample);
+  AxisRow* row = under_test_ ? row_of(*under_test_) : nullptr;
+  if (row == nullptr) return;
+  row->state = TestState::under_way;
+  if (seen.status) row->stage = seen.status->axes[index_of(row->axis)].datum_stage;
+}
+
+void DatumTestController::follow_tests() {
+  const std::lock_guard lock(finished_->mutex);
+  for (; tests_seen_ < finished_->tests.size(); ++tests_seen_) {
+    const AxisTest& test = finished_->tests[tests_seen_];
+    AxisRow* row = row_of(test.axis);
+    if (row == nullptr) continue;
+    row->state = test.passed ? TestState::passed : TestState::failed;
+    row->stage = test.passed ? DatumStage::done : DatumStage::failed;
+    row->message = test.failure == DatumFailure::none
+                       ? test.message
+                       : fmt::format("{}. What to do: {}.", ecs::name_of(test.failure), advice_for(test.failure));
+  }
+}
+
+bool DatumTestController::advance() {
+  bool changed = unit_.look(*connection_) || busy();
+  fill_rows();
+  follow_live();
+  follow_tests();
+  if (reference_each_ && under_test_ && referenced_for_ != under_test_ && !reference_.running()) {
+    referenced_for_ = under_test_;
+    reference_.start(live_->now().workshop, {*under_test_});
+  }
+  changed = reference_.advance(message_) || changed;
+  return task_.advance() || changed;
+}
+
+void DatumTestController::take(const Result<void>& result) {
+  follow_tests();
+  under_test_.reset();
+  reference_each_ = false;
+  for (AxisRow& row : rows_)
+    if (row.state == TestState::under_way) row.state = TestState::given_up;
+  if (!result) {
+    reference_.cancel();
+    return say_failed(message_, result.error(), task_.cancelled());
+  }
+  const auto failed =
+      std::count_if(rows_.begin(), rows_.end(), [](const AxisRow& r) { return r.state == TestState::failed; });
+  if (failed == 0)
+    message_.say("Every axis that was tested found its datum.");
+  else
+    message_.say(
+        fmt::format("{} failed: see above what to do.", failed == 1 ? "One axis" : fmt::format("{} axes", failed)),
+        Tone::bad);
+}
+
+}  // namespace ecs::commissioning

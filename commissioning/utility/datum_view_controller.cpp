@@ -1,0 +1,230 @@
+#include "commissioning/utility/datum_view_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "commissioning/utility/unit_view.hpp"
+#include "params/observed_datum.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr const char* kDraft = "datum-sequence";
+constexpr double kLeastSeen_s = 0.05;
+
+}  // namespace
+
+std::vector<std::string> datuming_hints(const ShownRecord& record) {
+  using Lack = params::ObservedDatum::Lack;
+  const bool moved = std::any_of(record.events.begin(), record.events.end(),
+                                 [](const DatumEvent& event) { return event.what == "motion begins"; });
+  const params::ObservedDatum seen =
+      params::observed_datum({record.recording.samples, record.speeds_mm_min, record.recording.um_per_count, moved});
+  if (seen.lack == Lack::motion) return {"The axis did not move in this record: reference it while the record runs."};
+  if (seen.lack == Lack::switch_change)
+    return {"The switch did not change: the axis did not reach it, or it is not connected. Begin nearer to it."};
+  if (seen.lack == Lack::clear_start)
+    return {
+        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off "
+                    "first. Nothing is read from that. Move the axis well away from the switch and record again.",
+                    seen.switch_changes)};
+  std::vector<std::string> hints{
+      fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; the routine "
+                  "allows half as much again.",
+                  seen.forward ? "forward" : "reverse", seen.approach_mm_min),
+      fmt::format("Reference switch initial state: the contact was {} before.",
+                  seen.initially_closed ? "closed" : "open")};
+  if (seen.lack == Lack::marker) {
+    hints.emplace_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
+    return hints;
+  }
+  hints.push_back(fmt::format("Reference switch final state: the contact was {} at the last marker, {:.3f} s.",
+                              seen.finally_closed ? "closed" : "open", record.recording.time_s(seen.marker)));
+  hints.push_back(fmt::format("Datum type {}: the axis {} after it had reached the switch, and the marker came {} it.",
+                              params::word_of(seen.kind), seen.turned_back ? "turned back" : "went on",
+                              seen.finally_closed ? "on" : "off"));
+  return hints;
+}
+
+std::string unsaved_record_of() {
+  const auto draft = draft_of(kDraft);
+  return draft ? draft->kept : "";
+}
+
+DatumViewController::DatumViewController() : draft_(draft_of(kDraft)) {}
+
+void DatumViewController::take(DatumRecording recording) {
+  first_ = shown(std::move(recording), "just recorded");
+  saved_ = false;
+  draft_.reset();
+  show_all();
+  keep_fresh_draft();
+}
+
+void DatumViewController::keep_fresh_draft() {
+  drafting_.start([recording = first_->recording](JobControl&) { return keep_draft(kDraft, to_csv(recording)); });
+}
+
+void DatumViewController::take_draft() {
+  if (!draft_) return;
+  auto recording = parse_recording(draft_->text, "draft");
+  if (recording) {
+    first_ = shown(std::move(*recording), "recorded " + draft_->kept);
+    saved_ = false;
+    show_all();
+  } else {
+    message_.say(recording.error());
+  }
+  draft_.reset();
+}
+
+void DatumViewController::drop_earlier_draft() {
+  drop_draft(kDraft);
+  draft_.reset();
+}
+
+void DatumViewController::read(const std::string& path, bool as_overlay) {
+  if (busy()) return;
+  reading_.start([path, as_overlay](JobControl&) -> Result<Opened> {
+    auto recording = read_recording_file(path);
+    if (!recording) return tl::unexpected(recording.error());
+    return Opened{shown(std::move(*recording), std::filesystem::path(path).filename().string()), as_overlay};
+  });
+}
+
+void DatumViewController::open(const std::string& path) { read(path, false); }
+void DatumViewController::overlay(const std::string& path) { read(path, true); }
+
+void DatumViewController::drop_overlay() {
+  second_.reset();
+  show_all();
+}
+
+void DatumViewController::align() {
+  if (!first_ || !second_) return;
+  const auto a = first_switch_s(*first_), b = first_switch_s(*second_);
+  if (!a || !b) {
+    message_.say("The switch does not change in both records: nothing to lay over each other.", Tone::warning);
+    return;
+  }
+  second_->shift_s = second_->shift_s != 0.0 ? 0.0 : *a - *b;
+  message_.say(second_->shift_s == 0.0 ? "Both begin at 0 s."
+                                       : fmt::format("The second is shifted by {:+.3f} s: the switches change first at "
+                                                     "the same time. a shifts it back.",
+                                                     second_->shift_s));
+  show_all();
+}
+
+void DatumViewController::save(const std::string& path) {
+  if (!first_ || busy()) return;
+  writing_.start([recording = first_->recording, path](JobControl&) -> Result<std::string> {
+    if (const auto written = write_file(path, to_csv(recording)); !written) return tl::unexpected(written.error());
+    return path;
+  });
+}
+
+void DatumViewController::export_picture(FigureWriter write) {
+  if (!first_) return;
+  message_.say("Drawing the picture ...");
+  export_.start(datum_figure(*first_, second()),
+                fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), std::move(write));
+}
+
+std::string DatumViewController::proposed_name() const {
+  return first_
+             ? file_name_now(fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), ".csv")
+             : "";
+}
+
+void DatumViewController::show_all() {
+  if (!first_) return;
+  from_s_ = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
+  to_s_ = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
+  to_s_ = std::max(to_s_, from_s_ + kLeastSeen_s);
+  redraw();
+}
+
+void DatumViewController::redraw() {
+  if (first_) panel_ = speed_panel(*first_, second(), from_s_, to_s_);
+}
+
+void DatumViewController::whole() {
+  cursor_s_.reset();
+  show_all();
+}
+
+void DatumViewController::go_to(double time_s) {
+  cursor_s_ = time_s;
+  if (time_s < from_s_ || time_s > to_s_) {
+    const double half = 0.5 * (to_s_ - from_s_);
+    from_s_ = time_s - half;
+    to_s_ = time_s + half;
+    redraw();
+  }
+}
+
+void DatumViewController::move_cursor(int direction, int columns) {
+  if (!first_) return;
+  const double step_s = (to_s_ - from_s_) / std::max(1, columns);
+  const double least_s = std::min(first_->shift_s, second_ ? second_->shift_s : first_->shift_s);
+  const double most_s = std::max(first_->end_s(), second_ ? second_->end_s() : first_->end_s());
+  const double sample_s = first_->recording.sample_period_us * 1e-6;
+  const double moved = cursor_s_ ? *cursor_s_ + direction * std::max(step_s, sample_s) : (from_s_ + to_s_) / 2.0;
+  go_to(std::clamp(std::round(moved / sample_s) * sample_s, least_s, most_s));
+}
+
+void DatumViewController::zoom(double factor) {
+  if (!first_) return;
+  const double centre = cursor_s_.value_or(0.5 * (from_s_ + to_s_));
+  const double width = std::max(kLeastSeen_s, (to_s_ - from_s_) * factor);
+  show_all();
+  const double least = from_s_, most = to_s_;
+  if (width >= most - least) return;
+  from_s_ = std::clamp(centre - 0.5 * width, least, most - width);
+  to_s_ = from_s_ + width;
+  redraw();
+}
+
+bool DatumViewController::advance() {
+  bool changed = export_.advance(message_);
+  if (const auto opened = reading_.take()) {
+    changed = true;
+    if (!*opened) {
+      message_.say((*opened).error());
+    } else if ((*opened)->as_overlay) {
+      second_ = (*opened)->record;
+      show_all();
+      message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
+    } else {
+      first_ = (*opened)->record;
+      saved_ = true;
+      cursor_s_.reset();
+      show_all();
+      message_.say(fmt::format("{}: axis {}, {} samples", first_->name, letter_of(first_->recording.axis),
+                               first_->recording.samples.size()));
+    }
+  }
+  if (const auto written = writing_.take()) {
+    changed = true;
+    if (*written) {
+      saved_ = true;
+      first_->name = std::filesystem::path(**written).filename().string();
+      drop_draft(kDraft);
+      message_.say("written: " + **written);
+    } else {
+      message_.say(written->error());
+    }
+  }
+  if (const auto drafted = drafting_.take()) {
+    if (!*drafted) message_.say(drafted->error());
+    if (saved_) drop_draft(kDraft);
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,86 @@
+// DISPLAY DATUM SEQUENCE: one or two records, the time that is seen, the cursor, files. A fresh record is kept on disc
+// as a draft until it is saved. Does not live here: drawing (datum_chart.hpp, datum_view_screen.hpp).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commissioning/plot/picture_export.hpp"
+#include "commissioning/session/drafts.hpp"
+#include "commissioning/session/job.hpp"
+#include "commissioning/session/message.hpp"
+#include "commissioning/utility/shown_record.hpp"
+
+namespace ecs::commissioning {
+
+/// What a record tells about the datuming parameters, in sentences that name them.
+[[nodiscard]] std::vector<std::string> datuming_hints(const ShownRecord& record);
+
+/// When the record was made that nobody has saved yet, local time; empty: there is none.
+[[nodiscard]] std::string unsaved_record_of();
+
+class DatumViewController {
+ public:
+  DatumViewController();
+
+  // --- records
+  /// A fresh record: unsaved, kept as a draft.
+  void take(DatumRecording recording);
+  void open(const std::string& path);
+  /// Laid over the first; a third takes the place of the second.
+  void overlay(const std::string& path);
+  void drop_overlay();
+  /// The second shifted so that the switches change first at the same time; again: back.
+  void align();
+  void save(const std::string& path);
+  void export_picture(FigureWriter write);
+  [[nodiscard]] const std::optional<Draft>& draft() const { return draft_; }  ///< of an earlier context, not taken up
+  void take_draft();
+  void drop_earlier_draft();
+
+  // --- the time that is seen
+  void move_cursor(int direction, int columns);
+  void zoom(double factor);
+  void whole();
+  [[nodiscard]] double from_s() const { return from_s_; }
+  [[nodiscard]] double to_s() const { return to_s_; }
+  [[nodiscard]] std::optional<double> cursor_s() const { return cursor_s_; }
+  void go_to(double time_s);
+
+  [[nodiscard]] bool advance();
+  [[nodiscard]] bool busy() const { return reading_.running() || writing_.running(); }
+  [[nodiscard]] const ShownRecord* first() const { return first_ ? &*first_ : nullptr; }
+  [[nodiscard]] const ShownRecord* second() const { return second_ ? &*second_ : nullptr; }
+  [[nodiscard]] const PlotPanel& panel() const { return panel_; }
+  [[nodiscard]] bool saved() const { return saved_; }
+  [[nodiscard]] std::string proposed_name() const;  ///< for a file
+  [[nodiscard]] Message& message() { return message_; }
+  [[nodiscard]] const Message& message() const { return message_; }
+
+ private:
+  struct Opened {
+    ShownRecord record;
+    bool as_overlay = false;
+  };
+  void read(const std::string& path, bool as_overlay);
+  void show_all();
+  void redraw();
+  void keep_fresh_draft();
+
+  std::optional<ShownRecord> first_;
+  std::optional<ShownRecord> second_;
+  std::optional<Draft> draft_;
+  bool saved_ = true;
+  double from_s_ = 0.0;
+  double to_s_ = 10.0;
+  std::optional<double> cursor_s_;
+  PlotPanel panel_;
+  Message message_;
+  PictureExport export_;
+  Job<Result<Opened>> reading_;
+  Job<Result<std::string>> writing_;  ///< the file
+  Job<Result<void>> drafting_;
+};
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,262 @@
+#include "commissioning/utility/output_controller.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "commissioning/session/event_log.hpp"
+#include "commissioning/unit/transfer.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::array<double, 8> kSteps_um{0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
+constexpr double kLeastMeasured = 0.02;                     ///< of what was put out; less is no movement
+constexpr auto kSettling = std::chrono::milliseconds(100);  ///< from a command to a sample that shows it
+constexpr double kScaleHolds = 0.02;                        ///< of the scale; a dial gauge knows no better
+
+}  // namespace
+
+std::string um_text(double um) { return um == 0.0 ? "0 um" : fmt::format("{:+g} um", um); }
+
+Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um) {
+  if (um == 0.0)
+    return problem(ProblemKind::usage, "first put a value out with the relay closed: 0 um tells nothing about a scale");
+  if (std::abs(measured_um) < kLeastMeasured * std::abs(um))
+    return problem(ProblemKind::usage,
+                   fmt::format("{} put out and {} measured: the axis does not follow. Check that the relay is closed, "
+                               "the connection to the servo, and the D/A converter",
+                               um_text(um), um_text(measured_um)));
+  ScaleProposal proposal;
+  proposal.counts_per_um = axis.output_scale_counts_per_um * std::abs(um / measured_um);
+  const bool turned = (um > 0.0) != (measured_um > 0.0);
+  proposal.polarity = turned ? -axis.compensation_polarity : axis.compensation_polarity;
+  const std::string seen = fmt::format("{} put out moved {} by {}", um_text(um), letter_of(name), um_text(measured_um));
+  if (!turned && std::abs(proposal.counts_per_um / axis.output_scale_counts_per_um - 1.0) < kScaleHolds)
+    proposal.sentence = seen + ": scale and polarity are right.";
+  else
+    proposal.sentence = fmt::format(
+        "{}: set the compensation output value scaling factor of {} to {:.4g} counts/um (it is {:.4g}){} in E.C.S. "
+        "PARAMETERS, send them, and try again.",
+        seen, letter_of(name), proposal.counts_per_um, axis.output_scale_counts_per_um,
+        turned ? fmt::format(" and its compensation polarity to {:+d}", proposal.polarity) : "");
+  return proposal;
+}
+
+OutputController::OutputController(std::shared_ptr<UnitConnection> connection)
+    : connection_(connection), watching_(std::move(connection)) {
+  (void)unit_.look(*connection_);
+  restarts_ = unit_.restarts;
+  times_lost_ = unit_.watched.times_lost;
+  setting_.axis = unit_.axes().empty() ? Axis::X : unit_.axes().front();
+  follow_unit();
+}
+
+OutputController::~OutputController() {
+  job_.cancel();
+  while (job_.running() && !job_.take()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  if (setting_.at_rest()) return;
+  JobControl control;
+  const bool off =
+      connection_->snapshot().open &&
+      connection_->on_line_of_any_unit(control, [](UnitLink& line) { return line.client().output_off(); }).has_value();
+  if (!off && setting_.relay)
+    leave_word(fmt::format(
+        "axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after it "
+        "was asked last; until then {:+g} um may act on the axis",
+        letter_of(setting_.axis), setting_.um));
+}
+
+/// What another host, or this one before, left switched on; what the unit has ended by itself.
+void OutputController::follow_unit() {
+  if (busy() || !unit_.fresh || unit_.watched.newest_at < sent_at_ + kSettling) return;
+  if (const auto* s = unit_.axis(setting_.axis); s != nullptr && setting_.relay && !s->relay_closed) {
+    setting_ = {setting_.axis, 0.0, false};
+    message_.say("The unit has opened the relay by itself: a restart, another mode, a fault, or another host.",
+                 Tone::warning);
+  }
+  follow_value();
+  if (!setting_.at_rest() || !unit_.integrating()) return;
+  for (const Axis a : unit_.axes())
+    if (const auto* s = unit_.axis(a); s != nullptr && (s->relay_closed || s->output_counts != 0))
+      setting_ = {a, s->compensation_um, s->relay_closed};
+}
+
+/// The value that acts is the one shown, and the one that the next step starts from.
+void OutputController::follow_value() {
+  const auto* s = unit_.axis(setting_.axis);
+  if (s == nullptr || setting_.at_rest() || !unit_.integrating()) return;
+  const double count_um = 1.0 / std::max(1e-9, std::abs(parameters().output_scale_counts_per_um));
+  if (std::abs(s->compensation_um - setting_.um) <= count_um + 1e-6) return;
+  setting_.um = s->compensation_um;
+  message_.say(fmt::format("Another host has changed the output of axis {}: {} now. o ends it.",
+                           letter_of(setting_.axis), um_text(setting_.um)),
+               Tone::bad);
+}
+
+double OutputController::step_um() const { return kSteps_um[static_cast<std::size_t>(step_)]; }
+
+void OutputController::resize_step(int direction) {
+  step_ = std::clamp(step_ + direction, 0, static_cast<int>(kSteps_um.size()) - 1);
+}
+
+std::optional<double> OutputController::moved_um() const {
+  const auto* now = unit_.axis(setting_.axis);
+  if (!rest_mm_ || now == nullptr) return std::nullopt;
+  return 1e3 * (now->position_mm - *rest_mm_);
+}
+
+Result<double> OutputController::value_in(const std::string& typed) const {
+  const auto number = number_in(typed);
+  if (!number) return problem(ProblemKind::usage, fmt::format("expected a value in um, found \"{}\"", typed));
+  const double limit = parameters().output_limit_um;
+  if (std::abs(*number) > limit)
+    return problem(ProblemKind::usage,
+                   fmt::format("{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit "
+                               "would refuse it",
+                               um_text(*number), letter_of(setting_.axis), limit));
+  return *number;
+}
+
+Question OutputController::question(double um) const {
+  const char axis = letter_of(setting_.axis);
+  const double by = um - (setting_.relay ? setting_.um : 0.0);
+  return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
+                    : fmt::format("Move axis {} by {}?", axis, um_text(by)),
+          fmt::format("The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once "
+                      "({}), with a wrong output scale by another amount or the other way. From then on + and - move "
+                      "it without asking, at most to {:g} um either way. Keep clear of the machine.",
+                      axis, um_text(by),
+                      by > 0.0   ? "towards larger coordinates"
+                      : by < 0.0 ? "towards smaller coordinates"
+                                 : "an offset of the converter shows",
+                      parameters().output_limit_um),
+          "move it", "leave it"};
+}
+
+Result<ScaleProposal> OutputController::scale_from_measured(const std::string& typed_um) const {
+  const auto measured_um = number_in(typed_um);
+  if (!measured_um) return problem(ProblemKind::usage, fmt::format("expected a length in um, found \"{}\"", typed_um));
+  return scale_from(parameters(), setting_.axis, setting_.um, *measured_um);
+}
+
+void OutputController::choose(Axis axis) {
+  if (axis == setting_.axis || busy()) return;
+  if (!setting_.at_rest()) {
+    message_.say(fmt::format("Axis {} still puts out {}: press o first, one axis at a time.", letter_of(setting_.axis),
+                             um_text(setting_.um)),
+                 Tone::warning);
+    return;
+  }
+  setting_.axis = axis;
+  rest_mm_.reset();
+}
+
+void OutputController::set(double um, bool relay) {
+  if (busy()) return;
+  const OutputSetting wanted{setting_.axis, um, relay};
+  job_.start([connection = connection_, wanted](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& line) -> Result<Taken> {
+      const auto before = line.client().monitor();
+      if (!before) return tl::unexpected(before.error());
+      if (const auto out = line.client().output_compensation(wanted.axis, wanted.um, wanted.relay); !out)
+        return tl::unexpected(out.error());
+      return Taken{wanted, *before};
+    });
+  });
+}
+
+void OutputController::step(int direction) {
+  const double limit = parameters().output_limit_um;
+  const double wanted = std::round(1e3 * (setting_.um + direction * step_um())) / 1e3;
+  if (std::abs(wanted) > limit)
+    message_.say(
+        fmt::format("Axis {} is at its output limit of {:g} um (a parameter of the unit): no further this way.",
+                    letter_of(setting_.axis), limit),
+        Tone::warning);
+  else
+    set(wanted, setting_.relay);
+}
+
+void OutputController::off() {
+  off_wanted_ = busy();
+  if (busy()) {
+    job_.cancel();
+    return;
+  }
+  job_.start([connection = connection_, axis = setting_.axis](JobControl& control) {
+    return connection->on_line_of_any_unit(control, [&](UnitLink& line) -> Result<Taken> {
+      if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
+      const auto seen = line.client().monitor();
+      if (!seen) return tl::unexpected(seen.error());
+      for (const Axis a : kAllAxes)
+        if (seen->axes[index_of(a)].relay_closed)
+          return problem(ProblemKind::link,
+                         fmt::format("the unit answers that all is off, but shows the relay of {} closed: press o "
+                                     "again; if it stays, use the emergency stop",
+                                     letter_of(a)));
+      return Taken{{axis, 0.0, false}, std::nullopt};
+    });
+  });
+}
+
+void OutputController::take(const Result<Taken>& taken) {
+  if (!taken) {
+    message_.say(taken.error());
+    return;
+  }
+  sent_at_ = std::chrono::steady_clock::now();
+  const OutputSetting& now = taken->setting;
+  if (setting_.at_rest() && taken->before) rest_mm_ = taken->before->axes[index_of(now.axis)].position_mm;
+  setting_ = now;
+  if (now.at_rest())
+    message_.say("Every output is 0, every relay is open.");
+  else
+    message_.say(fmt::format("Axis {}: {} put out, relay {}. o ends it.", letter_of(now.axis), um_text(now.um),
+                             now.relay ? "closed" : "open"));
+}
+
+void OutputController::start_reading_parameters() {
+  if (reading_.running() || busy() || !unit_.watched.open || unit_.watched.opened_at == parameters_of_) return;
+  parameters_of_ = unit_.watched.opened_at;
+  reading_.start([connection = connection_](JobControl& control) {
+    return connection->on_line(control, [](UnitLink& line) { return receive_parameters(line.client()); });
+  });
+}
+
+bool OutputController::advance() {
+  bool changed = unit_.look(*connection_);
+  if (!setting_.at_rest() && unit_.watched.times_lost != times_lost_)
+    message_.say(
+        "The link is lost: the command to open the relay did not reach the unit. It opens every relay by itself when "
+        "nothing was asked of it for 60 s; the emergency stop is quicker.",
+        Tone::bad);
+  times_lost_ = unit_.watched.times_lost;
+  if (unit_.restarts != restarts_) {
+    restarts_ = unit_.restarts;
+    const auto* seen = unit_.axis(setting_.axis);
+    if (!setting_.at_rest() && seen != nullptr && !seen->relay_closed)
+      message_.say("The unit was restarted: every output is 0, every relay is open.", Tone::warning);
+    setting_ = {setting_.axis, 0.0, false};
+    rest_mm_.reset();
+    changed = true;
+  }
+  if (changed) follow_unit();
+  start_reading_parameters();
+  if (const auto parameters = reading_.take()) {
+    parameters_known_ = parameters->has_value();
+    parameters_ = *parameters ? **parameters : UnitParameters{};
+    changed = true;
+  }
+  if (const auto taken = job_.take()) {
+    if (*taken || !off_wanted_) take(*taken);
+    if (off_wanted_) off();
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace ecs::commissioning

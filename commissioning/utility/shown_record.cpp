@@ -1,0 +1,124 @@
+#include "commissioning/utility/shown_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace ecs::commissioning {
+namespace {
+
+constexpr std::size_t kStretches = 400;  ///< of the time that is seen
+constexpr const char* kRecordNames[] = {"first", "second"};
+
+/// The least and the largest speed of every stretch, in the order in which they came.
+std::vector<PlotPoint> thinned(const ShownRecord& record, double from_s, double to_s) {
+  const std::size_t begin = record.at_or_after(from_s);
+  const std::size_t end = std::min(record.speeds_mm_min.size(), record.at_or_after(to_s) + 1);
+  const std::size_t each = std::max<std::size_t>(1, (end > begin ? end - begin : 0) / kStretches);
+  std::vector<PlotPoint> points;
+  const auto add = [&](std::size_t i) {
+    points.push_back({record.recording.time_s(i) + record.shift_s, record.speeds_mm_min[i]});
+  };
+  for (std::size_t k = begin; k < end; k += each) {
+    const auto from = record.speeds_mm_min.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto to = record.speeds_mm_min.begin() + static_cast<std::ptrdiff_t>(std::min(end, k + each));
+    const auto [least, most] = std::minmax_element(from, to);
+    add(static_cast<std::size_t>(std::min(least, most) - record.speeds_mm_min.begin()));
+    if (least != most) add(static_cast<std::size_t>(std::max(least, most) - record.speeds_mm_min.begin()));
+  }
+  return points;
+}
+
+PlotSeries series_of(const ShownRecord& record, int which, bool alone, double from_s, double to_s) {
+  const std::string name =
+      alone ? fmt::format("axis {}", letter_of(record.recording.axis))
+            : fmt::format("{}: {} {}", kRecordNames[which], letter_of(record.recording.axis), record.name);
+  return {name, which == 0 ? Mark::forward : Mark::reverse, thinned(record, from_s, to_s)};
+}
+
+/// Corners of a signal of 0 and 1, for a file.
+std::vector<PlotPoint> corners(const ShownRecord& record, bool DatumSample::*signal, double height) {
+  std::vector<PlotPoint> points;
+  const auto& samples = record.recording.samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool changes = i > 0 && samples[i].*signal != samples[i - 1].*signal;
+    const double t = record.recording.time_s(i) + record.shift_s;
+    if (changes) points.push_back({t, samples[i - 1].*signal ? height : 0.0});
+    if (changes || i == 0 || i + 1 == samples.size()) points.push_back({t, samples[i].*signal ? height : 0.0});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::size_t ShownRecord::at_or_after(double time_s) const {
+  const double k = (time_s - shift_s) * 1e6 / recording.sample_period_us;
+  return static_cast<std::size_t>(std::clamp(std::ceil(k), 0.0, static_cast<double>(speeds_mm_min.size())));
+}
+
+double ShownRecord::end_s() const {
+  return recording.samples.empty() ? shift_s : recording.time_s(recording.samples.size() - 1) + shift_s;
+}
+
+std::optional<std::size_t> ShownRecord::at(double time_s) const {
+  const double k = std::round((time_s - shift_s) * 1e6 / recording.sample_period_us);
+  if (k < 0.0 || k >= static_cast<double>(recording.samples.size())) return std::nullopt;
+  return static_cast<std::size_t>(k);
+}
+
+ShownRecord shown(DatumRecording recording, std::string name) {
+  ShownRecord record;
+  record.speeds_mm_min = speeds_mm_min(recording);
+  record.events = events_of(recording);
+  record.recording = std::move(recording);
+  record.name = std::move(name);
+  return record;
+}
+
+std::optional<double> first_switch_s(const ShownRecord& record) {
+  for (const DatumEvent& event : record.events)
+    if (event.what.starts_with("switch")) return event.time_s;
+  return std::nullopt;
+}
+
+PlotPanel speed_panel(const ShownRecord& first, const ShownRecord* second, double from_s, double to_s) {
+  PlotPanel panel;
+  panel.title = second == nullptr ? fmt::format("speed of axis {} over time", letter_of(first.recording.axis))
+                                  : "speed over time, two records";
+  panel.x_label = "s";
+  panel.y_label = "mm/min ";
+  panel.series.push_back(series_of(first, 0, second == nullptr, from_s, to_s));
+  if (second != nullptr) panel.series.push_back(series_of(*second, 1, false, from_s, to_s));
+  return panel;
+}
+
+PlotFigure datum_figure(const ShownRecord& first, const ShownRecord* second) {
+  const double from_s = std::min(first.shift_s, second == nullptr ? first.shift_s : second->shift_s);
+  const double to_s = std::max(first.end_s(), second == nullptr ? first.end_s() : second->end_s());
+  PlotFigure figure;
+  figure.title = fmt::format("Datum sequence of axis {}, {}", letter_of(first.recording.axis), first.name);
+  figure.same_scale = false;
+  figure.panels.push_back(speed_panel(first, second, from_s, to_s));
+  PlotPanel signals;
+  signals.title = "reference switch (closed: 1) and marker (0.5)";
+  signals.x_label = "s";
+  signals.series.push_back({"switch", Mark::forward, corners(first, &DatumSample::switch_closed, 1.0)});
+  signals.series.push_back({"marker", Mark::both, corners(first, &DatumSample::marker, 0.5)});
+  if (second != nullptr)
+    signals.series.push_back(
+        {"switch of the second", Mark::reverse, corners(*second, &DatumSample::switch_closed, 1.0)});
+  figure.panels.push_back(std::move(signals));
+  return figure;
+}
+
+std::string read_out_at(const ShownRecord& record, double time_s) {
+  const auto i = record.at(time_s);
+  if (!i) return fmt::format("{:.3f} s  nothing recorded", time_s);
+  const DatumSample& sample = record.recording.samples[*i];
+  return fmt::format("{:.3f} s  {} {:.1f} mm/min  {:.4f} mm  switch {}{}", time_s, letter_of(record.recording.axis),
+                     record.speeds_mm_min[*i], record.recording.position_mm(*i),
+                     sample.switch_closed ? "closed" : "open", sample.marker ? "  MARKER" : "");
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,75 @@
+// Why a link does not work, against a small unit on a real connection.
+#include "commissioning/link/doctor.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/unit_model.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+LinkChoice choice_of(const protocol::LinkAddress& address) { return {address, "--link"}; }
+
+Diagnosis examined(const LinkChoice& choice, std::vector<DoctorFinding>* reported = nullptr) {
+  return diagnosis_of(
+      choice, [](const std::string&) {},
+      [reported](const DoctorFinding& finding) {
+        if (reported != nullptr) reported->push_back(finding);
+      });
+}
+
+const DoctorFinding* finding(const Diagnosis& diagnosis, std::string_view check) {
+  for (const DoctorFinding& one : diagnosis.findings)
+    if (one.check == check) return &one;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("a unit that answers is named, and every finding is reported as soon as it is made") {
+  auto shop = protocol::Workshop::on_tcp();
+  std::vector<DoctorFinding> reported;
+  const Diagnosis diagnosis = examined(choice_of(shop.address()), &reported);
+  CHECK(diagnosis.works);
+  REQUIRE(diagnosis.identity);
+  CHECK(diagnosis.identity->serial_number == "ECS-0042");
+  CHECK(reported.size() == diagnosis.findings.size());
+  REQUIRE(finding(diagnosis, "link"));
+  CHECK(finding(diagnosis, "link")->state == FindingState::ok);
+  REQUIRE(finding(diagnosis, "line"));
+  CHECK(finding(diagnosis, "line")->message.starts_with("20 of 20 reads answered"));
+  CHECK(diagnosis.statistics.timeouts == 0);
+}
+
+TEST_CASE("the doctor only reads: the unit is given no command") {
+  auto shop = protocol::Workshop::on_tcp();
+  CHECK(examined(choice_of(shop.address())).works);
+  CHECK(shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { return model.log; }).empty());
+}
+
+TEST_CASE("a host that refuses the connection is a problem of the link, with something to do") {
+  const Diagnosis diagnosis = examined(parsed_link("tcp:127.0.0.1:1", "--link").value());
+  CHECK_FALSE(diagnosis.works);
+  REQUIRE(finding(diagnosis, "link"));
+  CHECK(finding(diagnosis, "link")->state == FindingState::problem);
+  CHECK_FALSE(finding(diagnosis, "link")->action.empty());
+  CHECK(finding(diagnosis, "connection") == nullptr);
+}
+
+TEST_CASE("a port that does not exist ends the examination at the port") {
+  const Diagnosis diagnosis = examined(parsed_link("rtu:/dev/no-such-port:9600", "--link").value());
+  CHECK_FALSE(diagnosis.works);
+  REQUIRE(diagnosis.findings.size() == 1);
+  CHECK(diagnosis.findings.front().check == "port");
+  CHECK(diagnosis.findings.front().state == FindingState::problem);
+}
+
+TEST_CASE("an examination that is cancelled ends without a working link") {
+  auto shop = protocol::Workshop::on_tcp();
+  const std::atomic<bool> cancelled{true};
+  const Diagnosis diagnosis = diagnosis_of(
+      choice_of(shop.address()), [](const std::string&) {}, {}, cancelled);
+  CHECK_FALSE(diagnosis.works);
+}
+
+}  // namespace ecs::commissioning

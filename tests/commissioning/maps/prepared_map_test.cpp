@@ -1,0 +1,110 @@
+// A map with its parameters, judged and made into the bytes for the unit.
+#include "commissioning/maps/prepared_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/file.hpp"
+#include "laser/map/csv.hpp"
+#include "tests/support/folder.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+/// A map and parameters of linear scope in a folder of their own.
+class MapFiles {
+ public:
+  MapFiles() {
+    auto file = params::read_parameters("samples/mill/parameters.toml").value();
+    file.parameters.scope = Scope::linear;
+    parameters = file.parameters;
+    identity = {"moving column mill", "MCM-0107"};
+    map.header.configuration = "TXYZ";
+    map.header.machine = identity.machine;
+    map.header.serial_number = identity.serial_number;
+    map.tables = {{Component::EXX, Approach::unknown, {-4100.0, 0.0}, {1.0, 0.0}},
+                  {Component::EYY, Approach::unknown, {-1400.0, 0.0}, {2.0, 0.0}},
+                  {Component::EZZ, Approach::unknown, {-1000.0, 0.0}, {3.0, 0.0}}};
+  }
+  [[nodiscard]] Result<PreparedMap> prepared(bool other_machine = false) const {
+    REQUIRE(write_file(folder_ / "map.csv", laser::to_map_csv(map)));
+    REQUIRE(params::write_parameters(folder_ / "parameters.toml", parameters, identity));
+    return prepared_map(folder_ / "map.csv", folder_ / "parameters.toml", other_machine);
+  }
+
+  laser::ErrorMap map;
+  UnitParameters parameters;
+  params::Identity identity;
+
+ private:
+  Folder folder_;
+};
+
+/// The reasons of a refusal, one below the other.
+std::string reasons(const Result<PreparedMap>& refused) {
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().kind == ProblemKind::refused);
+  return to_text(refused.error());
+}
+
+bool names(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a map that is complete for its parameters becomes the image of the unit, with both owners") {
+  const MapFiles files;
+  const auto prepared = files.prepared();
+  REQUIRE_MESSAGE(prepared, (prepared ? "" : to_text(prepared.error())));
+  CHECK(prepared->identity.serial_number == "MCM-0107");
+  CHECK(prepared->header.machine == "moving column mill");
+  const auto content = laser::content_of(prepared->image.bytes);
+  REQUIRE(content);
+  REQUIRE(content->map.tables.size() == 3);
+  CHECK(content->map.tables[0].component == Component::EXX);
+  CHECK(content->map.tables[0].compensation.front() == doctest::Approx(1.0).epsilon(0.01));
+  CHECK(content->parameters.scope == Scope::linear);
+}
+
+TEST_CASE("a map without a component that the scope needs is refused, and the component is named") {
+  MapFiles files;
+  files.map.tables.pop_back();
+  CHECK(names(reasons(files.prepared()), "EZZ"));
+}
+
+TEST_CASE("a component declared zero with a reason is not missing") {
+  MapFiles files;
+  files.map.tables.pop_back();
+  files.map.header.declared_zero.push_back({Component::EZZ, "measured below 1 um"});
+  CHECK(files.prepared());
+}
+
+TEST_CASE("a map made for another machine is refused unless that is meant") {
+  MapFiles files;
+  files.map.header.machine = "lathe";
+  CHECK(names(reasons(files.prepared()), "lathe"));
+  CHECK(files.prepared(true));
+}
+
+TEST_CASE("squareness measured for the map is not left behind where the parameters hold 0") {
+  MapFiles files;
+  files.parameters.scope = Scope::linear;
+  files.parameters.C0Y_um_per_m = 0.0;
+  files.map.header.sources.push_back({"C0Y", "xy.csv", "00"});
+  CHECK(names(reasons(files.prepared()), "C0Y"));
+}
+
+TEST_CASE("the unit of another serial number is an objection of the map and of its parameters") {
+  const MapFiles files;
+  const auto prepared = files.prepared();
+  REQUIRE(prepared);
+  CHECK(other_unit(*prepared, "MCM-0107").empty());
+  CHECK(other_unit(*prepared, "").empty());
+  CHECK(other_unit(*prepared, "MCM-0999").size() == 2);
+}
+
+TEST_CASE("a file that cannot be read is named") {
+  const auto missing = prepared_map("no/such/map.csv", "samples/mill/parameters.toml");
+  REQUIRE_FALSE(missing);
+  CHECK(names(to_text(missing.error()), "no/such/map.csv"));
+}
+
+}  // namespace ecs::commissioning
