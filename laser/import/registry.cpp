@@ -8,14 +8,34 @@
 
 namespace ecs::laser {
 
-extern const FileFormat kMeasurementCsv, kRenishawRun, kRenishawDynamic, kRenishawTable, kApiReport, kSiosEnvironment,
-    kIso230Assignments, kPlate, kChannelLog, kMappedColumns, kMappedMatrix;
+extern const FileFormat kMeasurementCsv;
+extern const FileFormat kRenishawRun;
+extern const FileFormat kRenishawDynamic;
+extern const FileFormat kRenishawTable;
+extern const FileFormat kApiReport;
+extern const FileFormat kSiosEnvironment;
+extern const FileFormat kIso230Assignments;
+extern const FileFormat kPlate;
+extern const FileFormat kChannelLog;
+extern const FileFormat kMappedColumns;
+extern const FileFormat kMappedMatrix;
 
 std::span<const FileFormat* const> file_formats() {
+  // clang-format off: a row a format
   static constexpr std::array kFormats{
-      &kMeasurementCsv,    &kRenishawRun, &kRenishawDynamic, &kRenishawTable, &kApiReport,    &kSiosEnvironment,
-      &kIso230Assignments, &kPlate,       &kChannelLog,      &kMappedColumns, &kMappedMatrix,
+      &kMeasurementCsv,
+      &kRenishawRun,
+      &kRenishawDynamic,
+      &kRenishawTable,
+      &kApiReport,
+      &kSiosEnvironment,
+      &kIso230Assignments,
+      &kPlate,
+      &kChannelLog,
+      &kMappedColumns,
+      &kMappedMatrix,
   };
+  // clang-format on
   return kFormats;
 }
 
