@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "model/effects/candidates.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/search.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::bench {
 

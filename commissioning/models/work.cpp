@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
-#include "model/effects/candidates.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
 

@@ -1,6 +1,6 @@
 // Smooth curves over a travel: Legendre polynomials in the order of their roughness, with mean and slope over the
 // measured positions removed.
-// Does not live here: how many of them a fit may use (model/effects/regressors.hpp).
+// Does not live here: how many of them a fit may use (model/regression/regressors.hpp).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // Readings as flat columns in an order that does not depend on the file's, with the facts of machine, map and known
-// components that effects need. Does not live here: what effects make of them (model/effects/regressors.hpp).
+// components that effects need. Does not live here: what effects make of them (model/regression/regressors.hpp).
 #pragma once
 
 #include <cstddef>

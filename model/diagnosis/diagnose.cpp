@@ -11,14 +11,14 @@
 
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/words.hpp"
-#include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/needs.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/fit/user_start.hpp"
+#include "model/regression/candidates.hpp"
+#include "model/regression/needs.hpp"
 
 namespace ecs::model {
 namespace {

@@ -7,12 +7,12 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
-#include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/search.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::model {
 namespace {

@@ -10,8 +10,8 @@
 #include <set>
 
 #include "model/data/curve_basis.hpp"
-#include "model/effects/candidates.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::model {
 namespace {

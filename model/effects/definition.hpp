@@ -1,7 +1,8 @@
 // What the library knows of an effect: its words, parameters and limits, how it acts on readings, at which values it is
 // searched and where it may be a candidate. Each effect is defined in a file of its own (<id>.cpp, listed in
 // registry.cpp); algorithms ask for traits, never for an id.
-// Does not live here: an effect at its place in a machine (effect.hpp), columns over observations (regressors.hpp).
+// Does not live here: an effect at its place in a machine (effect.hpp), columns over observations
+// (model/regression/regressors.hpp).
 #pragma once
 
 #include <cstddef>

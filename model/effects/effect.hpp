@@ -1,5 +1,6 @@
 // An effect at its place in a machine: what a model holds. Which effects there are says the library (definition.hpp).
-// Does not live here: what an effect contributes to a reading (regressors.hpp), model files (model/fit/model_file.hpp).
+// Does not live here: what an effect contributes to a reading (model/regression/regressors.hpp), model files
+// (model/fit/model_file.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Effects that the user writes as formulas (user_formula.hpp): anything of theirs is in the model file.
+// Effects that the user writes as formulas (model/regression/user_formula.hpp): anything of theirs is in the model
+// file.
 #include "model/effects/definition.hpp"
 #include "model/effects/separations.hpp"
 

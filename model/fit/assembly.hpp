@@ -10,9 +10,9 @@
 #include <Eigen/Dense>
 
 #include "base/result.hpp"
-#include "model/effects/regressors.hpp"
-#include "model/effects/user_formula.hpp"
 #include "model/fit/model_file.hpp"
+#include "model/regression/regressors.hpp"
+#include "model/regression/user_formula.hpp"
 
 namespace ecs::model {
 

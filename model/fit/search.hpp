@@ -1,6 +1,6 @@
 // The search for missing effects in the whitened space of a data set: what every candidate gains beyond what the model
 // absorbs, at what cost in free parameters. Internal to model/ (Eigen).
-// Does not live here: which effects there are (candidates.hpp), the verdict (diagnose.cpp).
+// Does not live here: which effects there are (model/regression/candidates.hpp), the verdict (diagnose.cpp).
 #pragma once
 
 #include <atomic>
@@ -11,8 +11,8 @@
 
 #include <Eigen/Dense>
 
-#include "model/effects/regressors.hpp"
 #include "model/fit/noise.hpp"
+#include "model/regression/regressors.hpp"
 
 namespace ecs::model {
 

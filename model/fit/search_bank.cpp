@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/gains.hpp"
 #include "model/fit/search.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::model {
 namespace {

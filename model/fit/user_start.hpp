@@ -1,9 +1,9 @@
 // Starting values of user effects that a diagnosis tries: found by fitting each alone beside the model.
-// Does not live here: the fit (model/fit/core.hpp), formulas (user_formula.hpp).
+// Does not live here: the fit (model/fit/core.hpp), formulas (model/regression/user_formula.hpp).
 #pragma once
 
-#include "model/effects/regressors.hpp"
 #include "model/fit/model_file.hpp"
+#include "model/regression/regressors.hpp"
 
 namespace ecs::model {
 

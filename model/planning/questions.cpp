@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/search.hpp"
 #include "model/planning/sentences.hpp"
+#include "model/regression/candidates.hpp"
 
 namespace ecs::model {
 namespace {

@@ -23,7 +23,7 @@ TEST_CASE("an empty text is null") {
 TEST_CASE("a problem gives message and place, null where there is none, and the problems beside it") {
   Problem problem{ProblemKind::bad_input, "expected 1", "a.csv", 4, 0, {}};
   problem.also.push_back({ProblemKind::bad_input, "expected 2", "a.csv", 5, 6, {}});
-  const Json json = json_of(problem);
+  const Json json = problem_json(problem);
   CHECK(json["message"] == "expected 1");
   CHECK(json["file"] == "a.csv");
   CHECK(json["line"] == 4);

@@ -45,7 +45,7 @@ std::string whole_text(const EffectDefinition& effect) {
   std::string text = fmt::format("{}: {}\n", effect.id, effect.title);
   text += paragraph(fmt::format("formula:      {}", effect.formula), 2, 16);
   text += paragraph(fmt::format("cause:        {}", effect.cause), 2, 16);
-  text += paragraph(fmt::format("separated by: {}", effect.tells_apart), 2, 16);
+  text += paragraph(fmt::format("distinguished by: {}", effect.tells_apart), 2, 16);
   for (const ParameterDefinition& parameter : effect.parameters)
     text += paragraph("parameter:    " + parameter_text(parameter), 2, 16);
   if (effect.traits.of_approach) text += "  acts only on readings of known approach of its own moving axis\n";

@@ -7,8 +7,8 @@
 
 #include <doctest/doctest.h>
 
-#include "model/effects/candidates.hpp"
 #include "model/planning/next_measurement.hpp"
+#include "model/regression/candidates.hpp"
 #include "tests/support/measured_lines.hpp"
 
 using namespace ecs;

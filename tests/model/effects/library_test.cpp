@@ -5,11 +5,11 @@
 
 #include <doctest/doctest.h>
 
-#include "model/effects/candidates.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/needs.hpp"
-#include "model/effects/regressors.hpp"
 #include "model/fit/fit.hpp"
+#include "model/regression/candidates.hpp"
+#include "model/regression/needs.hpp"
+#include "model/regression/regressors.hpp"
 #include "tests/support/measured_lines.hpp"
 
 using namespace ecs;

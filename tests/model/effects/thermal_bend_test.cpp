@@ -4,8 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include "model/effects/candidates.hpp"
 #include "model/fit/fit.hpp"
+#include "model/regression/candidates.hpp"
 #include "tests/support/measured_lines.hpp"
 
 using namespace ecs;

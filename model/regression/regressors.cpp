@@ -1,11 +1,11 @@
-#include "model/effects/regressors.hpp"
+#include "model/regression/regressors.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "model/effects/needs.hpp"
 #include "model/effects/quantities.hpp"
-#include "model/effects/user_formula.hpp"
+#include "model/regression/needs.hpp"
+#include "model/regression/user_formula.hpp"
 
 namespace ecs::model {
 namespace {

@@ -1,7 +1,7 @@
 // Between linear coefficients of columns and the parameters that people read.
 #include <cmath>
 
-#include "model/effects/regressors.hpp"
+#include "model/regression/regressors.hpp"
 
 namespace ecs::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/effects/regressors.hpp"
+#include "model/regression/regressors.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,11 +1,11 @@
-#include "model/effects/candidates.hpp"
+#include "model/regression/candidates.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "model/data/curve_basis.hpp"
-#include "model/effects/needs.hpp"
+#include "model/regression/needs.hpp"
 
 namespace ecs::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/effects/needs.hpp"
+#include "model/regression/needs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "model/effects/user_formula.hpp"
+#include "model/regression/user_formula.hpp"
 
 #include <array>
 #include <cmath>
