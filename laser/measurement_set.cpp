@@ -134,7 +134,8 @@ std::vector<Row> rows_in(const std::vector<std::string_view>& lines, std::size_t
     if (!cut.fault.empty()) {
       findings.add(line, cut.fault_column, cut.fault);
     } else if (trimmed(lines[i]).starts_with('#')) {
-      findings.add(line, 1, "expected a row of readings, found a line beginning with #: these belong before the header");
+      findings.add(line, 1,
+                   "expected a row of readings, found a line beginning with #: these belong before the header");
     } else if (cut.fields.size() != width) {
       const std::size_t at = std::min(width, cut.fields.size() - 1);
       findings.add(

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "app/cli/keyboard.hpp"
 #include "app/names/commissioning.hpp"
@@ -29,7 +30,7 @@ struct ConsoleOptions {
 class Console final : public MessageSink {
  public:
   Console(std::ostream& out, std::ostream& messages, ConsoleOptions options = {})
-      : out_(&out), messages_(&messages), options_(options) {}
+      : out_(&out), messages_(&messages), options_(std::move(options)) {}
 
   bool json = false;           ///< --json
   bool quiet = false;          ///< --quiet: no notes, no progress bar; warnings and problems stay

@@ -21,7 +21,7 @@ extern const FileFormat kMappedColumns;
 extern const FileFormat kMappedMatrix;
 
 std::span<const FileFormat* const> file_formats() {
-  // clang-format off: a row a format
+  // clang-format off
   static constexpr std::array kFormats{
       &kMeasurementCsv,
       &kRenishawRun,
