@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/data/observations.hpp"
+#include "model/fit/model_file.hpp"
 
 namespace ecs::bench {
 

@@ -6,6 +6,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "protocol/client/client.hpp"
+
 namespace ecs::commissioning {
 namespace {
 
@@ -69,7 +71,7 @@ const protocol::AxisSample* UnitView::axis(Axis which) const {
 std::string age_text(double age_s) { return age_s < 1.0 ? "" : fmt::format("seen {} s ago", shown_age(age_s)); }
 
 void say_failed(Message& message, const Problem& problem, bool given_up) {
-  const bool unit_knows = problem.message.find("could not be told") == std::string::npos;
+  const bool unit_knows = problem.message.find(protocol::kStopNotReceived) == std::string::npos;
   if (given_up && unit_knows)
     message.say("Given up.", Tone::warning);
   else

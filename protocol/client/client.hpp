@@ -15,6 +15,9 @@
 
 namespace ecs::protocol {
 
+/// Part of the message of a command that ended early where the unit may still carry it out: its stop was not answered.
+inline constexpr std::string_view kStopNotReceived = "the request to stop did not reach the unit";
+
 struct Progress {
   std::size_t bytes_done = 0;
   std::size_t bytes_total = 0;

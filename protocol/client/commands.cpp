@@ -126,7 +126,7 @@ Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
   link_.heed_cancel(true);
   return problem(ProblemKind::link,
                  fmt::format("{}: {}{}", name_of(command.code), over ? "not done in time; stopped" : "cancelled",
-                             taken ? "" : " (the request to stop did not reach the unit)"));
+                             taken ? "" : fmt::format(" ({})", kStopNotReceived)));
 }
 
 Result<void> UnitClient::run_plain(const Command& command, std::chrono::milliseconds limit) {
