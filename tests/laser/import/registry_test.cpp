@@ -76,8 +76,12 @@ TEST_CASE("every file format has a fuzzer and seeds for it") {
   REQUIRE(list);
   for (const FileFormat* format : file_formats()) {
     CAPTURE(format->id);
-    CHECK(list->find(" " + std::string(format->id)) != std::string::npos);
-    CHECK(std::filesystem::is_directory("tests/fuzz/corpus/" + std::string(format->id)));
+    const std::string id(format->id);
+    const std::string seeds = "tests/fuzz/corpus/" + id;
+    const bool listed = list->find(" " + id) != std::string::npos;
+    CHECK_MESSAGE(listed, "add " << id << " to the readers in tests/fuzz/CMakeLists.txt");
+    const bool seeded = std::filesystem::is_directory(seeds) && !std::filesystem::is_empty(seeds);
+    CHECK_MESSAGE(seeded, "put a seed into " << seeds);
   }
 }
 
