@@ -191,10 +191,12 @@ std::vector<ParameterScore> parameter_scores(const HiddenTruth& truth, const Fou
   for (const HiddenEffect& hidden : truth.effects)
     for (const FoundEffect& found : answer.candidates) {
       if (!found.named || to_text(found.effect) != hidden.name || !details_agree(hidden, found)) continue;
+      // The other order of a pair of sensors turns the sign of their difference.
+      const double sign = !hidden.sensor2.empty() && hidden.sensor != found.effect.sensor ? -1.0 : 1.0;
       for (const auto& [name, value] : hidden.parameters) {
         const auto estimate = found.parameters.find(name);
         if (estimate == found.parameters.end()) continue;
-        ParameterScore score{hidden.name, name, value, nearest_value(name, estimate->second, value), {}};
+        ParameterScore score{hidden.name, name, value, nearest_value(name, sign * estimate->second, value), {}};
         if (const auto sigma = found.sigma.find(name); sigma != found.sigma.end()) score.sigma = sigma->second;
         scores.push_back(score);
       }
