@@ -69,17 +69,18 @@ int show_text(VerbContext& context, const std::string& key, const std::string& t
 }
 
 int parsed_and_run(const VerbRegistry& registry, const std::vector<std::string>& words, VerbContext& context) {
-  const Request request = parsed(registry, words, context);
+  using Kind = cli::Request::Kind;
+  const auto [request, action] = parsed(registry, words, context);
   switch (request.kind) {
-    case Request::Kind::run:
-      return run_action(context, request.action);
-    case Request::Kind::help:
+    case Kind::run:
+      return run_action(context, action);
+    case Kind::help:
       return show_text(context, "help", request.text);
-    case Request::Kind::version:
+    case Kind::version:
       return show_text(context, "version", program_version_and_commit());
-    case Request::Kind::overview:
+    case Kind::no_words:
       return run_action(context, [&registry](VerbContext& c) { return overview(registry, c); });
-    case Request::Kind::wrong:
+    case Kind::wrong:
       break;
   }
   return failed(context, {ProblemKind::usage, request.text, {}, 0, 0, {}});
