@@ -151,8 +151,7 @@ WordsEnd end_of(const CLI::App& root, const std::vector<std::string>& words) {
   end.path = root.get_name();
   std::size_t places = 0;  ///< words that the menu itself takes by their place
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i] == "--link") ++i;
-    if (i >= words.size() || words[i].starts_with("-")) continue;
+    if (words[i].starts_with("-") || (i > 0 && words[i - 1] == "--link")) continue;
     const auto subs = end.app->get_subcommands([&](const CLI::App* sub) { return sub->get_name() == words[i]; });
     if (subs.empty()) {
       if (places > 0) {
