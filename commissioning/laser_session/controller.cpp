@@ -60,9 +60,7 @@ LaserController::LaserController(std::shared_ptr<UnitConnection> unit)
 }
 
 LaserController::~LaserController() {
-  job_.cancel();
-  look_.cancel();
-  working_out_.cancel();
+  for (TaskRunner* task : {&working_out_, &task_, &looking_}) task->cancel();
 }
 
 // --- choices --------------------------------------------------------------------------------------------------------
@@ -156,9 +154,12 @@ void LaserController::work_out(bool with_map) {
     return;
   }
   pending_ = false;
-  map_pending_ = !with_map;
-  working_out_.start([choices = choices_, before = work_, folder = folder_->path, with_map](JobControl& control) {
+  const auto work = [choices = choices_, before = work_, folder = folder_->path, with_map](JobControl& control) {
     return worked_out(choices, before, folder, with_map, control);
+  };
+  working_out_.start("working out", work, [this, with_map](LaserWorkPtr done) {
+    work_ = std::move(done);
+    if (pending_ || !with_map) work_out(!pending_);
   });
 }
 
@@ -231,21 +232,9 @@ bool LaserController::would_overwrite() const {
 }
 
 bool LaserController::idle() {
-  if (!job_.running()) return true;
-  message_.say(fmt::format("{}: wait, or Esc stops it", busy_with_), Tone::warning);
+  if (!task_.running()) return true;
+  message_.say(fmt::format("{}: wait, or Esc stops it", task_.label()), Tone::warning);
   return false;
-}
-
-void LaserController::start(Doing doing, const std::string& label, Piece piece) {
-  busy_with_ = label;
-  seen_ = std::make_shared<SendProgress>();
-  part_shown_ = -1.0;
-  job_.start([doing, seen = seen_, piece = std::move(piece)](JobControl& control) {
-    Done done;
-    done.doing = doing;
-    piece(control, *seen, done);
-    return done;
-  });
 }
 
 bool LaserController::can_save() {
@@ -261,63 +250,69 @@ bool LaserController::can_save() {
   return false;
 }
 
+void LaserController::say_failed(const std::string& what, const Problem& why) {
+  message_.say(what + ": " + to_text(why), Tone::bad);
+}
+
+void LaserController::take_saved(const SavedMap& saved) {
+  saved_csv_ = saved.csv;
+  saved_file_ = saved.files.map;
+  if (work_->map.csv == saved.csv) changed_ = false;
+}
+
 void LaserController::save() {
   if (!can_save()) return;
-  start(Doing::saving, "saving",
-        [work = work_, choices = choices_, folder = folder_->path](JobControl&, SendProgress&, Done& done) {
-          const auto files = save_laser_map(work->map, choices, folder);
-          done.csv = work->map.csv;
-          if (files)
-            done.files = *files;
-          else
-            done.problem = files.error();
-        });
+  const auto work = [work = work_, choices = choices_, folder = folder_->path](JobControl&) {
+    return save_laser_map(work->map, choices, folder);
+  };
+  task_.start("saving", work, [this](const Result<SavedMap>& saved) {
+    if (!saved) return say_failed("saving", saved.error());
+    take_saved(*saved);
+    const MapFiles& files = saved->files;
+    message_.say(fmt::format("saved: {}, its parameters {}, the recipe {}", files.map, files.parameters, files.recipe));
+  });
 }
 
 void LaserController::prepare() {
   if (!can_save()) return;
   ready_.reset();
-  start(Doing::preparing, "saving and checking",
-        [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobControl& control, SendProgress&,
-                                                                                 Done& done) {
-          const auto files = save_laser_map(work->map, choices, folder);
-          if (!files) {
-            done.problem = files.error();
-            return;
-          }
-          done.files = *files;
-          done.csv = work->map.csv;
-          auto ready = ready_map(*unit, control, *files);
-          if (ready)
-            done.ready = std::move(*ready);
-          else
-            done.problem = ready.error();
-        });
-}
-
-void LaserController::send() {
-  if (!idle() || !ready_) return;
-  failed_.reset();
-  after_failure_.clear();
-  forget_verdict();
-  start(Doing::sending, "sending the map",
-        [ready = *ready_, unit = unit_](JobControl& control, SendProgress& seen, Done& done) {
-          done.ready = ready;
-          auto sent = sent_map(*unit, control, ready, seen);
-          if (sent)
-            done.sent = std::move(*sent);
-          else
-            done.problem = sent.error();
-        });
+  struct Prepared {
+    Result<SavedMap> saved;
+    Result<ReadyMap> ready;
+  };
+  const auto work = [work = work_, choices = choices_, folder = folder_->path, unit = unit_](JobControl& control) {
+    auto saved = save_laser_map(work->map, choices, folder);
+    auto ready = saved ? ready_map(*unit, control, saved->files) : tl::unexpected(saved.error());
+    return Prepared{std::move(saved), std::move(ready)};
+  };
+  task_.start("saving and checking", work, [this](Prepared done) {
+    if (!done.saved) return say_failed("not saved", done.saved.error());
+    take_saved(*done.saved);
+    if (!done.ready) return say_failed("saved, but not sent", done.ready.error());
+    ready_ = std::move(*done.ready);
+  });
 }
 
 void LaserController::receive_parameters(const std::string& file) {
   if (!idle()) return;
-  start(Doing::receiving, "receiving the parameters",
-        [file, unit = unit_](JobControl& control, SendProgress&, Done& done) {
-          done.params_file = file;
-          if (const auto got = receive_parameters_into(*unit, control, file); !got) done.problem = got.error();
-        });
+  const auto work = [file, unit = unit_](JobControl& control) { return receive_parameters_into(*unit, control, file); };
+  task_.start("receiving the parameters", work, [this, file](const Result<void>& received) {
+    if (!received) return say_failed("receiving the parameters", received.error());
+    message_.say("parameters of the unit written to " + file);
+    change("parameters of the unit", [&](LaserChoices& c) { c.params_file = file; });
+    read_again();
+  });
+}
+
+bool LaserController::advance() {
+  bool changed = working_out_.advance();
+  changed = task_.advance() || changed;
+  const double part = task_.running() ? task_.part() : -1.0;
+  changed = changed || part != part_shown_;
+  part_shown_ = part;
+  look_after_failure();
+  changed = looking_.advance() || changed;
+  return note_changes() || changed;
 }
 
 }  // namespace ecs::commissioning

@@ -66,15 +66,13 @@ class LaserController {
   void watch_verdict();
   void receive_parameters(const std::string& file);
   /// Asks what runs on line or disc to stop.
-  void cancel() { job_.cancel(); }
+  void cancel() { task_.cancel(); }
 
   /// Takes what has been finished meanwhile. @return whether anything changed
   [[nodiscard]] bool advance();
-  [[nodiscard]] bool working() const { return working_out_.running() || pending_; }
-  [[nodiscard]] bool busy() const { return job_.running(); }
-  [[nodiscard]] const std::string& busy_with() const { return busy_with_; }
-  [[nodiscard]] double part() const { return job_.part(); }
-  [[nodiscard]] double seconds_left() const { return seen_ ? seen_->seconds_left.load() : -1.0; }
+  [[nodiscard]] bool working() const { return working_out_.running(); }
+  [[nodiscard]] bool busy() const { return task_.running(); }
+  [[nodiscard]] const TaskRunner& task() const { return task_; }  ///< on disc or over the link
   [[nodiscard]] Message& message() { return message_; }
   [[nodiscard]] const Message& message() const { return message_; }
 
@@ -97,37 +95,22 @@ class LaserController {
   [[nodiscard]] std::string unsaved() const;
 
  private:
-  enum class Doing { saving, preparing, sending, verifying, looking, receiving, switching };
-  struct Done {
-    Doing doing = Doing::saving;
-    std::optional<Problem> problem;
-    MapFiles files;
-    std::string csv;  ///< of the map that was saved
-    std::optional<ReadyMap> ready;
-    std::optional<SentMap> sent;
-    std::optional<VerifiedMap> verified;
-    std::optional<std::uint32_t> active;
-    std::string params_file;
-  };
-  using Piece = std::function<void(JobControl&, SendProgress&, Done&)>;
-
   using History = std::vector<std::pair<std::string, LaserChoices>>;
   void step_over(History& from, History& to);
   void work_out(bool with_map);
   void keep();
   [[nodiscard]] bool idle();
-  void start(Doing doing, const std::string& label, Piece piece);
   [[nodiscard]] bool can_save();
-  void take(const Done& done);
-  void take_failure(const Done& done);
+  void take_saved(const SavedMap& saved);
+  void take_sent(const SendAttempt& attempt, const ReadyMap& ready);
   void look_after_failure();
+  void take_active_after_failure(const std::optional<std::uint32_t>& active);
+  void say_failed(const std::string& what, const Problem& why);
   void forget_verdict();
   void take_verdict(const VerifiedMap& verified);
-  /// Whether the verdict became stale by what is known without asking the unit, or by what a look brought.
+  /// Whether the verdict became stale by what is known without asking the unit.
   [[nodiscard]] bool note_changes();
-  [[nodiscard]] bool take_look();
   void say_stale(const std::string& why);
-  void say_saved(const MapFiles& files);
   void warn_of_newer_files(const std::string& than);
 
   std::shared_ptr<UnitConnection> unit_;
@@ -139,11 +122,6 @@ class LaserController {
   bool changed_ = false;  ///< since the map was saved last
   LaserWorkPtr work_;
   bool pending_ = false;  ///< the choices went on while work was done
-  bool map_pending_ = false;
-  Job<LaserWorkPtr> working_out_;
-  Job<Done> job_;
-  std::string busy_with_;
-  std::shared_ptr<SendProgress> seen_;
   std::string saved_csv_, saved_file_, sent_csv_;
   double part_shown_ = -1.0;
   std::optional<ReadyMap> ready_, failed_;
@@ -153,16 +131,14 @@ class LaserController {
   std::string compared_csv_;             ///< the map that was compared
   std::string stale_;
   std::uint64_t unit_time_us_ = 0;  ///< of the newest sample since the comparison
-  struct Look {
-    int comparison = 0;  ///< the one that stood when it began
-    Result<UnitHolding> now;
-  };
-  Job<Look> look_;
-  int comparison_ = 0;  ///< counts them
+  int comparison_ = 0;              ///< counts them
   std::chrono::steady_clock::time_point next_verdict_look_{};
   std::string after_failure_;
   std::chrono::steady_clock::time_point next_look_{};
   Message message_;
+  TaskRunner working_out_;
+  TaskRunner task_;
+  TaskRunner looking_;  ///< whether the verdict still holds
 };
 
 }  // namespace ecs::commissioning

@@ -20,14 +20,15 @@ void LaserController::verify() {
     message_.say("there is nothing to compare with yet: step 8 saves and sends the map", Tone::warning);
     return;
   }
-  start(Doing::verifying, "reading the map back",
-        [files = files_of_map(saved_file_), unit = unit_](JobControl& control, SendProgress& seen, Done& done) {
-          auto verified = verified_map(*unit, control, files, seen);
-          if (verified)
-            done.verified = std::move(*verified);
-          else
-            done.problem = verified.error();
-        });
+  const auto work = [files = files_of_map(saved_file_), unit = unit_](JobControl& control) {
+    return verified_map(*unit, control, files);
+  };
+  task_.start("reading the map back", work, [this](const Result<VerifiedMap>& verified) {
+    if (!verified) return say_failed("reading the map back", verified.error());
+    take_verdict(*verified);
+    message_.say(verdict_->same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
+                 verdict_->same() ? Tone::good : Tone::bad);
+  });
 }
 
 void LaserController::compensate() {
@@ -37,12 +38,16 @@ void LaserController::compensate() {
   if (verdict_ && !verdict_->same())
     return message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again",
                         Tone::bad);
-  start(Doing::switching, "compensation mode",
-        [expected = ExpectedMap{compared_ ? std::nullopt : sent_, compared_}, unit = unit_](JobControl& control,
-                                                                                            SendProgress&, Done& done) {
-          const auto switched = switch_to_compensation(*unit, control, expected);
-          if (!switched) done.problem = switched.error();
-        });
+  const ExpectedMap expected{compared_ ? std::nullopt : sent_, compared_};
+  const auto work = [expected, unit = unit_](JobControl& control) {
+    return switch_to_compensation(*unit, control, expected);
+  };
+  task_.start("compensation mode", work, [this](const Result<void>& switched) {
+    if (!switched) return say_failed("compensation mode", switched.error());
+    message_.say(
+        "the unit watches: reference every axis at the control now; ECS UTILITY, DISPLAY ECS STATUS shows how far it "
+        "is (emulator: g there)");
+  });
 }
 
 void LaserController::forget_verdict() {
@@ -86,22 +91,14 @@ bool LaserController::note_changes() {
 }
 
 void LaserController::watch_verdict() {
-  if (!compared_ || !stale_.empty() || job_.running() || look_.running()) return;
+  if (!compared_ || !stale_.empty() || task_.running() || looking_.running()) return;
   if (Clock::now() < next_verdict_look_ || !unit_->snapshot().open) return;
-  look_.start([unit = unit_, comparison = comparison_](JobControl& control) {
-    return Look{comparison, holding_of_unit(*unit, control)};
+  const auto look = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
+  looking_.start("looking at the unit", look, [this, comparison = comparison_](const Result<UnitHolding>& now) {
+    next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
+    if (comparison != comparison_ || !now || !compared_ || !stale_.empty()) return;
+    if (const std::string why = changed_since(*compared_, *now); !why.empty()) say_stale(why);
   });
-}
-
-bool LaserController::take_look() {
-  const auto look = look_.take();
-  if (!look) return false;
-  next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
-  if (look->comparison != comparison_ || !look->now || !compared_ || !stale_.empty()) return false;
-  const std::string why = changed_since(*compared_, *look->now);
-  if (why.empty()) return false;
-  say_stale(why);
-  return true;
 }
 
 }  // namespace ecs::commissioning

@@ -75,7 +75,7 @@ MapFiles files_of_map(const std::string& map_file) {
   return {map_file, stem + "-parameters.toml", stem + "-recipe.toml", stem + "-files"};
 }
 
-Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& choices, const fs::path& prepared) {
+Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices, const fs::path& prepared) {
   const MapFiles files = files_of_map(choices.map_file);
   std::error_code error;
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
@@ -85,7 +85,7 @@ Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
     if (const auto written = write_file(name, text); !written) return tl::unexpected(written.error());
   const auto written = params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
   if (!written) return tl::unexpected(written.error());
-  return files;
+  return SavedMap{files, work.csv};
 }
 
 }  // namespace ecs::commissioning

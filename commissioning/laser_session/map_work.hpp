@@ -73,9 +73,14 @@ struct MapFiles {
   std::string map, parameters, recipe, folder;
 };
 [[nodiscard]] MapFiles files_of_map(const std::string& map_file);
+
+struct SavedMap {
+  MapFiles files;
+  std::string csv;  ///< of the map
+};
 /// Writes map, parameters with the squareness measured, the recipe that makes the same map with `ecs map build`, and
 /// the files that had to be prepared for it. @pre work.built
-[[nodiscard]] Result<MapFiles> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
+[[nodiscard]] Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                               const std::filesystem::path& prepared_folder);
 
 }  // namespace ecs::commissioning

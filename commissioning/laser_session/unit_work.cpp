@@ -9,14 +9,6 @@
 namespace ecs::commissioning {
 namespace {
 
-protocol::ProgressCallback told_to(JobControl& control, SendProgress& seen) {
-  return [&control, &seen](const protocol::Progress& progress) {
-    if (progress.bytes_total > 0)
-      control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
-    seen.seconds_left = progress.seconds_left;
-  };
-}
-
 std::string check_text(const std::optional<std::uint32_t>& check) {
   return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
 }
@@ -86,28 +78,26 @@ Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapF
   });
 }
 
-Result<SentMap> sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready, SendProgress& seen) {
-  return unit.on_line(control, [&](UnitLink& line) -> Result<SentMap> {
+SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready) {
+  bool begun = false;
+  auto sent = unit.on_line(control, [&](UnitLink& line) -> Result<SentMap> {
     const auto active = active_check(line.client());
     if (!active) return tl::unexpected(active.error());
     if (*active != ready.active)
       return problem(ProblemKind::refused,
                      "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
                      "was sent; Enter asks again");
-    const auto before = [&seen](std::optional<std::uint32_t> check) {
-      seen.had_map = check.has_value();
-      seen.check_before = check.value_or(0);
-      seen.begun = true;
-    };
-    return send_map(line.client(), *ready.map, ready.files.map, false, before, told_to(control, seen));
+    const auto before = [&begun](std::optional<std::uint32_t>) { begun = true; };
+    return send_map(line.client(), *ready.map, ready.files.map, false, before, progress_into(control));
   });
+  return {std::move(sent), begun};
 }
 
-Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files, SendProgress& seen) {
+Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
   return unit.on_line(control, [&](UnitLink& line) -> Result<VerifiedMap> {
     const auto before = holding_over(unit, line);
     if (!before) return tl::unexpected(before.error());
-    const auto found = map_in(line.client(), told_to(control, seen));
+    const auto found = map_in(line.client(), progress_into(control));
     if (!found) return tl::unexpected(found.error());
     auto verdict = verdict_on(*found, files.map, files.parameters);
     if (!verdict) return tl::unexpected(verdict.error());

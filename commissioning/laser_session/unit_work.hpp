@@ -3,7 +3,6 @@
 // (commissioning/maps/sent.hpp).
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -15,17 +14,9 @@
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/sent.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
-
-/// Seen while a map is on its way.
-struct SendProgress {
-  std::atomic<double> seconds_left{-1.0};  ///< below 0: not known yet
-  std::atomic<bool> begun{false};          ///< bytes leave for the unit
-  std::atomic<bool> had_map{false};        ///< `check_before` holds
-  std::atomic<std::uint32_t> check_before{0};
-};
 
 /// A map that passed every check here and at the unit, which has not got it yet.
 struct ReadyMap {
@@ -34,6 +25,11 @@ struct ReadyMap {
   protocol::Identity unit;
   std::optional<std::uint32_t> active;  ///< block check of what the unit holds now
   std::uint32_t check = 0;              ///< of this map
+};
+
+struct SendAttempt {
+  Result<SentMap> sent;
+  bool begun = false;  ///< bytes left for the unit
 };
 
 /// Which unit, and which map is active in it: what a comparison holds for.
@@ -62,12 +58,10 @@ struct ExpectedMap {
 /// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.
 [[nodiscard]] Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
 /// Whole or not at all; the old map stays active until the new one is whole and read back.
-[[nodiscard]] Result<SentMap> sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready,
-                                       SendProgress& seen);
+[[nodiscard]] SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready);
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
 /// map while it was read.
-[[nodiscard]] Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files,
-                                               SendProgress& seen);
+[[nodiscard]] Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
 /// Who the unit is and what is active in it: a few short transfers.
 [[nodiscard]] Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control);
 /// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.

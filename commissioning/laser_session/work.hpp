@@ -11,7 +11,7 @@
 #include "commissioning/laser_session/curves.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/laser_session/map_work.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
 

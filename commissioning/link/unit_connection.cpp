@@ -30,8 +30,8 @@ UnitConnection::UnitConnection(std::string link) : link_(std::move(link)) {
   guard_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       {
-        const std::lock_guard lock(signs_mutex_);
-        cancelled_ = leaving_ || (signs_ != nullptr && signs_->cancelled);
+        const std::lock_guard lock(control_mutex_);
+        cancelled_ = leaving_ || (control_ != nullptr && control_->cancelled);
       }
       std::this_thread::sleep_for(kGlance);
     }
@@ -101,14 +101,14 @@ UnitConnection::Turn::Turn(UnitConnection& connection, JobControl& control) : co
   ++connection.waiting_;
   line_lock_ = std::unique_lock(connection.line_mutex_);
   --connection.waiting_;
-  const std::lock_guard lock(connection.signs_mutex_);
-  connection.signs_ = &control;
+  const std::lock_guard lock(connection.control_mutex_);
+  connection.control_ = &control;
   connection.cancelled_ = connection.leaving_ || control.cancelled;
 }
 
 UnitConnection::Turn::~Turn() {
-  const std::lock_guard lock(connection_->signs_mutex_);
-  connection_->signs_ = nullptr;
+  const std::lock_guard lock(connection_->control_mutex_);
+  connection_->control_ = nullptr;
   connection_->cancelled_ = connection_->leaving_.load();
 }
 
@@ -251,6 +251,14 @@ void UnitConnection::lost(const Problem& why) {
   state_.problem = to_text(why);
   ++state_.failed;
   ++changes_;
+}
+
+protocol::ProgressCallback progress_into(JobControl& control) {
+  return [&control](const protocol::Progress& progress) {
+    if (progress.bytes_total > 0)
+      control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
+    control.seconds_left = progress.seconds_left;
+  };
 }
 
 }  // namespace ecs::commissioning

@@ -16,7 +16,7 @@
 
 #include "base/result.hpp"
 #include "commissioning/link/unit_link.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::commissioning {
@@ -62,7 +62,7 @@ class UnitConnection {
   /// From now on another link; the line that is open is closed.
   void choose(const std::string& link);
 
-  /// Does `work(UnitLink&)`, which returns a Result, with the line to itself; for the thread of a Job, whose cancel
+  /// Does `work(UnitLink&)`, which returns a Result, with the line to itself; for the thread of a task, whose cancel
   /// ends what is under way. Opens the line first where there is none. Refused if another unit answers than the one
   /// that is shown: it is shown from then on.
   template <class Work>
@@ -150,12 +150,15 @@ class UnitConnection {
 
   std::atomic<int> waiting_{0};  ///< pieces of work that want the line
   std::atomic<int> watchers_{0};
-  std::mutex signs_mutex_;
-  JobControl* signs_ = nullptr;  ///< of the work on the line
+  std::mutex control_mutex_;
+  JobControl* control_ = nullptr;  ///< of the work on the line
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> leaving_{false};
   std::jthread guard_;  ///< carries a cancel over to the line
   std::jthread thread_;
 };
+
+/// Shows a transfer in the progress of the task that it is part of.
+[[nodiscard]] protocol::ProgressCallback progress_into(JobControl& control);
 
 }  // namespace ecs::commissioning

@@ -35,20 +35,11 @@ std::string MemoryController::source() const {
 
 bool MemoryController::advance(const Stretch& shown) {
   bool changed = !working_on().empty();
-  if (auto landing = job_.take()) {
-    if (!waiting_) label_.clear();
-    (*landing)(*this);
-    changed = true;
-  }
+  changed = pages_.advance() || changed;
+  changed = task_.advance() || changed;
   changed = follow_unit() || changed;
   if (search_) step_search();
-  if (job_.running()) return changed;
-  if (waiting_) {
-    job_.start(std::move(*waiting_));
-    waiting_.reset();
-  } else {
-    start_needed(shown);
-  }
+  if (!pages_.running() && !task_.running()) start_needed(shown);
   return changed;
 }
 
@@ -135,11 +126,12 @@ void MemoryController::start_needed(const Stretch& shown) {
 }
 
 void MemoryController::read(const Stretch& stretch) {
-  job_.start([unit = unit_, stretch](JobControl& control) -> Landing {
-    const auto bytes =
-        unit->on_line(control, [&](UnitLink& line) { return line.client().read_memory(stretch.first, stretch.bytes); });
-    if (control.cancelled) return [](MemoryController&) {};
-    return [stretch, bytes](MemoryController& controller) { controller.landed(stretch, bytes); };
+  const auto work = [unit = unit_, stretch](JobControl& control) {
+    return unit->on_line(control,
+                         [&](UnitLink& link) { return link.client().read_memory(stretch.first, stretch.bytes); });
+  };
+  pages_.start("reading pages", work, [this, stretch](const Result<std::vector<std::uint8_t>>& bytes) {
+    if (!pages_.cancelled()) landed(stretch, bytes);
   });
 }
 
@@ -173,7 +165,7 @@ void MemoryController::decode_again() { names_ = MemoryNames(memory_); }
 
 void MemoryController::read_again(const Stretch& shown) {
   if (is_file()) return message_.say("this is a file: it does not change", Tone::warning);
-  if (job_.running()) return message_.say("still reading", Tone::warning);
+  if (pages_.running() || task_.running()) return message_.say("still reading", Tone::warning);
   if (is_empty() || !memory_.region_of(shown.first)) return;
   const Address from = memory_.region_of(shown.first)->first;
   const std::uint32_t page = (shown.first - from) / kPageBytes;
@@ -238,21 +230,18 @@ void MemoryController::compare_again() {
 }
 
 void MemoryController::compare_with(const std::string& path) {
-  begin("reading " + path, [path](JobControl&) -> Landing {
-    const auto dump = read_dump(path);
-    return [path, dump](MemoryController& controller) {
-      if (!dump) return controller.message_.say(dump.error());
-      controller.other_ = MemoryBytes::of_dump(*dump);
-      controller.other_names_ = MemoryNames(*controller.other_);
-      controller.other_file_ = path;
-      controller.compare_again();
-      controller.message_.say(controller.differences_.empty()
-                                  ? fmt::format("no difference to {} in what is read", path)
-                                  : fmt::format("compared with {}: d goes to the next difference, 2 "
-                                                "lists them",
-                                                path));
-      for (const std::string& damage : dump->damage) controller.message_.say(damage, Tone::bad);
-    };
+  if (!gives_way()) return;
+  const auto work = [path](JobControl&) { return read_dump(path); };
+  task_.start("reading " + path, work, [this, path](const Result<MemoryDump>& dump) {
+    if (!dump) return message_.say(dump.error());
+    other_ = MemoryBytes::of_dump(*dump);
+    other_names_ = MemoryNames(*other_);
+    other_file_ = path;
+    compare_again();
+    message_.say(differences_.empty()
+                     ? fmt::format("no difference to {} in what is read", path)
+                     : fmt::format("compared with {}: d goes to the next difference, 2 lists them", path));
+    for (const std::string& damage : dump->damage) message_.say(damage, Tone::bad);
   });
 }
 
@@ -269,30 +258,26 @@ void MemoryController::to_next_difference() {
 }
 
 // --- long work
-void MemoryController::begin(std::string label, Work work) {
-  if (!label_.empty()) return message_.say(fmt::format("still {}: Esc gives it up", label_), Tone::warning);
-  filling_.reset();
-  search_.reset();
-  label_ = std::move(label);
-  begun_ = Clock::now();
-  part_begun_ = 0.0;
-  if (job_.running()) {
-    job_.cancel();  // only pages, which are read again
-    waiting_ = std::move(work);
-  } else {
-    job_.start(std::move(work));
+bool MemoryController::gives_way() {
+  if (task_.running())
+    message_.say(fmt::format("still {}: Esc gives it up", task_.label()), Tone::warning);
+  else {
+    filling_.reset();
+    search_.reset();
+    pages_.cancel();
   }
+  return !task_.running();
 }
 
 std::string MemoryController::working_on() const {
-  if (!label_.empty()) return label_;
+  if (task_.running()) return task_.label();
   if (search_) return "looking for " + search_->typed;
   const MemoryRegion* region = filling_ ? memory_.region_of(*filling_) : nullptr;
   return region == nullptr ? "" : "reading " + region->name;
 }
 
 double MemoryController::part() const {
-  if (!label_.empty()) return waiting_ ? 0.0 : job_.part();
+  if (task_.running()) return task_.part();
   const MemoryRegion* region = memory_.region_of(search_ ? search_->at : filling_.value_or(0));
   if (region == nullptr) return 0.0;
   if (search_) return static_cast<double>(search_->at - region->first) / static_cast<double>(region->size);
@@ -300,6 +285,7 @@ double MemoryController::part() const {
 }
 
 double MemoryController::seconds_left() const {
+  if (task_.running()) return task_.seconds_left();
   if (search_) return -1.0;
   const double done = part() - part_begun_;
   const double spent_s = std::chrono::duration<double>(Clock::now() - begun_).count();
@@ -311,9 +297,8 @@ void MemoryController::cancel() {
   message_.say(fmt::format("given up: {}", working_on()), Tone::warning);
   search_.reset();
   filling_.reset();
-  job_.cancel();
-  if (waiting_) label_.clear();
-  waiting_.reset();
+  pages_.cancel();
+  task_.cancel();
 }
 
 }  // namespace ecs::commissioning

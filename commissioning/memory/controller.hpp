@@ -14,8 +14,8 @@
 #include "commissioning/memory/names.hpp"
 #include "commissioning/memory/pattern.hpp"
 #include "commissioning/memory/write.hpp"
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
 
@@ -85,8 +85,6 @@ class MemoryController {
   void cancel();
 
  private:
-  using Landing = std::function<void(MemoryController&)>;
-  using Work = Job<Landing>::Work;
   struct Search {
     std::vector<std::uint8_t> pattern;
     std::string typed;
@@ -99,14 +97,14 @@ class MemoryController {
   [[nodiscard]] Stretch needed(const Stretch& shown) const;
   void read(const Stretch& stretch);
   void landed(const Stretch& stretch, const Result<std::vector<std::uint8_t>>& bytes);
-  void begin(std::string label, Work work);
+  /// Ends what runs for a task in front, unless there is one already; says so.
+  [[nodiscard]] bool gives_way();
   void step_search();
   void decode_again();
   void compare_again();
   void ask_to_write(ByteWrite write, bool undo);
   void write(const ByteWrite& write, bool undo);
   void landed_write(const ByteWrite& write, bool undo, const Result<void>& done);
-  void say_unless(const Result<void>& result);
   void save_now(const std::string& path, DumpScope scope);
   void show_dump(const std::string& path, const MemoryDump& dump);
 
@@ -132,13 +130,12 @@ class MemoryController {
   std::optional<Question> question_;
   std::function<void()> if_yes_;
   Message message_;
-  std::string label_;  ///< of the work in front; empty: only pages are read
-  std::optional<Work> waiting_;
   double part_begun_ = 0.0;
   std::chrono::steady_clock::time_point begun_{};
   std::chrono::steady_clock::time_point not_before_{};  ///< the next try after a failed read
   bool read_failed_ = false;
-  Job<Landing> job_;
+  TaskRunner pages_;
+  TaskRunner task_;  ///< the work in front
 };
 
 }  // namespace ecs::commissioning

@@ -18,10 +18,6 @@ std::string time_now() { return fmt::format("{:%H:%M:%S}", fmt::localtime(std::t
 
 }  // namespace
 
-void MemoryController::say_unless(const Result<void>& result) {
-  if (!result) message_.say(result.error());
-}
-
 // --- writing
 bool MemoryController::lets_write() {
   Result<void> may = may_write(memory_, cursor_, 1);
@@ -29,7 +25,7 @@ bool MemoryController::lets_write() {
   const auto sample = unit_->newest();
   if (may && !sample) may = problem(ProblemKind::refused, "the unit does not answer: nothing can be written now");
   if (may) may = may_write_in(sample->mode);
-  say_unless(may);
+  if (!may) message_.say(may.error());
   return may.has_value();
 }
 
@@ -79,11 +75,11 @@ void MemoryController::ask_to_write(ByteWrite write, bool undo) {
 }
 
 void MemoryController::write(const ByteWrite& write, bool undo) {
-  begin("writing", [unit = unit_, serial = serial_number_, write, undo](JobControl& control) -> Landing {
-    const Result<void> done = unit->on_line(
-        control, [&](UnitLink& line) -> Result<void> { return write_checked(line.client(), serial, write); });
-    return [write, undo, done](MemoryController& controller) { controller.landed_write(write, undo, done); };
-  });
+  if (!gives_way()) return;
+  const auto work = [unit = unit_, serial = serial_number_, write](JobControl& control) {
+    return unit->on_line(control, [&](UnitLink& link) { return write_checked(link.client(), serial, write); });
+  };
+  task_.start("writing", work, [this, write, undo](const Result<void>& done) { landed_write(write, undo, done); });
 }
 
 void MemoryController::landed_write(const ByteWrite& write, bool undo, const Result<void>& done) {
@@ -139,12 +135,11 @@ void MemoryController::open(const std::string& path) {
     compare_again();
     return message_.say("the unit's memory");
   }
-  begin("reading " + path, [path](JobControl&) -> Landing {
-    const auto dump = read_dump(path);
-    return [path, dump](MemoryController& controller) {
-      if (!dump) return controller.message_.say(dump.error());
-      controller.show_dump(path, *dump);
-    };
+  if (!gives_way()) return;
+  const auto work = [path](JobControl&) { return read_dump(path); };
+  task_.start("reading " + path, work, [this, path](const Result<MemoryDump>& dump) {
+    if (!dump) return message_.say(dump.error());
+    show_dump(path, *dump);
   });
 }
 
@@ -172,25 +167,24 @@ void MemoryController::save(const std::string& path, DumpScope scope) {
 }
 
 void MemoryController::save_now(const std::string& path, DumpScope scope) {
-  begin("taking the dump", [unit = unit_, path, scope](JobControl& control) -> Landing {
-    const auto dump = unit->on_line(control, [&](UnitLink& line) {
-      return take_dump(line.client(), line.name(), scope, [&control](const protocol::Progress& progress) {
-        control.part = static_cast<double>(progress.bytes_done) /
-                       static_cast<double>(std::max<std::size_t>(1, progress.bytes_total));
-      });
-    });
-    const Result<void> written = dump ? write_file(path, to_bytes(*dump)) : tl::unexpected(dump.error());
-    return [path, dump, written](MemoryController& controller) {
-      if (!written) return controller.message_.say(written.error());
-      std::size_t bytes = 0;
-      for (const DumpRegion& region : dump->regions) {
-        controller.memory_.put(region.address, region.bytes);
-        bytes += region.bytes.size();
-      }
-      controller.decode_again();
-      controller.compare_again();
-      controller.message_.say(fmt::format("{} bytes with the unit's status written to {}", bytes, path));
-    };
+  if (!gives_way()) return;
+  const auto work = [unit = unit_, path, scope](JobControl& control) -> Result<MemoryDump> {
+    auto dump = unit->on_line(
+        control, [&](UnitLink& link) { return take_dump(link.client(), link.name(), scope, progress_into(control)); });
+    if (!dump) return dump;
+    if (const auto written = write_file(path, to_bytes(*dump)); !written) return tl::unexpected(written.error());
+    return dump;
+  };
+  task_.start("taking the dump", work, [this, path](const Result<MemoryDump>& dump) {
+    if (!dump) return message_.say(dump.error());
+    std::size_t bytes = 0;
+    for (const DumpRegion& region : dump->regions) {
+      memory_.put(region.address, region.bytes);
+      bytes += region.bytes.size();
+    }
+    decode_again();
+    compare_again();
+    message_.say(fmt::format("{} bytes with the unit's status written to {}", bytes, path));
   });
 }
 

@@ -5,8 +5,8 @@
 namespace ecs::commissioning {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
+constexpr const char* kReading = "reading the unit";
+constexpr const char* kSending = "sending to the unit";
 constexpr std::size_t kNamed = 4;  ///< differences that a question names
 constexpr std::size_t kWarned = 2;
 
@@ -47,81 +47,78 @@ std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
 
 }  // namespace
 
-void ParametersTransfer::read(Reading purpose, bool switching) {
-  purpose_ = purpose;
-  since_ = Clock::now();
-  reading_.start([line = line_, switching](JobControl& control) {
-    return line->on_line(control, [switching](UnitLink& unit) -> Result<UnitContent> {
-      return switching ? switched_to_integration(unit) : unit_content(unit);
-    });
+void ParametersTransfer::receive() {
+  const auto read = [connection = connection_](JobControl& control) {
+    return connection->on_line(control, unit_content);
+  };
+  task_.start(kReading, read, [this](const Result<UnitContent>& unit) {
+    if (!unit) return say_no_exchange(unit.error());
+    const char* undo = controller_->loaded() ? "; u brings back what was here" : "";
+    if (auto taken = controller_->take_from_unit(*unit); !taken)
+      message_->say(taken.error());
+    else
+      message_->say(fmt::format("received from {}{}", title_of(*unit), undo));
   });
 }
 
-void ParametersTransfer::receive() { read(Reading::to_receive, false); }
-
-void ParametersTransfer::send(const ParametersController& controller) {
-  to_send_ = controller.set();
-  read(Reading::to_send, false);
+void ParametersTransfer::send() {
+  to_send_ = controller_->set();
+  read_to_send(false);
 }
 
-void ParametersTransfer::cancel() {
-  reading_.cancel();
-  sending_.cancel();
+void ParametersTransfer::read_to_send(bool switching) {
+  const auto read = [connection = connection_, switching](JobControl& control) {
+    return connection->on_line(control, switching ? switched_to_integration : unit_content);
+  };
+  task_.start(kReading, read, [this](Result<UnitContent> unit) {
+    if (!unit) return say_no_exchange(unit.error());
+    take_read_to_send(std::move(*unit));
+  });
 }
 
 void ParametersTransfer::look_when_opened() {
-  if (looking_.running() || running()) return;
-  const WatchedUnit unit = line_->snapshot();
+  if (looking_.running() || task_.running()) return;
+  const WatchedUnit unit = connection_->snapshot();
   if (!unit.open || unit.lent || looked_at_ == unit.opened_at) return;
   looked_at_ = unit.opened_at;
-  looking_.start([line = line_](JobControl& control) { return line->on_line(control, unit_content); });
+  const auto look = [connection = connection_](JobControl& control) {
+    return connection->on_line(control, unit_content);
+  };
+  looking_.start(kReading, look, [this](Result<UnitContent> content) {
+    if (content) controller_->know_unit(std::move(*content));
+  });
 }
 
-double ParametersTransfer::seconds_left() const {
-  const double seconds = std::chrono::duration<double>(Clock::now() - since_).count();
-  return part() > 0.02 ? seconds * (1.0 - part()) / part() : -1.0;
-}
+bool ParametersTransfer::sending() const { return task_.label() == kSending; }
 
-bool ParametersTransfer::advance(ParametersController& controller, Message& message) {
-  bool changed = running();
-  if (auto looked = looking_.take()) {
-    if (*looked) controller.know_unit(std::move(**looked));
-    changed = true;
-  }
-  if (auto unit = reading_.take()) take_read(controller, message, std::move(*unit));
-  if (auto sent = sending_.take()) take_sent(controller, message, std::move(*sent));
+bool ParametersTransfer::advance() {
+  const bool changed = task_.running();
+  const bool looked = looking_.advance();
+  (void)task_.advance();
   look_when_opened();
-  return changed;
+  return changed || looked;
 }
 
-void ParametersTransfer::take_read(ParametersController& controller, Message& message, Result<UnitContent> unit) {
-  if (!unit) {
-    message.say("No exchange with the unit. Nothing was changed here: " + to_text(unit.error()) +
+void ParametersTransfer::say_no_exchange(const Problem& why) {
+  message_->say("No exchange with the unit. Nothing was changed here: " + to_text(why) +
                     ". The link reopens by itself. Try again then.",
                 Tone::bad);
-    return;
-  }
-  if (purpose_ == Reading::to_receive) {
-    const char* undo = controller.loaded() ? "; u brings back what was here" : "";
-    if (auto taken = controller.take_from_unit(*unit); !taken)
-      message.say(taken.error());
-    else
-      message.say(fmt::format("received from {}{}", title_of(*unit), undo));
-    return;
-  }
-  controller.know_unit(*unit);
-  if (unit->mode == UnitMode::datuming || unit->mode == UnitMode::compensating) {
-    ask_to_switch(*unit);
-  } else if (unit->mode != UnitMode::integration) {
-    message.say(fmt::format("nothing was sent: {} is {}, it takes parameters only in integration mode; see its status "
-                            "under ECS UTILITY",
-                            title_of(*unit), ecs::name_of(unit->mode)),
-                Tone::bad);
-  } else if (controller.has_unit_values() && controller.differs_from_unit().empty()) {
-    controller.sent(to_send_, std::move(*unit));
-    message.say("nothing to send: the unit holds these parameters already");
+}
+
+void ParametersTransfer::take_read_to_send(UnitContent unit) {
+  controller_->know_unit(unit);
+  if (unit.mode == UnitMode::datuming || unit.mode == UnitMode::compensating) {
+    ask_to_switch(unit);
+  } else if (unit.mode != UnitMode::integration) {
+    message_->say(fmt::format("nothing was sent: {} is {}, it takes parameters only in integration mode; see its "
+                              "status under ECS UTILITY",
+                              title_of(unit), ecs::name_of(unit.mode)),
+                  Tone::bad);
+  } else if (controller_->has_unit_values() && controller_->differs_from_unit().empty()) {
+    controller_->sent(to_send_, std::move(unit));
+    message_->say("nothing to send: the unit holds these parameters already");
   } else {
-    ask_to_send(controller);
+    ask_to_send();
   }
 }
 
@@ -131,14 +128,14 @@ void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
                                 "compensating: outputs go to 0, relays open. The machine must not be cutting.",
                                 ecs::name_of(unit.mode)),
                     "switch", "leave it"},
-                   [this] { read(Reading::to_send, true); }};
+                   [this] { read_to_send(true); }};
 }
 
-void ParametersTransfer::ask_to_send(const ParametersController& controller) {
-  const std::string other = other_unit_sentence(to_send_, *controller.unit());
+void ParametersTransfer::ask_to_send() {
+  const std::string other = other_unit_sentence(to_send_, *controller_->unit());
   asking_ =
-      Asking{{fmt::format("Send the parameters to {}?", title_of(*controller.unit())),
-              (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(controller) + warned(controller),
+      Asking{{fmt::format("Send the parameters to {}?", title_of(*controller_->unit())),
+              (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(*controller_) + warned(*controller_),
               "send", "do not send"},
              [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
                start_sending(owner, UnfitMap::refuse);
@@ -147,33 +144,30 @@ void ParametersTransfer::ask_to_send(const ParametersController& controller) {
 
 void ParametersTransfer::start_sending(const params::Identity& owner, UnfitMap unfit) {
   owner_ = owner;
-  since_ = Clock::now();
-  sending_.start([line = line_, set = to_send_, owner, unfit](JobControl& control) {
-    return line->on_line(control, [&](UnitLink& unit) {
-      return sent_to_unit(unit, set.parameters, owner, unfit, [&control](const protocol::Progress& progress) {
-        if (progress.bytes_total > 0)
-          control.part = static_cast<double>(progress.bytes_done) / static_cast<double>(progress.bytes_total);
-      });
+  const auto send = [connection = connection_, set = to_send_, owner, unfit](JobControl& control) {
+    return connection->on_line(control, [&](UnitLink& link) {
+      return sent_to_unit(link, set.parameters, owner, unfit, progress_into(control));
     });
-  });
+  };
+  task_.start(kSending, send, [this](Result<SentParameters> sent) { take_sent(std::move(sent)); });
 }
 
-void ParametersTransfer::take_sent(ParametersController& controller, Message& message, Result<SentParameters> sent) {
+void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   if (sent) {
     const SentParameters report = *sent;
-    controller.sent(to_send_, std::move(sent->after));
-    message.say(taken_in_words(report, controller.differs_from_unit().size()));
+    controller_->sent(to_send_, std::move(sent->after));
+    message_->say(taken_in_words(report, controller_->differs_from_unit().size()));
     return;
   }
   const Problem& why = sent.error();
   if (!refused_for_map(why)) {
-    message.say("The parameters here are unchanged: " + to_text(why), Tone::bad);
+    message_->say("The parameters here are unchanged: " + to_text(why), Tone::bad);
     look();
     return;
   }
   std::string objections;
   for (const Problem& objection : why.also) objections += "\n- " + objection.message;
-  message.say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
+  message_->say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
   asking_ = Asking{{"Send them without the map?",
                     "The map in the unit does not fit these parameters and would be dropped: the unit does not "
                     "compensate until a map is sent." +

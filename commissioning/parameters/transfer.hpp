@@ -11,8 +11,8 @@
 
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/parameters/controller.hpp"
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
 
@@ -24,47 +24,44 @@ struct Asking {
 
 class ParametersTransfer {
  public:
-  explicit ParametersTransfer(std::shared_ptr<UnitConnection> line) : line_(std::move(line)) {}
+  /// @param controller  takes what arrives  @param message  says what happened; both outlive this
+  ParametersTransfer(std::shared_ptr<UnitConnection> connection, ParametersController& controller, Message& message)
+      : connection_(std::move(connection)), controller_(&controller), message_(&message) {}
 
-  /// @pre !running(), and nothing stands against the set (cross-check)
-  void send(const ParametersController& controller);
-  /// @pre !running()
+  /// @pre !task().running(), and nothing stands against the set (cross-check)
+  void send();
+  /// @pre !task().running()
   void receive();
-  /// What the unit holds, for comparing; by itself it is done whenever the line was opened.
+  /// What the unit holds, for comparing; by itself it is done whenever the link was opened.
   void look() { looked_at_.reset(); }
+  void cancel() { task_.cancel(); }
+  [[nodiscard]] const TaskRunner& task() const { return task_; }  ///< receiving, sending
+  [[nodiscard]] bool sending() const;
+  [[nodiscard]] const UnitConnection& connection() const { return *connection_; }
 
-  [[nodiscard]] bool running() const { return reading_.running() || sending_.running(); }
-  void cancel();
-  [[nodiscard]] bool sending() const { return sending_.running(); }
-  [[nodiscard]] double part() const { return sending_.part(); }  ///< sent, 0 … 1
-  /// Estimated from what is sent; negative: not known.
-  [[nodiscard]] double seconds_left() const;
-  [[nodiscard]] const UnitConnection& line() const { return *line_; }
-
-  /// Takes what arrived into the controller, says what happened. @return whether anything changed
-  [[nodiscard]] bool advance(ParametersController& controller, Message& message);
+  /// @return whether anything changed
+  [[nodiscard]] bool advance();
   /// To be asked now, once.
   [[nodiscard]] std::optional<Asking> take_question() { return std::exchange(asking_, std::nullopt); }
 
  private:
-  enum class Reading { to_receive, to_send };
-  void read(Reading purpose, bool switching);
   void look_when_opened();
-  void take_read(ParametersController& controller, Message& message, Result<UnitContent> unit);
+  void read_to_send(bool switching);
+  void say_no_exchange(const Problem& why);
+  void take_read_to_send(UnitContent unit);
   void ask_to_switch(const UnitContent& unit);
-  void ask_to_send(const ParametersController& controller);
+  void ask_to_send();
   void start_sending(const params::Identity& owner, UnfitMap unfit);
-  void take_sent(ParametersController& controller, Message& message, Result<SentParameters> sent);
+  void take_sent(Result<SentParameters> sent);
 
-  std::shared_ptr<UnitConnection> line_;
-  Job<Result<UnitContent>> looking_;                                ///< by itself
-  std::optional<std::chrono::steady_clock::time_point> looked_at_;  ///< the opening of the line that was looked at
-  Job<Result<UnitContent>> reading_;
-  Reading purpose_ = Reading::to_receive;
-  Job<Result<SentParameters>> sending_;
+  std::shared_ptr<UnitConnection> connection_;
+  ParametersController* controller_;
+  Message* message_;
+  TaskRunner looking_;                                              ///< by itself
+  std::optional<std::chrono::steady_clock::time_point> looked_at_;  ///< the opening of the link that was looked at
+  TaskRunner task_;
   ParameterSet to_send_;
   params::Identity owner_;
-  std::chrono::steady_clock::time_point since_{};
   std::optional<Asking> asking_;
 };
 

@@ -7,24 +7,21 @@
 
 namespace ecs::commissioning {
 
-void PictureExport::start(PlotFigure figure, const std::string& stem, FigureWriter write) {
-  if (drawing_.running()) return;
+void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem, FigureWriter write,
+                    Message& message) {
+  if (task.running()) return;
   const std::string name = fmt::format("{}-{:%Y%m%d-%H%M%S}", stem, fmt::localtime(std::time(nullptr)));
-  drawing_.start([figure = std::move(figure), name, write = std::move(write)](JobControl&) -> Result<std::string> {
+  const auto draw = [figure = std::move(figure), name, write = std::move(write)](JobControl&) -> Result<void> {
     for (const char* extension : {".svg", ".png"})
-      if (const auto written = write(name + extension, figure); !written) return tl::unexpected(written.error());
-    return name + ".svg and .png";
+      if (auto written = write(name + extension, figure); !written) return written;
+    return {};
+  };
+  task.start("drawing", draw, [&message, name](const Result<void>& written) {
+    if (written)
+      message.say("written: " + name + ".svg and .png");
+    else
+      message.say(written.error());
   });
-}
-
-bool PictureExport::advance(Message& message) {
-  const auto written = drawing_.take();
-  if (!written) return false;
-  if (*written)
-    message.say("written: " + **written);
-  else
-    message.say(written->error());
-  return true;
 }
 
 }  // namespace ecs::commissioning

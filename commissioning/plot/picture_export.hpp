@@ -7,23 +7,16 @@
 #include <string>
 
 #include "commissioning/plot/figure.hpp"
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
 
 /// Draws a figure into a file, by its extension.
 using FigureWriter = std::function<Result<void>(const std::filesystem::path&, const PlotFigure&)>;
 
-class PictureExport {
- public:
-  /// Nothing happens while one is under way. @param stem  "EXX", without folder: the working folder takes it
-  void start(PlotFigure figure, const std::string& stem, FigureWriter write);
-  /// Says when the files are written. @return whether it said something
-  [[nodiscard]] bool advance(Message& message);
-
- private:
-  Job<Result<std::string>> drawing_;
-};
+/// Nothing happens while `task` runs. @param stem  "EXX", without folder: the working folder takes it
+/// @param message  says when the files are written; outlives the task
+void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem, FigureWriter write, Message& message);
 
 }  // namespace ecs::commissioning

@@ -1,62 +1,67 @@
-// The background work of a controller: one task at a time, with its name, how far it is and what is done with its
-// result. Does not live here: the thread (job.hpp), what the tasks do (the controllers).
+// The background work of a controller: one task at a time in a thread of its own, with its name, how far it is and what
+// is done with its result.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
+#include <thread>
 #include <utility>
-
-#include "commissioning/session/job.hpp"
 
 namespace ecs::commissioning {
 
+/// What a task sees of its owner.
+struct JobControl {
+  std::atomic<bool> cancelled{false};
+  std::atomic<double> part{0.0};           ///< done, 0 … 1
+  std::atomic<double> seconds_left{-1.0};  ///< where the task knows it; negative: not known
+};
+
+/// Its end cancels the task and waits for it; the result is then dropped.
 class TaskRunner {
  public:
+  TaskRunner() = default;
+  TaskRunner(const TaskRunner&) = delete;
+  TaskRunner& operator=(const TaskRunner&) = delete;
+  ~TaskRunner() { cancel(); }
+
   /// Runs `work(JobControl&)` in a thread of its own; advance() passes its result to `take`.
   /// @param label  "reading the file"  @pre !running()
   template <class Work, class Take>
   void start(std::string label, Work work, Take take) {
-    label_ = std::move(label);
-    begun_ = Clock::now();
-    cancelled_ = false;
-    job_.start([work = std::move(work), take = std::move(take)](JobControl& control) -> Landing {
-      return [take, result = work(control)]() mutable { take(std::move(result)); };
+    begin(std::move(label), [work = std::move(work), take = std::move(take)](JobControl& control) -> Landing {
+      using Answer = decltype(work(control));
+      return [take, result = std::make_shared<Answer>(work(control))]() mutable { take(std::move(*result)); };
     });
   }
   /// Asks the task to stop; its result still comes.
-  void cancel() {
-    cancelled_ = cancelled_ || running();
-    job_.cancel();
-  }
+  void cancel();
   /// Takes the result when it is there. @return whether the task ended
-  bool advance() {
-    auto landing = job_.take();
-    if (!landing) return false;
-    label_.clear();
-    (*landing)();
-    return true;
-  }
+  bool advance();
+  /// Waits for the task and takes its result.
+  void finish();
 
-  [[nodiscard]] bool running() const { return job_.running(); }
+  [[nodiscard]] bool running() const { return shared_ != nullptr; }
   /// Of the running task; empty: none.
   [[nodiscard]] const std::string& label() const { return label_; }
-  [[nodiscard]] double part() const { return job_.part(); }  ///< done, 0 … 1
-  [[nodiscard]] double seconds() const {                     ///< since its start
-    return std::chrono::duration<double>(Clock::now() - begun_).count();
-  }
-  /// Estimated from the part done; negative: not known.
-  [[nodiscard]] double seconds_left() const { return part() > 0.02 ? seconds() * (1.0 - part()) / part() : -1.0; }
+  [[nodiscard]] double part() const;          ///< done, 0 … 1
+  [[nodiscard]] double seconds() const;       ///< since its start
+  [[nodiscard]] double seconds_left() const;  ///< as the task says, else from the part done; negative: not known
   /// The task begun last was cancelled.
   [[nodiscard]] bool cancelled() const { return cancelled_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
   using Landing = std::function<void()>;
+  struct Shared;
+  void begin(std::string label, std::function<Landing(JobControl&)> work);
+
   std::string label_;
-  Clock::time_point begun_{};
+  std::chrono::steady_clock::time_point begun_{};
   bool cancelled_ = false;
-  Job<Landing> job_;
+  std::shared_ptr<Shared> shared_;
+  std::jthread thread_;
 };
 
 }  // namespace ecs::commissioning

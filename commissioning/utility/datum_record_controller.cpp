@@ -68,7 +68,7 @@ void DatumRecordController::reference() {
   else if (seen.workshop.empty())
     message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
   else
-    reference_.start(seen.workshop, {axis_});
+    reference_machine(reference_, seen.workshop, {axis_}, message_);
 }
 
 void DatumRecordController::cancel() {
@@ -104,7 +104,7 @@ void DatumRecordController::follow_live() {
 bool DatumRecordController::advance() {
   bool changed = unit_.look(*connection_) || busy();
   follow_live();
-  changed = reference_.advance(message_) || changed;
+  changed = reference_.advance() || changed;
   return task_.advance() || changed;
 }
 

@@ -53,7 +53,7 @@ class DatumRecordController {
   bool marker_seen_ = false;
   std::optional<DatumRecording> recorded_;
   Message message_;
-  MachineReference reference_;
+  TaskRunner reference_;
   TaskRunner task_;
 };
 

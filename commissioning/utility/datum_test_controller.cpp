@@ -129,9 +129,9 @@ bool DatumTestController::advance() {
   follow_tests();
   if (reference_each_ && under_test_ && referenced_for_ != under_test_ && !reference_.running()) {
     referenced_for_ = under_test_;
-    reference_.start(live_->now().workshop, {*under_test_});
+    reference_machine(reference_, live_->now().workshop, {*under_test_}, message_);
   }
-  changed = reference_.advance(message_) || changed;
+  changed = reference_.advance() || changed;
   return task_.advance() || changed;
 }
 

@@ -66,7 +66,7 @@ class DatumTestController {
   std::shared_ptr<FinishedTests> finished_ = std::make_shared<FinishedTests>();
   std::size_t tests_seen_ = 0;
   Message message_;
-  MachineReference reference_;
+  TaskRunner reference_;
   TaskRunner task_;
 };
 

@@ -66,7 +66,11 @@ void DatumViewController::take(DatumRecording recording) {
 }
 
 void DatumViewController::keep_fresh_draft() {
-  drafting_.start([recording = first_->recording](JobControl&) { return keep_draft(kDraft, to_csv(recording)); });
+  const auto keep = [recording = first_->recording](JobControl&) { return keep_draft(kDraft, to_csv(recording)); };
+  drafting_.start("keeping a draft", keep, [this](const Result<void>& kept) {
+    if (!kept) message_.say(kept.error());
+    if (saved_) drop_draft(kDraft);
+  });
 }
 
 void DatumViewController::take_draft() {
@@ -89,11 +93,28 @@ void DatumViewController::drop_earlier_draft() {
 
 void DatumViewController::read(const std::string& path, bool as_overlay) {
   if (busy()) return;
-  reading_.start([path, as_overlay](JobControl&) -> Result<Opened> {
+  const auto work = [path](JobControl&) -> Result<ShownRecord> {
     auto recording = read_recording_file(path);
     if (!recording) return tl::unexpected(recording.error());
-    return Opened{shown(std::move(*recording), std::filesystem::path(path).filename().string()), as_overlay};
+    return shown(std::move(*recording), std::filesystem::path(path).filename().string());
+  };
+  file_task_.start("reading", work, [this, as_overlay](Result<ShownRecord> record) {
+    if (!record) return message_.say(record.error());
+    take_read(std::move(*record), as_overlay);
   });
+}
+
+void DatumViewController::take_read(ShownRecord record, bool as_overlay) {
+  (as_overlay ? second_ : first_) = std::move(record);
+  if (as_overlay) {
+    message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
+  } else {
+    saved_ = true;
+    cursor_s_.reset();
+    message_.say(fmt::format("{}: axis {}, {} samples", first_->name, letter_of(first_->recording.axis),
+                             first_->recording.samples.size()));
+  }
+  show_all();
 }
 
 void DatumViewController::open(const std::string& path) { read(path, false); }
@@ -121,17 +142,22 @@ void DatumViewController::align() {
 
 void DatumViewController::save(const std::string& path) {
   if (!first_ || busy()) return;
-  writing_.start([recording = first_->recording, path](JobControl&) -> Result<std::string> {
-    if (const auto written = write_file(path, to_csv(recording)); !written) return tl::unexpected(written.error());
-    return path;
+  const auto write = [recording = first_->recording, path](JobControl&) { return write_file(path, to_csv(recording)); };
+  file_task_.start("writing", write, [this, path](const Result<void>& written) {
+    if (!written) return message_.say(written.error());
+    saved_ = true;
+    first_->name = std::filesystem::path(path).filename().string();
+    drop_draft(kDraft);
+    message_.say("written: " + path);
   });
 }
 
 void DatumViewController::export_picture(FigureWriter write) {
   if (!first_) return;
   message_.say("Drawing the picture ...");
-  export_.start(datum_figure(*first_, second()),
-                fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)), std::move(write));
+  commissioning::export_picture(drawing_, datum_figure(*first_, second()),
+                                fmt::format("datum-{}", static_cast<char>(letter_of(first_->recording.axis) + 32)),
+                                std::move(write), message_);
 }
 
 std::string DatumViewController::proposed_name() const {
@@ -190,40 +216,8 @@ void DatumViewController::zoom(double factor) {
 }
 
 bool DatumViewController::advance() {
-  bool changed = export_.advance(message_);
-  if (const auto opened = reading_.take()) {
-    changed = true;
-    if (!*opened) {
-      message_.say((*opened).error());
-    } else if ((*opened)->as_overlay) {
-      second_ = (*opened)->record;
-      show_all();
-      message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
-    } else {
-      first_ = (*opened)->record;
-      saved_ = true;
-      cursor_s_.reset();
-      show_all();
-      message_.say(fmt::format("{}: axis {}, {} samples", first_->name, letter_of(first_->recording.axis),
-                               first_->recording.samples.size()));
-    }
-  }
-  if (const auto written = writing_.take()) {
-    changed = true;
-    if (*written) {
-      saved_ = true;
-      first_->name = std::filesystem::path(**written).filename().string();
-      drop_draft(kDraft);
-      message_.say("written: " + **written);
-    } else {
-      message_.say(written->error());
-    }
-  }
-  if (const auto drafted = drafting_.take()) {
-    if (!*drafted) message_.say(drafted->error());
-    if (saved_) drop_draft(kDraft);
-    changed = true;
-  }
+  bool changed = false;
+  for (TaskRunner* task : {&drawing_, &file_task_, &drafting_}) changed = task->advance() || changed;
   return changed;
 }
 

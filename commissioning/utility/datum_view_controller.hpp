@@ -8,8 +8,8 @@
 
 #include "commissioning/plot/picture_export.hpp"
 #include "commissioning/session/drafts.hpp"
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
 #include "commissioning/utility/shown_record.hpp"
 
 namespace ecs::commissioning {
@@ -49,7 +49,7 @@ class DatumViewController {
   void go_to(double time_s);
 
   [[nodiscard]] bool advance();
-  [[nodiscard]] bool busy() const { return reading_.running() || writing_.running(); }
+  [[nodiscard]] bool busy() const { return file_task_.running(); }
   [[nodiscard]] const ShownRecord* first() const { return first_ ? &*first_ : nullptr; }
   [[nodiscard]] const ShownRecord* second() const { return second_ ? &*second_ : nullptr; }
   [[nodiscard]] const PlotPanel& panel() const { return panel_; }
@@ -59,11 +59,8 @@ class DatumViewController {
   [[nodiscard]] const Message& message() const { return message_; }
 
  private:
-  struct Opened {
-    ShownRecord record;
-    bool as_overlay = false;
-  };
   void read(const std::string& path, bool as_overlay);
+  void take_read(ShownRecord record, bool as_overlay);
   void show_all();
   void redraw();
   void keep_fresh_draft();
@@ -77,10 +74,9 @@ class DatumViewController {
   std::optional<double> cursor_s_;
   PlotPanel panel_;
   Message message_;
-  PictureExport export_;
-  Job<Result<Opened>> reading_;
-  Job<Result<std::string>> writing_;  ///< the file
-  Job<Result<void>> drafting_;
+  TaskRunner drawing_;
+  TaskRunner file_task_;
+  TaskRunner drafting_;
 };
 
 }  // namespace ecs::commissioning

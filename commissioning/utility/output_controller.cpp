@@ -56,8 +56,8 @@ OutputController::OutputController(std::shared_ptr<UnitConnection> connection)
 }
 
 OutputController::~OutputController() {
-  job_.cancel();
-  while (job_.running() && !job_.take()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  task_.cancel();
+  task_.finish();
   if (setting_.at_rest()) return;
   JobControl control;
   const bool off =
@@ -155,10 +155,17 @@ void OutputController::choose(Axis axis) {
   rest_mm_.reset();
 }
 
+void OutputController::start(const std::string& label, std::function<Result<Taken>(JobControl&)> work) {
+  task_.start(label, std::move(work), [this](const Result<Taken>& taken) {
+    if (taken || !off_wanted_) take(taken);
+    if (off_wanted_) off();
+  });
+}
+
 void OutputController::set(double um, bool relay) {
   if (busy()) return;
   const OutputSetting wanted{setting_.axis, um, relay};
-  job_.start([connection = connection_, wanted](JobControl& control) {
+  start("putting out", [connection = connection_, wanted](JobControl& control) {
     return connection->on_line(control, [&](UnitLink& line) -> Result<Taken> {
       const auto before = line.client().monitor();
       if (!before) return tl::unexpected(before.error());
@@ -183,11 +190,8 @@ void OutputController::step(int direction) {
 
 void OutputController::off() {
   off_wanted_ = busy();
-  if (busy()) {
-    job_.cancel();
-    return;
-  }
-  job_.start([connection = connection_, axis = setting_.axis](JobControl& control) {
+  if (busy()) return task_.cancel();
+  start("switching off", [connection = connection_, axis = setting_.axis](JobControl& control) {
     return connection->on_line_of_any_unit(control, [&](UnitLink& line) -> Result<Taken> {
       if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
       const auto seen = line.client().monitor();
@@ -222,8 +226,12 @@ void OutputController::take(const Result<Taken>& taken) {
 void OutputController::start_reading_parameters() {
   if (reading_.running() || busy() || !unit_.watched.open || unit_.watched.opened_at == parameters_of_) return;
   parameters_of_ = unit_.watched.opened_at;
-  reading_.start([connection = connection_](JobControl& control) {
+  const auto read = [connection = connection_](JobControl& control) {
     return connection->on_line(control, [](UnitLink& line) { return receive_parameters(line.client()); });
+  };
+  reading_.start("reading the parameters", read, [this](const Result<UnitParameters>& parameters) {
+    parameters_known_ = parameters.has_value();
+    parameters_ = parameters.value_or(UnitParameters{});
   });
 }
 
@@ -246,17 +254,8 @@ bool OutputController::advance() {
   }
   if (changed) follow_unit();
   start_reading_parameters();
-  if (const auto parameters = reading_.take()) {
-    parameters_known_ = parameters->has_value();
-    parameters_ = *parameters ? **parameters : UnitParameters{};
-    changed = true;
-  }
-  if (const auto taken = job_.take()) {
-    if (*taken || !off_wanted_) take(*taken);
-    if (off_wanted_) off();
-    changed = true;
-  }
-  return changed;
+  changed = reading_.advance() || changed;
+  return task_.advance() || changed;
 }
 
 }  // namespace ecs::commissioning

@@ -53,7 +53,7 @@ class OutputController {
   void step(int direction);  ///< by step_um(), with the relay as it is
   void resize_step(int direction);
   void off();  ///< every output 0, every relay open; what is under way is given up for it
-  [[nodiscard]] bool busy() const { return job_.running(); }
+  [[nodiscard]] bool busy() const { return task_.running(); }
   /// @return whether anything changed
   [[nodiscard]] bool advance();
 
@@ -73,6 +73,7 @@ class OutputController {
     OutputSetting setting;
     std::optional<protocol::MonitorSample> before;  ///< just before the command
   };
+  void start(const std::string& label, std::function<Result<Taken>(JobControl&)> work);
   void take(const Result<Taken>& taken);
   void follow_unit();
   void follow_value();
@@ -92,8 +93,8 @@ class OutputController {
   std::uint64_t times_lost_ = 0;                     ///< lines, as far as it was reported
   bool off_wanted_ = false;
   Message message_;
-  Job<Result<Taken>> job_;
-  Job<Result<UnitParameters>> reading_;
+  TaskRunner task_;
+  TaskRunner reading_;  ///< the unit's parameters
 };
 
 }  // namespace ecs::commissioning

@@ -83,17 +83,14 @@ Result<void> referenced(const std::string& workshop, const std::vector<Axis>& ax
 
 }  // namespace
 
-void MachineReference::start(const std::string& workshop, std::vector<Axis> axes) {
-  if (running_.running()) return;
-  running_.start(
-      [workshop, axes = std::move(axes)](JobControl& control) { return referenced(workshop, axes, control); });
-}
-
-bool MachineReference::advance(Message& message) {
-  const auto done = running_.take();
-  if (!done) return false;
-  if (!*done) message.say(done->error());
-  return true;
+void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed) {
+  if (task.running()) return;
+  const auto work = [workshop, axes = std::move(axes)](JobControl& control) {
+    return referenced(workshop, axes, control);
+  };
+  task.start("referencing", work, [&failed](const Result<void>& done) {
+    if (!done) failed.say(done.error());
+  });
 }
 
 }  // namespace ecs::commissioning

@@ -5,24 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
+#include "commissioning/session/task_runner.hpp"
 #include "core/axis.hpp"
 
 namespace ecs::commissioning {
 
-class MachineReference {
- public:
-  /// Nothing happens while one is under way. @param workshop  socket of the emulator's workshop
-  /// @param axes  one after the other; empty: all
-  void start(const std::string& workshop, std::vector<Axis> axes);
-  void cancel() { running_.cancel(); }
-  [[nodiscard]] bool running() const { return running_.running(); }
-  /// Tells the message line when it failed. @return whether it ended
-  [[nodiscard]] bool advance(Message& message);
-
- private:
-  Job<Result<void>> running_;
-};
+/// Nothing happens while `task` runs. @param workshop  socket of the emulator's workshop
+/// @param axes  one after the other; empty: all  @param failed  to say so when it fails; outlives the task
+void reference_machine(TaskRunner& task, const std::string& workshop, std::vector<Axis> axes, Message& failed);
 
 }  // namespace ecs::commissioning

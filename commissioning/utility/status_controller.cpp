@@ -174,7 +174,7 @@ void StatusController::reference() {
     message_.say("This is a real unit: reference the axes at the machine's own control.", Tone::warning);
   else if (!reference_.running()) {
     message_.say("The emulated machine references its axes ...");
-    reference_.start(read_->workshop, {});
+    reference_machine(reference_, read_->workshop, {}, message_);
   }
 }
 
@@ -232,7 +232,7 @@ bool StatusController::advance() {
   watched_ = connection_->snapshot();
   start_reading();
   for (TaskRunner* task : {&reading_, &work_, &writing_, &opening_}) changed = task->advance() || changed;
-  if (reference_.advance(message_)) {
+  if (reference_.advance()) {
     changed = true;
     at_once_ = true;
     if (!message_.is_problem()) message_.say("The emulated machine has referenced its axes.");

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/session/job.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
@@ -85,7 +84,7 @@ class StatusController {
   std::string problem_;
   std::optional<StatusFile> file_;
   Message message_;
-  MachineReference reference_;
+  TaskRunner reference_;
   TaskRunner work_;
   TaskRunner reading_;
   TaskRunner opening_;

@@ -73,30 +73,28 @@ void LaserChooser::go(const fs::path& folder) {
     return;
   }
   look_again_ = false;
-  looking_.start([folder = folder_, entries = entries_](JobControl& control) {
+  const auto look = [folder = folder_, entries = entries_](JobControl& control) {
     Looked looked;
     for (const FolderEntry& entry : entries) {
       if (control.cancelled) break;
       if (!entry.folder) looked.emplace(entry.name, looked_at(folder / entry.name));
     }
     return looked;
-  });
+  };
+  looking_.start("looking", look, [this](Looked looked) { take(std::move(looked)); });
 }
 
-bool LaserChooser::advance() {
-  auto looked = looking_.take();
-  if (!looked) return false;
+void LaserChooser::take(Looked looked) {
   if (look_again_) {
     const std::string typed = typed_.text();
     const ListPlace place = place_;
     go(folder_);
     typed_.set(typed);
     place_ = place;
-    return true;
+    return;
   }
   for (FolderEntry& entry : entries_)
-    if (const auto found = looked->find(entry.name); found != looked->end()) entry = found->second;
-  return true;
+    if (const auto found = looked.find(entry.name); found != looked.end()) entry = found->second;
 }
 
 std::size_t LaserChooser::readable() const {

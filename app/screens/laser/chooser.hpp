@@ -10,7 +10,7 @@
 
 #include "app/ui/widgets.hpp"
 #include "commissioning/laser_session/lines.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
 
@@ -36,7 +36,7 @@ class LaserChooser {
 
   void draw(Canvas& canvas, const Area& area) const;
   [[nodiscard]] CellPosition cursor(const Area& area) const;
-  [[nodiscard]] bool advance();
+  [[nodiscard]] bool advance() { return looking_.advance(); }
   [[nodiscard]] bool typing() const { return !typed_.text().empty(); }
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> keys() const;
 
@@ -48,6 +48,7 @@ class LaserChooser {
   };
   using Looked = std::map<std::string, FolderEntry>;
   void go(const std::filesystem::path& folder);
+  void take(Looked looked);
   [[nodiscard]] std::vector<Row> rows() const;
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] ListRow picture_of_row(const Row& row, int columns) const;
@@ -64,7 +65,7 @@ class LaserChooser {
   TextLine typed_;
   ListPlace place_;
   std::string hint_;
-  Job<Looked> looking_;
+  TaskRunner looking_;
   bool look_again_ = false;  ///< the folder changed meanwhile
 };
 

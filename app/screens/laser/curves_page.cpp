@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/chart.hpp"
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
@@ -90,7 +89,7 @@ class CurvesPage final : public LaserPage {
                         1,
                         false};
       if (!curve.unchanged) figure.panels.push_back(curve.after);
-      host().pictures.start(std::move(figure), code, write_plot);
+      host().export_picture(std::move(figure), code);
     } else {
       return on_laser_chart_key(key, curve.before, curve.left_out, view_);
     }

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/chart.hpp"
 #include "app/screens/laser/page.hpp"
 
@@ -64,11 +63,11 @@ class LeaveOutPage final : public LaserPage {
     if (is_letter(key, U'o')) return to_next_suspect(line);
     if (is_letter(key, U'e')) {
       const LaserLineResult& result = *work.results[at()];
-      host().pictures.start({name_of_line(line) + ", " + line.place,
+      host().export_picture({name_of_line(line) + ", " + line.place,
                              {with_left_out(result.panel, result.left_out, laser::unit_of(line.group.sense))},
                              1,
                              true},
-                            std::string(name_of(line.component)), write_plot);
+                            std::string(name_of(line.component)));
       return true;
     }
     if (!in_tree_) {

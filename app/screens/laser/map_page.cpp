@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "app/plot/gnuplot.hpp"
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -97,7 +96,7 @@ class MapPage final : public LaserPage {
     if (!panel) return false;
     if (is_letter(key, U'e')) {
       const std::string code(name_of(map.components[at()].component));
-      host().pictures.start({"compensation " + code, {*panel}, 1, true}, "map-" + code, write_plot);
+      host().export_picture({"compensation " + code, {*panel}, 1, true}, "map-" + code);
       return true;
     }
     return on_chart_key(key, *panel, view_);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/plot/gnuplot.hpp"
 #include "base/file.hpp"
 
 namespace ecs::app {
@@ -68,6 +69,10 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   });
   if (!field.empty()) form.go_to(field);
   fill(std::move(form));
+}
+
+void LaserHost::export_picture(PlotFigure figure, const std::string& stem) {
+  commissioning::export_picture(drawing_, std::move(figure), stem, write_plot, controller.message());
 }
 
 void LaserHost::ask_parameters() {

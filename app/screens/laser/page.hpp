@@ -31,14 +31,16 @@ class LaserHost {
   /// What a file does not say, field by field. @param field  where to begin; empty: at the first
   void ask_answers(const std::string& path, const std::string& field = {});
 
+  void export_picture(PlotFigure figure, const std::string& stem);
+
   LaserController controller;
-  PictureExport pictures;
 
  private:
   friend class LaserScreen;
   std::optional<Question> question_;
   std::function<void()> if_yes_;
   std::optional<LaserForm> form_;
+  TaskRunner drawing_;
 };
 
 class LaserPage {

@@ -119,7 +119,8 @@ void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   const LaserController& controller = host_->controller;
   if (controller.busy())
     draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0,
-                  controller.busy_with() + " (Esc stops it)", controller.part(), controller.seconds_left());
+                  controller.task().label() + " (Esc stops it)", controller.task().part(),
+                  controller.task().seconds_left());
   else if (!controller.message().text().empty())
     draw_message(canvas, {area.row, area.column + 1, area.rows, area.columns - 2}, controller.message());
   else if (controller.working())
@@ -248,7 +249,7 @@ Step LaserScreen::on_key(const Key& key) {
 
 bool LaserScreen::advance() {
   bool changed = host_->controller.advance();
-  changed = host_->pictures.advance(host_->controller.message()) || changed;
+  changed = host_->drawing_.advance() || changed;
   changed = page().advance() || changed;
   return changed;
 }

@@ -92,8 +92,16 @@ void ModelForm::open() {
 }
 
 void ModelForm::start(bool anew) {
-  opening_.start([files = files(), anew](JobControl&) -> Opened {
+  const auto open = [files = files(), anew](JobControl&) {
     return anew ? ModelController::begin_new(files) : ModelController::open(files);
+  };
+  opening_.start("opening", open, [this](Result<std::unique_ptr<ModelController>> controller) {
+    if (controller) {
+      ready_ = std::move(*controller);
+    } else {
+      hint_ = to_text(controller.error());
+      problem_ = true;
+    }
   });
 }
 
@@ -133,17 +141,7 @@ void ModelForm::on_field_key(const Key& key) {
   }
 }
 
-bool ModelForm::advance() {
-  auto opened_desk = opening_.take();
-  if (!opened_desk) return opening_.running();
-  if (*opened_desk) {
-    ready_ = std::move(**opened_desk);
-  } else {
-    hint_ = to_text(opened_desk->error());
-    problem_ = true;
-  }
-  return true;
-}
+bool ModelForm::advance() { return opening_.advance() || opening_.running(); }
 
 std::unique_ptr<Screen> ModelForm::opens_by_itself() {
   if (!ready_) return nullptr;

@@ -35,8 +35,7 @@ class ModelForm final : public Screen {
   bool problem_ = false;
   std::optional<Question> question_;  ///< whether the model shall be begun in a new file
   mutable int fields_row_ = 0;        ///< of the canvas, as drawn last
-  using Opened = Result<std::unique_ptr<ModelController>>;
-  Job<Opened> opening_;
+  TaskRunner opening_;
   std::unique_ptr<ModelController> ready_;
 };
 

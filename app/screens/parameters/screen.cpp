@@ -8,7 +8,7 @@
 namespace ecs::app {
 
 ParametersScreen::ParametersScreen(std::shared_ptr<UnitConnection> line)
-    : draft_(controller_.draft()), transfer_(std::move(line)) {}
+    : draft_(controller_.draft()), transfer_(std::move(line), controller_, message_) {}
 
 std::vector<ParameterRow> ParametersScreen::rows() const {
   return rows_of(static_cast<params::Group>(static_cast<int>(page_)), controller_.set().parameters);
@@ -68,11 +68,11 @@ std::string ParametersScreen::unsaved() const {
 }
 
 bool ParametersScreen::advance() {
-  bool changed = transfer_.advance(controller_, message_);
+  bool changed = transfer_.advance();
   if (auto question = transfer_.take_question()) asking_ = std::move(question);
   if (controller_.loaded() && on_group()) settle_on_field(1);
-  if (!controller_.loaded() && seen_changes_ != transfer_.line().changes()) {
-    seen_changes_ = transfer_.line().changes();
+  if (!controller_.loaded() && seen_changes_ != transfer_.connection().changes()) {
+    seen_changes_ = transfer_.connection().changes();
     changed = true;
   }
   return changed;
@@ -103,7 +103,7 @@ Step ParametersScreen::on_key(const Key& key) {
     on_seek_key(key);
     return stay();
   }
-  if (transfer_.running() && key.name == Key::Name::escape) {
+  if (transfer_.task().running() && key.name == Key::Name::escape) {
     transfer_.cancel();
     return stay();
   }
@@ -119,7 +119,7 @@ Step ParametersScreen::leave() {
 
 Step ParametersScreen::on_start_key(const Key& key) {
   if (key.name == Key::Name::escape || is_letter(key, U'q')) return back();
-  if (transfer_.running()) return stay();
+  if (transfer_.task().running()) return stay();
   const bool enter = key.name == Key::Name::enter;
   if (draft_) {
     if (is_letter(key, U'd') || (enter && start_.selected == 1)) {
@@ -169,7 +169,7 @@ Step ParametersScreen::on_page_key(const Key& key) {
   } else if (page_ == Page::compare &&
              place().on_key(key, static_cast<int>(controller_.compared().size()), page_rows())) {
     return stay();
-  } else if (transfer_.running()) {
+  } else if (transfer_.task().running()) {
     message_.say("wait until the exchange with the unit is done, or Esc cancels it", Tone::warning);
   } else if (!on_command(key)) {
     if (on_group())

@@ -130,16 +130,16 @@ void ParametersScreen::send() {
                  Tone::warning);
     return;
   }
-  transfer_.send(controller_);
+  transfer_.send();
 }
 
 void ParametersScreen::receive() {
-  if (!transfer_.running()) transfer_.receive();
+  if (!transfer_.task().running()) transfer_.receive();
 }
 
 void ParametersScreen::look_again() {
   transfer_.look();
-  if (transfer_.line().snapshot().open)
+  if (transfer_.connection().snapshot().open)
     message_.say("reading the unit again; page 5 shows what differs");
   else
     message_.say("no unit answers now; it is looked into as soon as one does", Tone::warning);

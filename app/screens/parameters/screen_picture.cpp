@@ -11,10 +11,11 @@ namespace ecs::app {
 namespace {
 
 void draw_transfer(Canvas& canvas, const Area& area, const ParametersTransfer& transfer) {
+  const TaskRunner& task = transfer.task();
   if (transfer.sending())
-    draw_progress(canvas, area, 0, "sending to the unit; Esc cancels", transfer.part(), transfer.seconds_left());
-  else if (transfer.running())
-    canvas.text(area, 0, 0, "reading the unit ... Esc cancels", Tone::warning);
+    draw_progress(canvas, area, 0, task.label() + "; Esc cancels", task.part(), task.seconds_left());
+  else if (task.running())
+    canvas.text(area, 0, 0, task.label() + " ... Esc cancels", Tone::warning);
 }
 
 constexpr std::array<const char*, 5> kTitles{"Configuration", "Compensation", "Datuming", "Findings", "Compare"};
@@ -93,13 +94,13 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
                         "takes its default and is to be set."};
   canvas.paragraph(inside, row, help[static_cast<std::size_t>(std::clamp(start_.selected, 0, 2))], Tone::faint);
   row += 3;
-  const WatchedUnit unit = transfer_.line().snapshot();
+  const WatchedUnit unit = transfer_.connection().snapshot();
   const std::string words = unit_words(unit);
   row += canvas.paragraph(inside.top(row + 4), row, "Line: " + words, unit.open ? Tone::good : Tone::warning);
   row = std::min(row + 1, area.rows - 2);
   if (prompt_)
     draw_prompt(canvas, area.below(std::min(row, area.rows - 6)));
-  else if (transfer_.running())
+  else if (transfer_.task().running())
     draw_transfer(canvas, inside.below(row), transfer_);
   else
     draw_message(canvas, inside.below(row), message_);
@@ -153,7 +154,7 @@ void ParametersScreen::draw_below(Canvas& canvas, const Area& area) const {
 }
 
 void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
-  if (transfer_.running()) {
+  if (transfer_.task().running()) {
     draw_transfer(canvas, area, transfer_);
   } else if (seeking_) {
     canvas.text(area, 0, 0, "find:", Tone::strong);
@@ -189,7 +190,7 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
   if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
   if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
   if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
-  if (transfer_.running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
+  if (transfer_.task().running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
   if (!controller_.loaded() && draft_) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
   if (!controller_.loaded())
     return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};

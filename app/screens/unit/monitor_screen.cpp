@@ -145,7 +145,7 @@ bool MonitorScreen::advance() {
   record(now);
   if (frozen_) return recording_.has_value() || weather;
   seen_ = std::move(now);
-  (void)picture_.advance(message_);
+  (void)drawing_.advance();
   return true;
 }
 
@@ -194,7 +194,8 @@ Step MonitorScreen::on_key(const Key& key) {
   if (is_letter(key, U'r')) toggle_recording();
   if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
   if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
-  if (is_letter(key, U'e')) picture_.start({"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot);
+  if (is_letter(key, U'e'))
+    export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
   for (const Axis axis : kAllAxes)
     if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
   return stay();

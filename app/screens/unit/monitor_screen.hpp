@@ -39,7 +39,7 @@ class MonitorScreen final : public Screen {
   Message message_;
   std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
   std::string surroundings_;
-  PictureExport picture_;
+  TaskRunner drawing_;
   std::optional<MonitorRecording> recording_;
   std::uint64_t received_ = 0;     ///< samples that the connection had when it was looked at last
   mutable PlotPanel strip_panel_;  ///< as drawn last

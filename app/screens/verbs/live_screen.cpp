@@ -50,9 +50,9 @@ struct LiveScreen::Wire {
 
   class Keys final : public Keyboard {
    public:
-    Keys(Wire& wire, JobControl& control) : wire_(&wire), signs_(&control) {}
+    Keys(Wire& wire, JobControl& control) : wire_(&wire), control_(&control) {}
     std::optional<std::string> line() override {
-      if (signs_->cancelled) return kLeave;
+      if (control_->cancelled) return kLeave;
       const std::lock_guard lock(wire_->mutex);
       if (wire_->typed.empty()) return std::nullopt;
       std::string line = std::move(wire_->typed.front());
@@ -63,7 +63,7 @@ struct LiveScreen::Wire {
 
    private:
     Wire* wire_;
-    JobControl* signs_;
+    JobControl* control_;
   };
 
   void type(const std::string& line) {
@@ -76,7 +76,7 @@ bool runs_live(const std::string& verb) { return verb == "laser capture" || verb
 
 LiveScreen::LiveScreen(std::string name, const std::vector<std::string>& words)
     : name_(std::move(name)), wire_(std::make_shared<Wire>()) {
-  job_.start([words, wire = wire_](JobControl& control) {
+  const auto work = [words, wire = wire_](JobControl& control) {
     Wire::Mouth mouth(*wire);
     std::ostream messages(&mouth);
     std::ostringstream out;
@@ -84,7 +84,8 @@ LiveScreen::LiveScreen(std::string name, const std::vector<std::string>& words)
     options.keyboard = std::make_shared<Wire::Keys>(*wire, control);
     const int code = run_program(words, out, messages, options);
     return Answer{owned_lines_of(out.str()), code};
-  });
+  };
+  task_.start("running", work, [this](Answer answer) { answer_ = std::move(answer); });
 }
 
 LiveScreen::~LiveScreen() = default;
@@ -132,7 +133,7 @@ Step LiveScreen::on_key(const Key& key) {
     return stay();
   }
   if (key.name == Key::Name::escape) {
-    job_.cancel();
+    task_.cancel();
     return stay();
   }
   if (key.name == Key::Name::enter) {
@@ -156,9 +157,7 @@ bool LiveScreen::advance() {
   }
   if (!text.empty())
     for (std::string& line : owned_lines_of(text)) said_.push_back(std::move(line));
-  auto answer = job_.take();
-  if (answer) answer_ = std::move(*answer);
-  return job_.running() || answer.has_value() || !text.empty();
+  return task_.advance() || task_.running() || !text.empty();
 }
 
 std::vector<KeyHelp> LiveScreen::keys() const {

@@ -9,7 +9,7 @@
 
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
 
@@ -29,7 +29,7 @@ class LiveScreen final : public Screen {
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
-  [[nodiscard]] bool typing() const override { return job_.running(); }
+  [[nodiscard]] bool typing() const override { return task_.running(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
@@ -46,7 +46,7 @@ class LiveScreen final : public Screen {
   TextLine line_;
   ScrollPlace scroll_;
   std::optional<Answer> answer_;
-  Job<Answer> job_;
+  TaskRunner task_;
 };
 
 }  // namespace ecs::app

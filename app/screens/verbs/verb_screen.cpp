@@ -13,7 +13,6 @@
 #include "commissioning/session/event_log.hpp"
 
 namespace ecs::app {
-namespace {}  // namespace
 
 VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitConnection> connection)
     : verb_(std::move(verb)), connection_(std::move(connection)) {
@@ -22,7 +21,7 @@ VerbScreen::VerbScreen(VerbEntry verb, std::shared_ptr<UnitConnection> connectio
 }
 
 VerbScreen::~VerbScreen() {
-  if (job_.running()) ask_to_stop();
+  if (task_.running()) ask_to_stop();
 }
 
 bool VerbScreen::uses_line() const {
@@ -39,7 +38,7 @@ int VerbScreen::name_columns() const {
 
 int VerbScreen::field_rows(const Area& area) const {
   const int all = static_cast<int>(verb_.options.size());
-  return std::min(all, answer_ || job_.running() ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
+  return std::min(all, answer_ || task_.running() ? std::max(3, area.rows / 3) : std::max(3, area.rows - 6));
 }
 
 std::string VerbScreen::lacking() const {
@@ -75,9 +74,9 @@ const std::vector<std::string>& VerbScreen::answer_lines(int columns) const {
 }
 
 void VerbScreen::draw_answer(Canvas& canvas, const Area& area) const {
-  if (job_.running()) {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - since_);
-    canvas.text(area, 0, 0, fmt::format("running, {} s; Esc stops it", seconds.count()), Tone::warning);
+  if (task_.running()) {
+    canvas.text(area, 0, 0, fmt::format("running, {} s; Esc stops it", static_cast<int>(task_.seconds())),
+                Tone::warning);
     return;
   }
   if (!answer_) return;
@@ -155,8 +154,7 @@ Step VerbScreen::run() {
   lines_for_ = -1;
   reading_ = false;
   scroll_ = {};
-  since_ = std::chrono::steady_clock::now();
-  job_.start([words = words(), connection = uses_line() ? connection_ : nullptr](JobControl&) {
+  const auto work = [words = words(), connection = uses_line() ? connection_ : nullptr](JobControl&) {
     std::optional<UnitConnection::Lent> lent;
     if (connection) lent.emplace(*connection);
     std::ostringstream out, messages;
@@ -164,7 +162,8 @@ Step VerbScreen::run() {
     Answer answer{owned_lines_of(messages.str()), code};
     for (std::string& line : owned_lines_of(out.str())) answer.lines.push_back(std::move(line));
     return answer;
-  });
+  };
+  task_.start("running", work, [this](Answer answer) { take(std::move(answer)); });
   return stay();
 }
 
@@ -204,7 +203,7 @@ Step VerbScreen::on_key(const Key& key) {
   hint_.clear();
   refused_ = false;
   if (key.name == Key::Name::escape) {
-    if (job_.running()) {
+    if (task_.running()) {
       ask_to_stop();
       hint_ = "asked to stop";
       return stay();
@@ -213,7 +212,7 @@ Step VerbScreen::on_key(const Key& key) {
     reading_ = false;
     return stay();
   }
-  if (job_.running()) return stay();
+  if (task_.running()) return stay();
   if (key.name == Key::Name::function && key.number == 5) return run();
   if (on_answer_key(key)) return stay();
   if (key.name == Key::Name::enter) return run();
@@ -247,18 +246,17 @@ Step VerbScreen::on_field_key(const Key& key) {
   return stay();
 }
 
-bool VerbScreen::advance() {
-  auto answer = job_.take();
-  if (!answer) return job_.running();
+bool VerbScreen::advance() { return task_.advance() || task_.running(); }
+
+void VerbScreen::take(Answer answer) {
   stop_asking();
-  answer_ = std::move(*answer);
+  answer_ = std::move(answer);
   for (const std::string& line : answer_->lines)
     if (answer_->exit_code > 1) log_event(Tone::bad, verb_.name() + ": " + line);
-  return true;
 }
 
 std::vector<KeyHelp> VerbScreen::keys() const {
-  if (job_.running()) return {{"Esc", "stop it"}};
+  if (task_.running()) return {{"Esc", "stop it"}};
   if (reading_)
     return {{"up/down", "read"},   {"left/right", "sideways"}, {"PgUp/PgDn", "page"},
             {"Home", "beginning"}, {"Esc", "to the fields"},   {"F5", "run again"}};

@@ -2,7 +2,6 @@
 // Does not live here: the verbs (app/verbs/registry.hpp), which there are (catalogue.hpp).
 #pragma once
 
-#include <chrono>
 #include <string>
 #include <vector>
 
@@ -10,7 +9,7 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/session/job.hpp"
+#include "commissioning/session/task_runner.hpp"
 
 namespace ecs::app {
 
@@ -45,12 +44,12 @@ class VerbScreen final : public Screen {
   [[nodiscard]] Step on_field_key(const Key& key);
   [[nodiscard]] std::vector<std::string> words() const;
   [[nodiscard]] Step run();
+  void take(Answer answer);
   void complete();
   void next_choice(int by);
 
   VerbEntry verb_;
   std::shared_ptr<UnitConnection> connection_;
-  std::chrono::steady_clock::time_point since_{};
   std::vector<TextLine> values_;
   ListPlace field_;
   mutable int fields_row_ = 0;   ///< of the canvas, as drawn last
@@ -63,7 +62,7 @@ class VerbScreen final : public Screen {
   std::string hint_;
   bool refused_ = false;  ///< the hint says why
   std::optional<Answer> answer_;
-  Job<Answer> job_;
+  TaskRunner task_;
 };
 
 }  // namespace ecs::app

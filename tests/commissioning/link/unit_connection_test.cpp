@@ -38,19 +38,20 @@ TEST_CASE("another unit on the same link is reported before anything is done, an
 TEST_CASE("cancelled work ends soon, and the link serves the next") {
   auto shop = protocol::Workshop::on_tcp();
   UnitConnection connection(protocol::to_text(shop.address()));
-  Job<Result<int>> job;
-  job.start([&connection](JobControl& control) {
+  TaskRunner task;
+  std::optional<Result<int>> result;
+  const auto work = [&connection](JobControl& control) {
     return connection.on_line(control, [](UnitLink& line) -> Result<int> {
-      const auto result = line.client().test_datum(Axis::X, std::chrono::minutes(1));
-      if (!result) return tl::unexpected(result.error());
+      const auto datum = line.client().test_datum(Axis::X, std::chrono::minutes(1));
+      if (!datum) return tl::unexpected(datum.error());
       return 1;
     });
-  });
+  };
+  task.start("testing", work, [&result](Result<int> done) { result = std::move(done); });
   shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.busy_polls_left = 1'000'000; });
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  job.cancel();
-  std::optional<Result<int>> result;
-  for (int k = 0; k < 3000 && !(result = job.take()); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  task.cancel();
+  for (int k = 0; k < 3000 && !task.advance(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   REQUIRE(result);
   CHECK_FALSE(result->has_value());
   int done = 0;

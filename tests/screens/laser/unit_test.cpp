@@ -52,7 +52,7 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   driver.type("\n");
   REQUIRE(driver.shows("Send the map to"));
   driver.type("y");
-  REQUIRE(driver.until([&] { return driver.controller().part() > 0.2; }));
+  REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.2; }));
   CHECK(driver.seen().find("s left") != std::string::npos);
   CHECK(driver.seen().find("sending the map") != std::string::npos);
   unit.kill();
@@ -80,7 +80,7 @@ TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it ha
   driver.type("\n");
   REQUIRE(driver.shows("Send the map to"));
   driver.type("y");
-  REQUIRE(driver.until([&] { return driver.controller().part() > 0.1; }));
+  REQUIRE(driver.until([&] { return driver.controller().task().part() > 0.1; }));
   driver.type("\x1b");
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }));
   CHECK(driver.seen().find("not sent: ") != std::string::npos);
