@@ -1,21 +1,12 @@
-// Lines that a person, or a script in that place, types while a verb runs.
-// Does not live here: what they mean (the verb).
+// The keyboard of a terminal: lines of a descriptor.
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
+
+#include "app/names/commissioning.hpp"
+#include "commissioning/session/keyboard.hpp"
 
 namespace ecs::app {
-
-class Keyboard {
- public:
-  virtual ~Keyboard() = default;
-  /// The next whole line, without its end, if it is there already.
-  [[nodiscard]] virtual std::optional<std::string> line() = 0;
-  /// No line will come any more.
-  [[nodiscard]] virtual bool ended() const = 0;
-};
 
 /// Lines of any descriptor, read without waiting. The descriptor stays the caller's.
 [[nodiscard]] std::shared_ptr<Keyboard> keyboard_of(int descriptor);

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "app/verbs/laser/devices_learn.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
 #include "commissioning/measurements/capture_view.hpp"
 #include "commissioning/measurements/device_choice.hpp"
+#include "commissioning/measurements/learn_trigger.hpp"
 #include "devices/builtin.hpp"
 #include "devices/sensor.hpp"
 #include "devices/trigger.hpp"
@@ -111,7 +111,7 @@ Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (std::filesystem::exists(arguments.output, error) && !arguments.force)
     return problem(ProblemKind::usage,
                    fmt::format("{} is there already: give another -o, or --force", arguments.output));
-  const auto found = learn_device(context, arguments.choice);
+  const auto found = learn_device(context.console, context.console.keyboard(), arguments.choice);
   if (!found) return tl::unexpected(found.error());
   const std::string toml = devices::to_toml(found->description);
   if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());

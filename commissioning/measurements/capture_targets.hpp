@@ -1,18 +1,19 @@
-// What is to be captured, as a command line says it: a line of targets, a row of a plan, or a target list.
-// Does not live here: the stops themselves (devices/capture_plan.hpp), devices (capture.cpp).
+// What is to be captured, as it is typed: targets along a line, a row of a plan, or a target list; the stops that
+// follow from it are devices/capture_plan.hpp.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/cli/verb.hpp"
 #include "devices/capture_plan.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
+
+inline constexpr int kMostRuns = 1000;
 
 /// As typed; empty or absent: not given.
-struct TargetArguments {
+struct CaptureTargets {
   std::string axis;
   std::string sense;
   std::optional<double> from_mm;
@@ -30,11 +31,7 @@ struct TargetArguments {
   std::vector<std::string> notes;
 };
 
-/// Adds --axis --sense --from --to --step --runs --one-way --parked --feed --targets --plan --row --machine
-/// --compensated --note.
-void take_target_options(Verb& verb, TargetArguments& arguments);
-
 /// Stops and metadata. What the plan's row says can be overridden one by one.
-[[nodiscard]] Result<devices::CapturePlan> capture_plan(const TargetArguments& arguments);
+[[nodiscard]] Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -1,13 +1,15 @@
-// `ecs laser devices --learn`: watches devices while the user presses, and describes the one that was pressed.
-// Does not live here: which bit it is (devices/learn.hpp).
+// Watches devices while the user presses a trigger, and describes the one that was pressed (which bit it is:
+// devices/learn.hpp).
 #pragma once
 
 #include <string>
 
-#include "app/cli/verb_context.hpp"
+#include "base/result.hpp"
+#include "commissioning/session/keyboard.hpp"
+#include "commissioning/session/message.hpp"
 #include "devices/description.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 
 struct LearnChoice {
   std::string device;  ///< path, serial or "16c0:27db"; empty: whichever is pressed
@@ -23,6 +25,7 @@ struct LearnedDevice {
 
 /// Ends a second after the last release, or at the time limit. `refused` with the reason where nothing or too much
 /// changed; `link` where no device can be watched.
-[[nodiscard]] Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choice);
+/// @param keyboard  a typed q gives up; null: there is nobody to type
+[[nodiscard]] Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice);
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

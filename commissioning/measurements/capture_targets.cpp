@@ -1,4 +1,4 @@
-#include "app/verbs/laser/capture_targets.hpp"
+#include "commissioning/measurements/capture_targets.hpp"
 
 #include <algorithm>
 
@@ -10,11 +10,10 @@
 #include "commissioning/measurements/files.hpp"
 #include "params/machine.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr int kUsualRuns = 3;
-constexpr int kMostRuns = 1000;
 
 tl::unexpected<Problem> wrong_usage(std::string message) { return problem(ProblemKind::usage, std::move(message)); }
 
@@ -58,7 +57,8 @@ class PlanRow {
     line.to_mm = needed(row, "to_mm");
     line.step_mm = needed(row, "step_mm");
     line.feed_mm_min = reader_.number(all, "feed_mm_min");
-    if (const auto runs = reader_.number(all, "runs")) line.runs = static_cast<int>(std::clamp(*runs, 1.0, 1e3));
+    if (const auto runs = reader_.number(all, "runs"))
+      line.runs = static_cast<int>(std::clamp<double>(*runs, 1.0, kMostRuns));
     const toml::table* parked = reader_.child(row, "parked_mm");
     for (const Axis other : kAllAxes) {
       const std::string key(1, static_cast<char>(letter_of(other) - 'X' + 'x'));
@@ -75,7 +75,7 @@ class PlanRow {
 };
 
 /// What the command line says wins over the plan's row.
-Result<void> override_line(const TargetArguments& arguments, devices::CaptureLine& line) {
+Result<void> override_line(const CaptureTargets& arguments, devices::CaptureLine& line) {
   ImportArguments words;
   words.axis = arguments.axis;
   words.sense = arguments.sense;
@@ -94,7 +94,7 @@ Result<void> override_line(const TargetArguments& arguments, devices::CaptureLin
   return {};
 }
 
-std::string lacking(const TargetArguments& arguments) {
+std::string lacking(const CaptureTargets& arguments) {
   std::string names;
   const auto need = [&names](bool given, const char* name) {
     if (!given) names += std::string(names.empty() ? "" : ", ") + name;
@@ -107,7 +107,7 @@ std::string lacking(const TargetArguments& arguments) {
   return names;
 }
 
-Result<devices::CapturePlan> plan_of_list(const TargetArguments& arguments) {
+Result<devices::CapturePlan> plan_of_list(const CaptureTargets& arguments) {
   if (arguments.from_mm || arguments.to_mm || arguments.step_mm || arguments.runs > 0 || !arguments.plan.empty())
     return wrong_usage("--targets gives the whole list: leave out --plan, --from, --to, --step and --runs");
   const auto targets = laser::read_measurement_set(arguments.targets);
@@ -120,7 +120,7 @@ Result<devices::CapturePlan> plan_of_list(const TargetArguments& arguments) {
   return plan;
 }
 
-Result<devices::CapturePlan> plan_of_line(const TargetArguments& arguments) {
+Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
   devices::CaptureLine line;
   line.runs = kUsualRuns;
   devices::CapturePlan plan;
@@ -146,25 +146,7 @@ Result<devices::CapturePlan> plan_of_line(const TargetArguments& arguments) {
 
 }  // namespace
 
-void take_target_options(Verb& verb, TargetArguments& arguments) {
-  verb.choice("--axis", arguments.axis, {"X", "Y", "Z"}, "the axis that moves")
-      .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "what is measured")
-      .number("--from", arguments.from_mm, "first target [mm]")
-      .number("--to", arguments.to_mm, "last target [mm]")
-      .number("--step", arguments.step_mm, "from target to target [mm]")
-      .integer("--runs", arguments.runs, "forward and back so many times (3)", 0, kMostRuns)
-      .flag("--one-way", arguments.one_way, "no readings on the way back")
-      .text("--parked", arguments.parked, "positions of the other axes, as in y=-1400,z=0 [mm]")
-      .number("--feed", arguments.feed_mm_min, "feed between the targets [mm/min], for the record")
-      .text("--targets", arguments.targets, "a target list (CSV), as `ecs model next --targets` writes it")
-      .text("--plan", arguments.plan, "plan with [[measure]] rows, as `laser table` reads it")
-      .text("--row", arguments.row, "with --plan: the name of the measurement")
-      .text("--machine", arguments.machine, "machine file: its name goes into the record")
-      .choice("--compensated", arguments.compensated, {"yes", "no"}, "whether the error map is active, for the record")
-      .texts("--note", arguments.notes, "KEY=VALUE for the record, as in operator=AB; several");
-}
-
-Result<devices::CapturePlan> capture_plan(const TargetArguments& arguments) {
+Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments) {
   auto plan = arguments.targets.empty() ? plan_of_line(arguments) : plan_of_list(arguments);
   if (!plan) return plan;
   std::vector<laser::MetadataEntry> first;
@@ -186,4 +168,4 @@ Result<devices::CapturePlan> capture_plan(const TargetArguments& arguments) {
   return plan;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

@@ -1,4 +1,4 @@
-#include "app/verbs/laser/devices_learn.hpp"
+#include "commissioning/measurements/learn_trigger.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "devices/learn.hpp"
 
-namespace ecs::app {
+namespace ecs::commissioning {
 namespace {
 
 constexpr double kQuiet_s = 1.0;  ///< after the last release
@@ -79,13 +79,13 @@ double last_report_s(const std::vector<Watched>& watched) {
   return last;
 }
 
-bool user_left(const VerbContext& context) {
-  Keyboard* keyboard = context.console.keyboard();
+bool user_left(Keyboard* keyboard) {
   const auto line = keyboard == nullptr ? std::nullopt : keyboard->line();
   return line && lower(trimmed(*line)) == "q";
 }
 
-Result<void> watch(VerbContext& context, const LearnChoice& choice, std::vector<Watched>& watched) {
+Result<void> watch(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice,
+                   std::vector<Watched>& watched) {
   const double begin_s = steady_s();
   int told = 0;
   while (!interrupted() && steady_s() - begin_s < choice.timeout_s) {
@@ -94,9 +94,9 @@ Result<void> watch(VerbContext& context, const LearnChoice& choice, std::vector<
         return problem(ProblemKind::link,
                        fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
                                    devices::to_text(one.identity)));
-    if (user_left(context)) return problem(ProblemKind::refused, "left: nothing was learned");
+    if (user_left(keyboard)) return problem(ProblemKind::refused, "left: nothing was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
-    if (seen > told) context.console.note(fmt::format("{} of {}", told = seen, choice.presses));
+    if (seen > told) messages.note(fmt::format("{} of {}", told = seen, choice.presses));
     if (seen >= choice.presses && steady_s() - last_report_s(watched) > kQuiet_s) return {};
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
@@ -131,12 +131,12 @@ bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {
 
 }  // namespace
 
-Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choice) {
+Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, const LearnChoice& choice) {
   auto watched = opened(choice);
   if (!watched) return tl::unexpected(watched.error());
-  context.console.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
-                                   choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
-  if (const auto done = watch(context, choice, *watched); !done) return tl::unexpected(done.error());
+  messages.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
+                            choice.presses, watched->size(), watched->size() == 1 ? " is" : "s are"));
+  if (const auto done = watch(messages, keyboard, choice, *watched); !done) return tl::unexpected(done.error());
   if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
   const auto one = pressed_one(*watched);
   if (!one) return tl::unexpected(one.error());
@@ -163,4 +163,4 @@ Result<LearnedDevice> learn_device(VerbContext& context, const LearnChoice& choi
   return out;
 }
 
-}  // namespace ecs::app
+}  // namespace ecs::commissioning

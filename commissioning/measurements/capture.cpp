@@ -1,0 +1,269 @@
+#include "commissioning/measurements/capture.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/clock.hpp"
+#include "base/interrupt.hpp"
+#include "commissioning/measurements/capture_run.hpp"
+#include "commissioning/measurements/device_choice.hpp"
+#include "laser/writers/measurement_writer.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using devices::DeviceKind;
+
+constexpr std::chrono::milliseconds kCaptureStep{20};
+constexpr double kNeverMissed = 1e9;
+
+struct Begun {
+  devices::CaptureRecord record;
+  std::string output;
+  std::string part;
+  double begun_s = 0.0;
+};
+
+/// Seconds since a time that now_utc() wrote; nothing if it is none.
+std::optional<double> age_s(const std::string& utc) {
+  std::tm parts{};
+  const char* end = ::strptime(utc.c_str(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  if (end == nullptr || *end != '\0') return std::nullopt;
+  return std::difftime(std::time(nullptr), ::timegm(&parts));
+}
+
+std::string part_of(const std::string& output) { return output + ".part"; }
+
+bool exists(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+
+Result<void> output_is_free(const CaptureChoice& choice, const std::string& output, const std::string& part) {
+  if (exists(part) && choice.resume.empty())
+    return problem(ProblemKind::usage,
+                   fmt::format("{} holds an unfinished capture: go on with `ecs laser capture --resume "
+                               "{}`, or remove it",
+                               part, part));
+  if (exists(output) && !choice.force)
+    return problem(ProblemKind::usage,
+                   fmt::format("{} is there already: give another -o, or --force to replace it", output));
+  const auto folder = std::filesystem::absolute(part).parent_path();
+  if (::access(folder.c_str(), W_OK) != 0)
+    return problem(ProblemKind::output, fmt::format("{} cannot be written: {} is no folder that you may write into",
+                                                    output, folder.string()));
+  return {};
+}
+
+Result<devices::CaptureRules> rules_of(const CaptureChoice& choice, bool each) {
+  devices::CaptureRules rules;
+  rules.shows = choice.shows == "position" ? devices::Shows::position : devices::Shows::error;
+  rules.scale = choice.scale.value_or(1.0);
+  rules.min_interval_s = choice.min_interval_s.value_or(each ? 0.0 : rules.min_interval_s);
+  if (rules.scale == 0.0) return problem(ProblemKind::usage, "--scale: expected a number other than 0");
+  if (rules.min_interval_s < 0.0) return problem(ProblemKind::usage, "--min-interval: expected at least 0 s");
+  if (each) rules.missed_factor = kNeverMissed;
+  return rules;
+}
+
+Result<Begun> begun_anew(const CaptureChoice& choice, bool each) {
+  if (choice.output.empty()) return problem(ProblemKind::usage, "-o OUT.csv is missing: the file for the readings");
+  auto plan = capture_plan(choice.target);
+  if (!plan) return tl::unexpected(plan.error());
+  const auto rules = rules_of(choice, each);
+  if (!rules) return tl::unexpected(rules.error());
+  for (const laser::Reading& stop : plan->stops)
+    if (rules->shows == devices::Shows::position && static_cast<int>(stop.sense) != static_cast<int>(stop.axis))
+      return problem(ProblemKind::usage, "--shows position is for positioning: EX of X, EY of Y, EZ of Z");
+  const std::string part = part_of(choice.output);
+  if (const auto is_free = output_is_free(choice, choice.output, part); !is_free)
+    return tl::unexpected(is_free.error());
+  Begun begun{devices::CaptureRecord(std::move(*plan), *rules), choice.output, part, 0.0};
+  begun.record.note("date", now_utc());
+  return begun;
+}
+
+Result<Begun> resumed(const CaptureChoice& choice) {
+  const CaptureTargets& target = choice.target;
+  if (!target.axis.empty() || !target.sense.empty() || target.from_mm || target.to_mm || target.step_mm ||
+      !target.targets.empty() || !target.plan.empty())
+    return problem(ProblemKind::usage, "--resume continues with the targets of its file: give no others");
+  const auto part = laser::read_measurement_set(choice.resume);
+  if (!part) return tl::unexpected(part.error());
+  auto record = devices::CaptureRecord::from_part(*part);
+  if (!record) return tl::unexpected(record.error());
+  Begun begun{std::move(*record), choice.output, choice.resume, 0.0};
+  if (begun.output.empty()) {
+    const std::filesystem::path path(choice.resume);
+    if (path.extension() != ".part") return problem(ProblemKind::usage, "-o OUT.csv is missing");
+    begun.output = (path.parent_path() / path.stem()).string();
+  }
+  if (const auto is_free = output_is_free(choice, begun.output, begun.part); !is_free)
+    return tl::unexpected(is_free.error());
+  const double last_s = begun.record.taken().back().time_s.value_or(0.0);
+  begun.begun_s = std::max(last_s, age_s(begun.record.noted("date").value_or("")).value_or(last_s));
+  begun.record.note("resumed", now_utc());
+  return begun;
+}
+
+Result<std::unique_ptr<ReadingSource>> source_of(const CaptureChoice& choice) {
+  const int given = static_cast<int>(!choice.gauge.empty()) + static_cast<int>(!choice.readings.empty()) +
+                    static_cast<int>(!choice.follow.empty()) + static_cast<int>(!choice.display.empty());
+  if (given > 1)
+    return problem(ProblemKind::usage, "readings come from one place: --gauge, --readings, --follow or --display");
+  if (!choice.readings.empty()) return file_source(choice.readings);
+  if (!choice.follow.empty()) return following_source(choice.follow);
+  if (!choice.display.empty()) return command_source(choice.display);
+  if (choice.gauge.empty()) return std::unique_ptr<ReadingSource>();
+  auto port = opened_device(choice.gauge, DeviceKind::gauge);
+  if (!port) return tl::unexpected(port.error());
+  return gauge_source(std::move(*port));
+}
+
+TriggerKind trigger_kind(const CaptureChoice& choice, bool typed) {
+  if (choice.trigger == "each") return TriggerKind::each;
+  if (choice.trigger.empty()) return typed ? TriggerKind::typed : TriggerKind::enter;
+  return choice.trigger == "enter" ? TriggerKind::enter : TriggerKind::device;
+}
+
+Result<void> check_keyboard(const Keyboard* keyboard, TriggerKind kind, bool typed) {
+  if (typed && kind != TriggerKind::typed)
+    return problem(ProblemKind::usage,
+                   "--trigger sets only the time of a reading: give its source as well (--gauge, --readings, "
+                   "--follow or --display); without a trigger, values are typed");
+  if (keyboard == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
+    return problem(ProblemKind::usage,
+                   "nobody can type here: give --trigger DEVICE.toml, or --trigger each with --readings");
+  return {};
+}
+
+Result<CaptureSetup> setup_of(const Keyboard* keyboard, const CaptureChoice& choice) {
+  CaptureSetup setup;
+  auto source = source_of(choice);
+  if (!source) return tl::unexpected(source.error());
+  setup.source = std::move(*source);
+  setup.trigger_kind = trigger_kind(choice, setup.source == nullptr);
+  if (const auto can = check_keyboard(keyboard, setup.trigger_kind, setup.source == nullptr); !can)
+    return tl::unexpected(can.error());
+  if (setup.trigger_kind == TriggerKind::device) {
+    auto port = opened_device(choice.trigger, DeviceKind::trigger);
+    if (!port) return tl::unexpected(port.error());
+    setup.trigger.emplace(std::move(*port));
+  }
+  if (choice.environment.empty()) return setup;
+  auto port = opened_device(choice.environment, DeviceKind::environment);
+  if (!port) return tl::unexpected(port.error());
+  setup.environment_every_s = choice.environment_every_s;
+  setup.environment.emplace(std::move(*port), choice.environment_every_s);
+  return setup;
+}
+
+void note_devices(const CaptureSetup& setup, devices::CaptureRecord& record) {
+  record.note("instrument", setup.source ? setup.source->name() : "display, values typed");
+  if (setup.trigger) record.note("trigger", name_of(setup.trigger->port()));
+  if (!setup.environment) return;
+  record.note("environment", name_of(setup.environment->port()));
+  if (!setup.environment->port().device().source.empty())
+    record.note("environment described by", setup.environment->port().device().source);
+}
+
+void show_news(MessageSink& messages, CaptureRun& run) {
+  for (const CaptureNews& news : run.take_news())
+    if (news.kind == CaptureNews::Kind::warning)
+      messages.warn(news.text);
+    else
+      messages.note(news.text);
+}
+
+/// The first temperatures, before the first reading needs them.
+void wait_for_environment(MessageSink& messages, CaptureRun& run, bool has_environment) {
+  constexpr int kMostSteps = 150;
+  if (!has_environment) return;
+  for (int k = 0; k < kMostSteps && run.around(steady_s()).empty() && !interrupted(); ++k) {
+    run.warm_up(steady_s());
+    show_news(messages, run);
+    std::this_thread::sleep_for(kCaptureStep);
+  }
+}
+
+void go_through(MessageSink& messages, Keyboard* keyboard, CaptureRun& run, bool needs_keyboard) {
+  while (!run.done() && !run.left() && run.stuck().empty() && !interrupted()) {
+    run.step(kCaptureStep, steady_s());
+    if (keyboard != nullptr) {
+      while (!run.done() && !run.left()) {
+        const auto line = keyboard->line();
+        if (!line) break;
+        run.typed(*line, steady_s());
+        show_news(messages, run);
+      }
+      if (keyboard->ended() && needs_keyboard && !run.left())
+        run.strand("stdin has ended, and nothing else can trigger");
+    }
+    show_news(messages, run);
+  }
+}
+
+std::string kept_text(CaptureRun& run) {
+  if (run.record().taken().empty()) return "nothing was read";
+  if (!run.part_is_safe()) return fmt::format("{} could not be written last: the newest readings are lost", run.part());
+  return fmt::format(
+      "{} of {} readings are safe in {}; go on with `ecs laser capture --resume {}` and the same devices",
+      run.record().taken().size(), run.record().plan().stops.size(), run.part(), run.part());
+}
+
+Result<CaptureEnd> ended(CaptureRun& run, const std::string& output) {
+  CaptureEnd end{run.done(),
+                 run.record().result(),
+                 run.record().plan().stops.size(),
+                 run.record().skipped(),
+                 run.record().runs(),
+                 run.unplugged(),
+                 run.part(),
+                 {},
+                 {}};
+  if (!run.done()) {
+    end.kept = kept_text(run);
+    if (interrupted()) return problem(ProblemKind::refused, end.kept);
+    if (!run.stuck().empty()) return problem(ProblemKind::bad_input, fmt::format("{}: {}", run.stuck(), end.kept));
+    return end;
+  }
+  if (end.result.readings.empty()) return problem(ProblemKind::refused, "no target has a reading: nothing is written");
+  if (const auto written = laser::write_measurement_set(output, end.result); !written) {
+    Problem why = written.error();
+    why.message += "; " + kept_text(run);
+    return tl::unexpected(std::move(why));
+  }
+  end.file = output;
+  static_cast<void>(run.part_is_safe());  // it is being written no more
+  std::error_code ignored;
+  std::filesystem::remove(run.part(), ignored);
+  return end;
+}
+
+}  // namespace
+
+Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const CaptureChoice& choice) {
+  const bool each = choice.trigger == "each";
+  auto begun = choice.resume.empty() ? begun_anew(choice, each) : resumed(choice);
+  if (!begun) return tl::unexpected(begun.error());
+  auto setup = setup_of(keyboard, choice);
+  if (!setup) return tl::unexpected(setup.error());
+  note_devices(*setup, begun->record);
+  const bool needs_keyboard = setup->trigger_kind == TriggerKind::typed || setup->trigger_kind == TriggerKind::enter;
+  const bool has_environment = setup->environment.has_value();
+  setup->part = begun->part;
+  setup->begun_s = begun->begun_s;
+  CaptureRun run(std::move(begun->record), std::move(*setup), steady_s());
+  messages.note(run.help());
+  wait_for_environment(messages, run, has_environment);
+  go_through(messages, keyboard, run, needs_keyboard);
+  return ended(run, begun->output);
+}
+
+}  // namespace ecs::commissioning
