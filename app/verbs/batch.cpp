@@ -57,17 +57,6 @@ std::string reports_text(const std::vector<BatchReport>& reports) {
   return text;
 }
 
-/// The one that makes the exit code: a lost link before the rest.
-const Problem* first_problem(const std::vector<BatchReport>& reports) {
-  const Problem* first = nullptr;
-  for (const BatchReport& report : reports) {
-    if (!report.problem) continue;
-    if (report.problem->kind == ProblemKind::link) return &*report.problem;
-    if (first == nullptr) first = &*report.problem;
-  }
-  return first;
-}
-
 Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   if (!context.link_option.empty())
     return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");

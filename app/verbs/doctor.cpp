@@ -35,17 +35,6 @@ Json statistics_json(const protocol::LinkStatistics& s) {
               {"worst_round_trip_ms", s.replies > 0 ? number_or_null(s.worst_round_trip_ms) : Json(nullptr)}};
 }
 
-/// The first finding that is a problem, with what to do.
-Problem why_not(const Diagnosis& diagnosis) {
-  Problem why{ProblemKind::link, "the link does not work", {}, 0, 0, {}};
-  for (const DoctorFinding& finding : diagnosis.findings) {
-    if (finding.state != FindingState::problem) continue;
-    why.message = finding.message + (finding.action.empty() ? "" : "; " + finding.action);
-    break;
-  }
-  return why;
-}
-
 Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) {
   const auto choice = chosen_link(context.link_option);
   if (!choice) return tl::unexpected(choice.error());

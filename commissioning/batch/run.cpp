@@ -117,15 +117,23 @@ std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMo
   return reports;
 }
 
+const Problem* first_problem(const std::vector<BatchReport>& reports) {
+  const Problem* first = nullptr;
+  for (const BatchReport& report : reports) {
+    if (!report.problem) continue;
+    if (report.problem->kind == ProblemKind::link) return &*report.problem;
+    if (first == nullptr) first = &*report.problem;
+  }
+  return first;
+}
+
 int exit_code_of(const std::vector<BatchReport>& reports) {
   const auto done = [](const BatchReport& report) {
     return report.state == BatchState::ready || report.state == BatchState::sent;
   };
   if (std::all_of(reports.begin(), reports.end(), done)) return kDone;
-  const auto link_failed = [](const BatchReport& report) {
-    return report.problem && report.problem->kind == ProblemKind::link;
-  };
-  return std::any_of(reports.begin(), reports.end(), link_failed) ? exit_code_of(ProblemKind::link) : kDoesNotHold;
+  const Problem* first = first_problem(reports);
+  return first != nullptr && first->kind == ProblemKind::link ? exit_code_of(ProblemKind::link) : kDoesNotHold;
 }
 
 }  // namespace ecs::commissioning

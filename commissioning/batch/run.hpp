@@ -43,6 +43,9 @@ using BatchTurn = std::function<protocol::ProgressCallback(const PlannedUnit&)>;
 [[nodiscard]] std::vector<BatchReport> run_batch(const std::vector<PlannedUnit>& plan, BatchMode mode,
                                                  const BatchTurn& turn);
 
+/// The one that makes the exit code: a lost link before the rest; null: there is none.
+[[nodiscard]] const Problem* first_problem(const std::vector<BatchReport>& reports);
+
 /// 0 all well, 4 if a link failed, else 1.
 [[nodiscard]] int exit_code_of(const std::vector<BatchReport>& reports);
 

@@ -201,4 +201,14 @@ Diagnosis diagnosis_of(const LinkChoice& choice, const DoctorNote& note, const F
   return std::move(work.diagnosis);
 }
 
+Problem why_not(const Diagnosis& diagnosis) {
+  Problem why{ProblemKind::link, "the link does not work", {}, 0, 0, {}};
+  for (const DoctorFinding& finding : diagnosis.findings) {
+    if (finding.state != FindingState::problem) continue;
+    why.message = finding.message + (finding.action.empty() ? "" : "; " + finding.action);
+    break;
+  }
+  return why;
+}
+
 }  // namespace ecs::commissioning

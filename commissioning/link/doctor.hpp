@@ -43,6 +43,9 @@ using FindingCallback = std::function<void(const DoctorFinding&)>;
                                      const FindingCallback& on_finding = {},
                                      const std::atomic<bool>& cancelled = interrupted());
 
+/// The first finding that is a problem, with what to do.
+[[nodiscard]] Problem why_not(const Diagnosis& diagnosis);
+
 /// Emulator, sample machine, gnuplot, terminal.
 [[nodiscard]] std::vector<DoctorFinding> surroundings();
 

@@ -3,25 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/file.hpp"
-#include "base/json.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "laser/map/csv.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
-#include "model/fit/compiled_model.hpp"
 #include "model/fit/map_own_levers.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -31,20 +25,6 @@ namespace {
 using model::EffectInstance;
 using model::Model;
 using model::OwnLever;
-
-/// Everything the answer tells.
-struct Built {
-  model::CompiledModel compiled;
-  std::map<Component, std::vector<std::string>> effects;  ///< of each table and squareness
-  UnitParameters parameters;                              ///< with the model's squareness
-  params::Identity identity;
-  double increment_mm = 0.0;
-  std::vector<std::string> notes;
-  std::vector<laser::MapFinding> findings;
-  [[nodiscard]] bool complete() const {
-    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
-  }
-};
 
 /// 1, 2 or 5 times a power of ten, at most `value`.
 double round_down(double value) {
@@ -77,7 +57,7 @@ double fine_enough(const Model& model, const params::Machine& machine) {
   return std::max(round_down(increment), round_down(2.0 * longest / kMostPoints));
 }
 
-void note_short_periods(Built& built, const Model& model) {
+void note_short_periods(MapFromModel& built, const Model& model) {
   for (const EffectInstance& effect : model.effects)
     if (const auto period = period_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
       built.notes.push_back(
@@ -113,7 +93,7 @@ std::vector<std::string> files_of(const model::LadderStep& step) {
   return files;
 }
 
-void add_source(Built& built, Component component, const std::string& file) {
+void add_source(MapFromModel& built, Component component, const std::string& file) {
   const auto bytes = read_file(file);
   const std::string name = std::filesystem::path(file).filename().string();
   if (!bytes) {
@@ -136,7 +116,7 @@ std::vector<Component> places_of(const EffectInstance& effect, const std::vector
 }
 
 /// Which model and which measurements every table and squareness comes from.
-void trace(Built& built, const Model& model, const std::vector<model::OwnLever>& levers,
+void trace(MapFromModel& built, const Model& model, const std::vector<model::OwnLever>& levers,
            const std::string& model_file) {
   for (const EffectInstance& effect : model.effects) {
     const std::vector<Component> places = places_of(effect, levers);
@@ -159,7 +139,7 @@ void trace(Built& built, const Model& model, const std::vector<model::OwnLever>&
   }
 }
 
-Result<void> complete_header(Built& built, const FromModelArguments& arguments) {
+Result<void> complete_header(MapFromModel& built, const FromModelArguments& arguments) {
   laser::MapHeader& header = built.compiled.map.header;
   header.customer = arguments.customer;
   header.engineer = arguments.engineer;
@@ -182,12 +162,12 @@ void take_squareness(UnitParameters& parameters, const model::CompiledModel& com
     squareness_um_per_m(parameters, static_cast<Component>(i)) += compiled.squareness[i];
 }
 
-Result<Built> built_from(MessageSink& messages, const FromModelArguments& arguments) {
+Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(messages, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
-  Built built;
+  MapFromModel built;
   built.parameters = params::default_parameters_for(**machine);
   built.identity.machine = (*machine)->name;
   if (!arguments.params.empty()) {
@@ -209,93 +189,14 @@ Result<Built> built_from(MessageSink& messages, const FromModelArguments& argume
   return built;
 }
 
-// --- as text
-
-std::size_t points_in(const std::vector<laser::MapTable>& tables, Component component) {
-  for (const laser::MapTable& table : tables)
-    if (table.component == component) return table.position_mm.size();
-  return 0;
-}
-
-std::string components_text(const Built& b) {
-  std::string text = fmt::format("{:<4} {:<38} {:<4} {:>8} {:>6}\n", "", "component", "unit", "most", "n");
-  for (const auto& [component, effects] : b.effects) {
-    if (is_squareness(component)) continue;
-    text += fmt::format("{:<4} {:<38} {:<4} {:>8.2f} {:>6}\n", name_of(component), laser::description_of(component),
-                        unit_of(component), largest_in(b.compiled.map.tables, component),
-                        points_in(b.compiled.map.tables, component));
-    text += paragraph(fmt::format("from {}", fmt::join(effects, " + ")), 5, 10);
-  }
-  return text + fmt::format("most: largest compensation; n: points per table, every {} mm\n", shortest(b.increment_mm));
-}
-
-std::string squareness_text(const Built& b, const FromModelArguments& arguments) {
-  std::string text;
-  for (const auto& each : b.effects)
-    if (is_squareness(each.first))
-      text += fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(each.first),
-                          b.compiled.squareness[index_of(each.first)]);
-  if (text.empty()) return text;
-  if (!arguments.params_out.empty())
-    return fmt::format("squareness of the model, in {}:\n{}", arguments.params_out, text);
-  return "squareness of the model; without --params-out add these to the parameters by hand:\n" + text;
-}
-
-std::string text_of(const Built& b, const FromModelArguments& arguments) {
-  std::string text = components_text(b) + squareness_text(b, arguments);
-  for (const std::string& one : b.compiled.not_carried) text += paragraph("NOT CARRIED: " + one, 0, 13);
-  for (const laser::DeclaredZero& zero : b.compiled.map.header.declared_zero)
-    text += paragraph(fmt::format("{} declared zero: {}", name_of(zero.component), zero.reason), 0, 5);
-  for (const std::string& note : b.notes) text += paragraph("note: " + note, 0, 6);
-  text += findings_text(b.findings) + verdict_text(b.findings);
-  text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
-                                   : fmt::format("map written to {}\n", arguments.output);
-  if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
-  return text;
-}
-
-// --- as JSON
-
-Json json_of_built(const Built& b, const FromModelArguments& arguments) {
-  Json components = Json::array(), squareness = Json::object(), missing = Json::array();
-  for (const auto& [component, effects] : b.effects) {
-    if (is_squareness(component)) {
-      squareness[fmt::format("{}_um_per_m", name_of(component))] =
-          number_or_null(b.compiled.squareness[index_of(component)]);
-      continue;
-    }
-    components.push_back({{"component", name_of(component)},
-                          {"description", laser::description_of(component)},
-                          {"unit", unit_of(component)},
-                          {"effects", effects},
-                          {"largest", number_or_null(largest_in(b.compiled.map.tables, component))},
-                          {"points", points_in(b.compiled.map.tables, component)}});
-  }
-  for (const laser::MapFinding& finding : b.findings)
-    if (finding.objection) missing.push_back(finding.message);
-  return {{"map", text_or_null(arguments.output)},
-          {"params_out", text_or_null(arguments.params_out)},
-          {"model", arguments.model},
-          {"increment_mm", number_or_null(b.increment_mm)},
-          {"complete", b.complete()},
-          {"carried", b.compiled.carried},
-          {"not_carried", b.compiled.not_carried},
-          {"components", std::move(components)},
-          {"squareness", std::move(squareness)},
-          {"missing", std::move(missing)},
-          {"findings", findings_json(b.findings)},
-          {"notes", b.notes},
-          {"header", header_json(b.compiled.map.header)}};
-}
-
-Result<void> write(const Built& b, const FromModelArguments& arguments) {
+Result<void> write(const MapFromModel& b, const FromModelArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto done = write_file(arguments.output, laser::to_map_csv(b.compiled.map)); !done) return done;
   if (!arguments.params_out.empty()) return params::write_parameters(arguments.params_out, b.parameters, b.identity);
   return {};
 }
 
-Problem nothing_carried(const Built& b, const std::string& model) {
+Problem nothing_carried(const MapFromModel& b, const std::string& model) {
   std::vector<Problem> problems{
       {ProblemKind::refused, "no effect of this model can be carried by a map; nothing was written", model, 0, 0, {}}};
   for (const std::string& one : b.compiled.not_carried)
@@ -305,19 +206,19 @@ Problem nothing_carried(const Built& b, const std::string& model) {
 
 }  // namespace
 
-Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
+Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())
     return problem(ProblemKind::usage, "--from-model needs --machine: its file holds the travels of the axes");
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = check_output_not_input(output, {arguments.model, arguments.machine}); !spared)
       return tl::unexpected(spared.error());
-  const auto built = built_from(messages, arguments);
+  auto built = built_from(messages, arguments);
   if (!built) return tl::unexpected(built.error());
   if (built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
   if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
   for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
     messages.warn(objection);
-  return Outcome{text_of(*built, arguments), one_line(json_of_built(*built, arguments)), kDone};
+  return built;
 }
 
 }  // namespace ecs::commissioning

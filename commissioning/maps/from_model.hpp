@@ -2,12 +2,17 @@
 // Does not live here: the arithmetic (model/diagnosis/ladder.hpp), maps from measured files (app/verbs/map/build.cpp).
 #pragma once
 
+#include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/json_fwd.hpp"
 #include "commissioning/session/message.hpp"
+#include "laser/map/coverage.hpp"
+#include "model/fit/compiled_model.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
 
@@ -25,6 +30,24 @@ struct FromModelArguments {
   std::string date;
 };
 
-[[nodiscard]] Result<Outcome> map_from_model(MessageSink& messages, const FromModelArguments& arguments);
+/// The map with what it was made of.
+struct MapFromModel {
+  model::CompiledModel compiled;
+  std::map<Component, std::vector<std::string>> effects;  ///< of each table and squareness
+  UnitParameters parameters;                              ///< with the model's squareness
+  params::Identity identity;
+  double increment_mm = 0.0;
+  std::vector<std::string> notes;
+  std::vector<laser::MapFinding> findings;
+  [[nodiscard]] bool complete() const {
+    return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
+  }
+};
+
+/// Writes the files that `arguments` names. Refused where no effect of the model can be carried by a map.
+[[nodiscard]] Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments);
+
+[[nodiscard]] std::string from_model_text(const MapFromModel& built, const FromModelArguments& arguments);
+[[nodiscard]] Json from_model_json(const MapFromModel& built, const FromModelArguments& arguments);
 
 }  // namespace ecs::commissioning

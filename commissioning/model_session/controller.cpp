@@ -237,7 +237,7 @@ void ModelController::start_map(const std::string& output) {
     arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
     const auto built = map_from_model(messages, arguments);
     if (!built) return tl::unexpected(built.error());
-    return owned_lines_of(built->text);
+    return owned_lines_of(from_model_text(*built, arguments));
   };
   task_.start("compiling the model to a map", build, [this](Result<Lines> lines) {
     if (!lines) return message_.say(lines.error());
@@ -246,8 +246,8 @@ void ModelController::start_map(const std::string& output) {
 }
 
 void ModelController::export_picture(FigureWriter write) {
-  picture_.start(fit_figure(fit_, data(), files_.model), std::filesystem::path(files_.model).stem().string(),
-                 std::move(write));
+  commissioning::export_picture(drawing_, fit_figure(fit_, data(), files_.model),
+                                std::filesystem::path(files_.model).stem().string(), std::move(write), message_);
 }
 
 void ModelController::cancel() {
@@ -277,7 +277,7 @@ void ModelController::take(Diagnosed found) {
 }
 
 bool ModelController::advance() {
-  const bool drawn = picture_.advance(message_);
+  const bool drawn = drawing_.advance();
   return task_.advance() || drawn || busy();
 }
 

@@ -112,7 +112,7 @@ class ModelController {
   bool saved_ = false;  ///< since it was opened
   int generation_ = 0;
   Message message_;
-  PictureExport picture_;
+  TaskRunner drawing_;
   TaskRunner task_;
 };
 

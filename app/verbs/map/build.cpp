@@ -243,8 +243,11 @@ Problem nothing_built(const Built& b) {
 Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (!a.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
-  return map_from_model(context.console, {a.from_model, a.machine, a.increment_mm, a.params, a.output, a.params_out,
-                                          a.zero, a.customer, a.engineer, a.date});
+  const FromModelArguments arguments{a.from_model, a.machine, a.increment_mm, a.params,   a.output,
+                                     a.params_out, a.zero,    a.customer,     a.engineer, a.date};
+  const auto map = map_from_model(context.console, arguments);
+  if (!map) return tl::unexpected(map.error());
+  return Outcome{from_model_text(*map, arguments), one_line(from_model_json(*map, arguments)), kDone};
 }
 
 Result<void> enough_given(const BuildArguments& arguments) {
