@@ -1,4 +1,4 @@
-// The tree of menus: what stands where. Does not live here: how a menu looks (app/ui/menu_screen.cpp).
+// The tree of menus: what stands where.
 #include <algorithm>
 #include <functional>
 

@@ -1,4 +1,4 @@
-// `ecs` alone opens the screens. Does not live here: what they show.
+// `ecs` alone opens the screens.
 #pragma once
 
 #include <optional>

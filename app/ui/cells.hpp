@@ -1,5 +1,4 @@
 // A picture of the terminal as cells, drawn into without any terminal, so that every screen can be tested as text.
-// Does not live here: the terminal itself (terminal.hpp), what is drawn (the screens).
 #pragma once
 
 #include <cstdint>

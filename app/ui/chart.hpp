@@ -1,5 +1,5 @@
 // Curves in a terminal: braille dots, or letters where the terminal has no braille; axes with ticks and units, a cursor
-// with read-out, a part of the x range. Does not live here: pictures in files (app/plot/gnuplot.hpp).
+// with read-out, a part of the x range.
 #pragma once
 
 #include <optional>

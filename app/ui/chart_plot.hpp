@@ -1,5 +1,4 @@
 // Where in its area the curves of a chart lie; for charts and for what is marked on them.
-// Does not live here: drawing (chart.hpp).
 #pragma once
 
 #include "app/ui/cells.hpp"

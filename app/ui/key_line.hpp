@@ -1,5 +1,4 @@
 // The key line at the bottom of every screen: what fits of its keys, and which of them was clicked.
-// Does not live here: what the keys do (the screens).
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Keys as the screens know them, whatever terminal sent them. Does not live here: reading them (terminal.hpp).
+// Keys as the screens know them, whatever terminal sent them.
 #pragma once
 
 #include <cstdint>

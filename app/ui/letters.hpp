@@ -1,5 +1,5 @@
 // Letters as a terminal shows them: UTF-8, the columns that a letter takes, words in lines, the nearest character of
-// ASCII. Does not live here: where letters stand (cells.hpp).
+// ASCII.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The menus of thesis figure 5.4, and those that came since. Does not live here: what an entry opens.
+// The menus of thesis figure 5.4, and those that came since.
 #pragma once
 
 #include <functional>

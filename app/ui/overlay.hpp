@@ -1,5 +1,4 @@
 // What is laid over any screen: its help (?), and whole what the screen shows in part only (F2). It scrolls.
-// Does not live here: the key that opens it (screen_program.hpp), what is seen in part (Canvas::keep_whole).
 #pragma once
 
 #include <string>

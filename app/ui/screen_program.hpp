@@ -1,5 +1,4 @@
 // The loop of the screens: draws the one in front with header and status line, hands it keys, keeps the way back.
-// Does not live here: the screens, the terminal (terminal.hpp).
 #pragma once
 
 #include <functional>

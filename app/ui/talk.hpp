@@ -1,5 +1,4 @@
 // Messages, questions with yes or no, and the progress of long work, drawn.
-// Does not live here: what they say (commissioning/session/message.hpp), lists and text lines (widgets.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// The terminal: shows a canvas, reads keys, gives the terminal back as it was however the program ends.
-// ncurses stays in the implementation. Does not live here: what is shown (cells.hpp).
+// The terminal: shows a canvas, reads keys, gives the terminal back as it was however the program ends. ncurses stays
+// in the implementation.
 #pragma once
 
 #include <memory>

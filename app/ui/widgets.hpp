@@ -1,5 +1,4 @@
 // Parts of screens: a list to choose from, a line to type into, text to scroll. They hold a place, not the content.
-// Does not live here: screens (screen.hpp).
 #pragma once
 
 #include <optional>

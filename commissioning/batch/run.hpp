@@ -1,5 +1,4 @@
 // Carrying out a plan, unit by unit: one that fails does not stop the others.
-// Does not live here: the plan (plan.hpp), its table for people (app/verbs/batch.cpp).
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // What the engineer chose on the way from laser files to a map: small, kept on disc as a draft, undone by putting an
-// older value in its place. Does not live here: what follows from it (work.hpp), the data.
+// older value in its place.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // What the PROCESS LASER DATA screen works on: the choices with their undo and draft, what follows from them, and the
-// work under way. Pure state and actions, no terminal. Does not live here: drawing (screen.hpp).
+// work under way. Pure state and actions, no terminal.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,4 @@
 // The map read back from the unit: the verdict, whether it still holds, compensation with it.
-// Does not live here: the talk with the unit (commissioning/laser_session/unit_work.cpp), other work (controller.cpp).
 #include <algorithm>
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // Measured lines without what was left out, and the curves of the components before and after slope removal and
-// smoothing, with their pictures. Does not live here: lines (lines.hpp), the map (map_work.hpp).
+// smoothing, with their pictures.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // Files of an instrument as measured lines: one axis, one sense, one place, the readings of all files that hold them.
-// Does not live here: what is left out and what is computed (work.hpp), single formats (laser/import/import.hpp).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // The map that the chosen files, parameters and components give, what is missing for it, and its files on disc.
-// Does not live here: building a map (laser/map/build.hpp), sending it (unit_work.hpp).
 #pragma once
 
 #include <filesystem>

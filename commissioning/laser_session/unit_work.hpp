@@ -1,6 +1,4 @@
 // What the laser screen does on the line to the unit, and on disc before it: each piece runs in the thread of a job.
-// Does not live here: what is asked before (app/screens/laser/send_page.cpp), the transfer itself
-// (commissioning/maps/sent.hpp).
 #pragma once
 
 #include <chrono>

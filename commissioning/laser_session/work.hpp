@@ -1,6 +1,5 @@
 // Everything that follows from the choices: files read, lines, curves, the map. Worked out beside the screen; what did
-// not change is taken over from before. Does not live here: the single steps (lines.hpp, curves.hpp,
-// map_work.hpp).
+// not change is taken over from before.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,4 @@
 // Which link a verb uses: --link, else the stored one, else the bundled emulator; where the pieces of the emulator lie.
-// Does not live here: opening it (unit_link.hpp).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,4 @@
 // Which link is used: the ports there are, the doctor that tries a setting, taking it, storing it.
-// Does not live here: what the doctor finds (commissioning/link/doctor.hpp), the picture (link_screen.hpp).
 #pragma once
 
 #include <functional>

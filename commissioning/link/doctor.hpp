@@ -1,5 +1,4 @@
 // Why a link does not work, found out without writing to the unit; and whether the other programs are there.
-// Does not live here: raw ports (port_survey.hpp), the verb (app/verbs/doctor.cpp).
 #pragma once
 
 #include <atomic>

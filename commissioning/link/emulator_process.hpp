@@ -1,5 +1,4 @@
 // The bundled emulator as a child process: started, asked where its line is, stopped.
-// Does not live here: what it emulates (the program ecs-emulator).
 #pragma once
 
 #include <filesystem>

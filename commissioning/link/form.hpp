@@ -1,5 +1,4 @@
 // The link as fields: what kind, which port, how fast, which unit; and back to the text that --link takes.
-// Does not live here: trying it (link_controller.hpp), the picture (link_screen.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // What can be learnt about a serial port without talking Modbus: is it there, may it be opened, does it echo.
-// Does not live here: talking to a unit (protocol/client/link.hpp), what to make of it (doctor.hpp).
 #pragma once
 
 #include <cstdint>

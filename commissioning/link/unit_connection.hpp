@@ -1,6 +1,5 @@
 // The one line to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
 // the screens; work on it is done one piece after the other. A bundled emulator runs as long as the connection.
-// Does not live here: what is said over the line (protocol/client/client.hpp), drawing.
 #pragma once
 
 #include <atomic>

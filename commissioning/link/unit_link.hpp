@@ -1,5 +1,4 @@
 // The way to a unit: opens the chosen link (starting the bundled emulator where that is the link) and closes it.
-// Does not live here: which link (choice.hpp), what is sent over it (protocol/client/client.hpp).
 #pragma once
 
 #include <atomic>

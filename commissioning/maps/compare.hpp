@@ -1,5 +1,4 @@
 // Where two maps differ: header, tables, values by position.
-// Does not live here: bringing a map to the image's resolution (laser/map/image.hpp).
 #pragma once
 
 #include <optional>

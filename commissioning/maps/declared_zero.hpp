@@ -1,5 +1,4 @@
 // `--zero EBY="reason"`: a component declared zero on somebody's word.
-// Does not live here: what becomes of it (laser/map/error_map.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Several output files that belong together: all of them on disc, or none.
-// Does not live here: one file (base/file.hpp), what the files say (laser/controller_*.hpp).
 #pragma once
 
 #include <functional>

@@ -1,5 +1,4 @@
 // What every export begins with: a map, the parameters it goes with, the travels, and where the error is known from.
-// Does not live here: the tables (laser/controller_*.hpp), how they are shown (export_view.hpp).
 #pragma once
 
 #include <array>

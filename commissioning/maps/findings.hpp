@@ -1,6 +1,5 @@
 // What the verbs, the screens and the report know of a map beside its tables: the travels that it should cover, and how
-// its findings are summed up in a word. Does not live here: the findings (laser/map/coverage.hpp), their text
-// (view.hpp).
+// its findings are summed up in a word.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // `ecs map build --from-model`: the error map that a fitted model compiles to.
-// Does not live here: the arithmetic (model/diagnosis/ladder.hpp), maps from measured files (app/verbs/map/build.cpp).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,4 @@
 // A map with the parameters it goes with, judged and turned into the bytes for the unit, without a unit.
-// Does not live here: sending it (commissioning/unit/transfer.hpp), single objections
-// (commissioning/unit/map_checks.hpp).
 #pragma once
 
 #include <string>

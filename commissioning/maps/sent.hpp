@@ -1,6 +1,4 @@
 // A prepared map into a unit, and whether a unit holds a map: what the verbs and the screens share.
-// Does not live here: judging a map without a unit (prepared_map.hpp), the transfer (commissioning/unit/transfer.hpp),
-// words and forms.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,4 @@
 // The map in the unit, with its parameters.
-// Does not live here: a map from a file or from the unit (app/verbs/map/map_source.hpp), the transfer
-// (commissioning/unit/transfer.hpp).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
-// An error map as text and JSON: header, tables, findings.
-// Does not live here: its CSV (laser/map/csv.hpp), the verbs. Only for .cpp files (heavy header).
+// An error map as text and JSON: header, tables, findings. Only for .cpp files (heavy header).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // A capture under way: triggers, displays and sensors around the record, one short step after the other. Whoever shows
-// it (a terminal, a screen) takes its news. Does not live here: what is taken (devices/capture_record.hpp), the verb.
+// it (a terminal, a screen) takes its news.
 #pragma once
 
 #include <future>

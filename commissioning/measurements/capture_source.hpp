@@ -1,5 +1,5 @@
 // Where the readings of a capture come from when a trigger says that one is due: typed, an indicator gauge, a file,
-// what a command says. Does not live here: when (capture_run.hpp).
+// what a command says.
 #pragma once
 
 #include <memory>

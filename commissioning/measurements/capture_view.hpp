@@ -1,5 +1,4 @@
-// What a capture tells the operator: what comes next, what was read. Does not live here: showing it
-// (app/verbs/laser/capture.cpp).
+// What a capture tells the operator: what comes next, what was read.
 #pragma once
 
 #include <string>

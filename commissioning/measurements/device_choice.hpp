@@ -1,5 +1,5 @@
 // A device as a command line names it: a description's file, or one that comes with the program, and which of several
-// alike. Does not live here: descriptions (devices/description.hpp).
+// alike.
 #pragma once
 
 #include <string>

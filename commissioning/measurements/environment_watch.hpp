@@ -1,5 +1,5 @@
 // A thermometer or another sensor of the surroundings, watched beside a monitor: a thread of its own opens it, reads
-// it, and opens it again when it was pulled out. Does not live here: the device (devices/sensor.hpp).
+// it, and opens it again when it was pulled out.
 #pragma once
 
 #include <mutex>

@@ -1,6 +1,4 @@
 // Measurement files: what a file does not say, given as words; reading one; joining several.
-// Does not live here: the readers (laser/import/import.hpp), the options of the verbs
-// (app/verbs/laser/import_arguments.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Named answers to what a kind of file does not say: the import options, kept in a TOML file.
-// Does not live here: what the options mean (files.hpp).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,4 @@
 // The plan of a commissioning: which measurements were made, and what was published of them.
-// Does not live here: making the measurements (the workshop reads the same file), the table (table.hpp).
 #pragma once
 
 #include <filesystem>

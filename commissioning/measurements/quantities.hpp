@@ -1,5 +1,4 @@
 // The quantities of ISO 230-2 by key, symbol and name, as the verb and the screen show them.
-// Does not live here: their values (laser/analysis/iso230.hpp).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
-// What a measurement set holds, in numbers: for import and show, as text and as JSON.
-// Does not live here: statistics (app/verbs/laser/stats.cpp). The JSON forms stand in json.hpp.
+// What a measurement set holds, in numbers: for import and show, as text and as JSON. The JSON forms stand in json.hpp.
 #pragma once
 
 #include <optional>

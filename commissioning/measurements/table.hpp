@@ -1,5 +1,5 @@
 // The table of a commissioning: what the plan's measurements show before and after compensation, beside what was
-// published. Does not live here: reading the plan (plan.hpp), the verb (app/verbs/laser/table.cpp).
+// published.
 #pragma once
 
 #include <filesystem>

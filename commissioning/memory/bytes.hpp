@@ -1,5 +1,4 @@
 // The bytes of a memory as far as they are known: pages of a unit that arrive one after the other, or a dump at once.
-// Does not live here: how pages come (controller.hpp), what the bytes mean (names.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // The memory that one looks at: a unit's, read page by page as it is needed, or a dump's. Where the cursor stands, what
-// is sought, compared, written and taken back. Does not live here: the picture and the keys (screen.hpp).
+// is sought, compared, written and taken back.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,5 @@
 // What the bytes of a unit's memory mean: commit records, images, parameters, table directory, header. Total: any bytes
 // are decoded as far as they go, and what is wrong with them is said.
-// Does not live here: where the bytes come from (dump.hpp), how it is shown (view.hpp).
 #pragma once
 
 #include <array>

@@ -1,8 +1,6 @@
-// A dump of a unit's memory: taken from the unit, kept in one file, read back even where the file is damaged.
-// Does not live here: what the bytes mean (decode.hpp).
-//
-// The file: one line `ECSDUMP 1 CRC32-OF-THE-JSON`, one line of JSON (when, which unit, its status registers, the
-// regions with address, size and CRC-32), then the bytes of the regions one after the other.
+// A dump of a unit's memory: taken from the unit, kept in one file, read back even where the file is damaged.  The
+// file: one line `ECSDUMP 1 CRC32-OF-THE-JSON`, one line of JSON (when, which unit, its status registers, the regions
+// with address, size and CRC-32), then the bytes of the regions one after the other.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // What stands where in memory, by name: commit records, prefix, parameters, table directory, values of the tables in
-// their unit, header. Does not live here: decoding (commissioning/memory/decode.hpp, commissioning/memory/fields.hpp).
+// their unit, header.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
 // What the unit's address space allows: which bytes exist, what a typed row of bytes means, what a write would spoil.
-// Does not live here: reading and writing them (protocol/client/client.hpp), what they mean (decode.hpp).
 #pragma once
 
 #include <cstdint>

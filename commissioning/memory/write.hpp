@@ -1,5 +1,4 @@
 // Bytes of the unit changed by hand: what would be written, whether that is allowed, and the write itself, checked.
-// Does not live here: asking (controller.hpp), the line (protocol/client/client.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
 // What the unit would leave of measured errors, by direction, and what it did leave when measured again.
-// Does not live here: the sum over all readings (model/diagnosis/ladder.hpp), the verb (app/verbs/model/what_if.cpp).
 #pragma once
 
 #include <optional>

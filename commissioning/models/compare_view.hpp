@@ -1,5 +1,4 @@
 // Where a model fails, as text of 80 columns and as JSON. Only for .cpp files (heavy header).
-// Does not live here: the comparison (model/fit/compare.hpp).
 #pragma once
 
 #include <string>

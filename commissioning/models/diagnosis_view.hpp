@@ -1,5 +1,4 @@
 // A diagnosis as a person reads it, 80 columns: the verdict in one sentence, then the evidence.
-// Does not live here: the diagnosis (model/diagnosis/diagnose.hpp), its JSON (json.hpp).
 #pragma once
 
 #include <string>

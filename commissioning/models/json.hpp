@@ -1,5 +1,4 @@
 // Models, fits and diagnoses as JSON, by the names of docs/design.md 3.4. Only for .cpp files (heavy header).
-// Does not live here: their text (view.hpp).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
 // Measured lines of a data set, and how their points look: shared by pictures in files and on the terminal.
-// Does not live here: the pictures (plots.hpp, screens/model_desk.hpp).
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What a model says at one place of the machine, and over its whole volume: answers of `ecs model compare`.
-// Does not live here: the arithmetic (model/fit/compare.hpp). Only for .cpp files (heavy header).
+// What a model says at one place of the machine, and over its whole volume: answers of `ecs model compare`. Only for
+// .cpp files (heavy header).
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Places to be measured or predicted, from a measurement set whose readings do not count.
-// Does not live here: what is made of them (the verbs).
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Figures of models: measured against predicted, what is left of it, the ladder of errors.
-// Does not live here: drawing them (app/plot/gnuplot.hpp).
 #pragma once
 
 #include <vector>

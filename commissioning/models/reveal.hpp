@@ -1,5 +1,4 @@
 // A hidden case: what was hidden, what a diagnosis answered, and whether that is right.
-// Does not live here: making cases (ecs_emulator), the verb (app/verbs/model/reveal.cpp).
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// A recorded step against the simulated servo, as text, JSON and figure. Does not live here: the comparison itself.
+// A recorded step against the simulated servo, as text, JSON and figure.
 #include "commissioning/models/trace.hpp"
 
 #include <algorithm>

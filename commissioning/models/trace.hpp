@@ -1,6 +1,4 @@
 // `ecs model compare` on a recorded step of a servo axis: its drive constants against the oscilloscope.
-// Does not live here: measurement sets (app/verbs/model/compare.cpp), finding the wrong constant
-// (model/drive/diagnosis.hpp).
 #pragma once
 
 #include <string>

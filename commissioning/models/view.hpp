@@ -1,5 +1,4 @@
 // Parts of models, fits and diagnoses as text of 80 columns: places, values with sigmas, tests, shapes, the ladder.
-// Does not live here: whole answers (the verbs), JSON (json.hpp).
 #pragma once
 
 #include <optional>

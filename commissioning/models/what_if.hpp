@@ -1,6 +1,5 @@
 // The error that compensation would leave, effect by effect and direction by direction; measured again, predicted
-// against achieved. Does not live here: the arithmetic (model/diagnosis/ladder.hpp, after.hpp), the verb
-// (app/verbs/model/what_if.cpp).
+// against achieved.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,4 @@
 // What work on a model begins with: a model, measured files, a machine, read and brought together.
-// Does not live here: the options of the verbs (app/verbs/model/model_arguments.hpp), the readers
-// (model/fit/model_file.hpp, laser/import/import.hpp).
 #pragma once
 
 #include <optional>

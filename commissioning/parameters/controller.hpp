@@ -1,6 +1,5 @@
 // What the parameters screen works on: the set being edited beside the file and the unit it is compared with, what
-// stands against it, undo, the draft on disc. Does not live here: drawing (screen.hpp), the line to the unit
-// (unit.hpp).
+// stands against it, undo, the draft on disc.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
-// Unsaved parameters as the text of a draft, and back. Does not live here: where drafts are kept
-// (commissioning/session/drafts.hpp).
+// Unsaved parameters as the text of a draft, and back.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // One parameter set as the screen edits it: the unit's parameters with the identity of their owner, each under a key.
-// Does not live here: ranges and help (params/fields.hpp), the history of edits (controller.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // Looking into the unit, receiving and sending as the parameters screen does them: beside the screen, asking before
-// anything is overwritten. Does not live here: what is said over the line (unit.hpp), drawing.
+// anything is overwritten.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,4 @@
 // The parameters screen's talk with the unit: what it holds, sending with a look afterwards. For the thread of a Job.
-// Does not live here: the transfer itself (commissioning/unit/transfer.hpp), whose line it is
-// (commissioning/link/unit_connection.hpp).
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
 // Figures of measurements and maps: error curves with their readings, before and after, tables of compensation.
-// Does not live here: drawing them (gnuplot.hpp).
 #pragma once
 
 #include <optional>

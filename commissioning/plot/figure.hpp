@@ -1,6 +1,5 @@
 // A figure as data: panels with series of points and what each series shows. gnuplot (gnuplot.hpp), the report's inline
 // SVG (app/report/svg.hpp) and the terminal chart (app/ui/chart.hpp) draw the same figure.
-// Does not live here: figures of measurements and maps (curves.hpp).
 #pragma once
 
 #include <algorithm>

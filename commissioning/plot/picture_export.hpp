@@ -1,5 +1,4 @@
-// Figures as files: <stem>-<time>.svg and .png in the working folder, drawn in the background. Does not live here:
-// drawing (app/plot/gnuplot.hpp).
+// Figures as files: <stem>-<time>.svg and .png in the working folder, drawn in the background.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Work that is not saved yet, kept on disc as it grows, so that a crash, a closed terminal or a lost line costs
-// nothing: the screen that made it offers it again. Does not live here: what the work is (the screens).
+// nothing: the screen that made it offers it again.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,5 @@
 // What the screens said, with the time, newest last; kept in memory for the LOG screen and appended to a file, so that
-// an error can be read and copied after it left the screen. Does not live here: showing it
-// (app/screens/unit/log_screen.hpp).
+// an error can be read and copied after it left the screen.
 #pragma once
 
 #include <filesystem>

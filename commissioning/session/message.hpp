@@ -1,5 +1,5 @@
 // What an action has to say to whoever asked for it: tones, messages, questions. A verb prints them, a screen shows
-// them. Does not live here: the console (app/cli/console.hpp), drawing (app/ui/talk.hpp), the log (event_log.hpp).
+// them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
 // A recorded datum sequence on the host: out of the unit's memory, as a CSV file, and what happened in it.
-// Does not live here: the bytes (core/datum_record.hpp), what a sequence must look like (core/datum.hpp).
 #pragma once
 
 #include <filesystem>

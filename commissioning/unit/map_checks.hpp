@@ -1,5 +1,4 @@
 // What stands between a map and a unit: findings, squareness left behind, another machine, too little memory.
-// Does not live here: findings of map and parameters alone (laser/map/error_map.hpp), sending (transfer.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// Monitor samples as CSV, one row for each axis and sample, on disc as they come. Does not live here: taking them
-// (protocol/client/client.hpp), the sensor beside them (commissioning/measurements/environment_watch.hpp).
+// Monitor samples as CSV, one row for each axis and sample, on disc as they come.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,4 @@
 // The state of a unit at one moment, with the registers it came in: taken live, kept in a file, decoded again later.
-// Does not live here: words and tables for it (status_view.hpp).
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
 // Parameters and maps between host and unit: what `params send`, `map send`, `batch` and the screens share.
-// Does not live here: files, words for the user (the verbs), the line (protocol/).
 #pragma once
 
 #include <cstdint>

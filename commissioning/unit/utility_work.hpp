@@ -1,5 +1,4 @@
-// Work on the unit that the verbs of ECS UTILITY and its screens share. Does not live here: asking whether it is meant,
-// words for what is done (the verbs, the screens).
+// Work on the unit that the verbs of ECS UTILITY and its screens share.
 #pragma once
 
 #include <chrono>

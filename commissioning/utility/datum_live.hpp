@@ -1,6 +1,5 @@
 // What work on the line tells its screen while it has the line to itself: the newest sample and status, and where the
-// bundled emulator's workshop is. Does not live here: the work (datum_record_controller.cpp,
-// datum_test_controller.cpp).
+// bundled emulator's workshop is.
 #pragma once
 
 #include <mutex>

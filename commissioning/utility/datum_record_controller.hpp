@@ -1,5 +1,4 @@
 // RECORD DATUM SEQUENCE: ten seconds of one axis out of the unit, while its control references the machine.
-// Does not live here: drawing (datum_record_screen.hpp), what is done with the record (datum_view_controller.hpp).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // TEST DATUM ROUTINE: the unit's own routine, axis after axis, with the stage in which each stands.
-// Does not live here: drawing (datum_test_screen.hpp), the routine (core/datum.hpp).
 #pragma once
 
 #include <memory>

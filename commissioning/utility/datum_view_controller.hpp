@@ -1,5 +1,5 @@
 // DISPLAY DATUM SEQUENCE: one or two records, the time that is seen, the cursor, files. A fresh record is kept on disc
-// as a draft until it is saved. Does not live here: drawing (datum_chart.hpp, datum_view_screen.hpp).
+// as a draft until it is saved.
 #pragma once
 
 #include <memory>

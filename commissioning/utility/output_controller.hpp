@@ -1,5 +1,5 @@
 // OUTPUT COMPENSATION VALUE: one axis's D/A value and relay, what moves by it, and the way back to rest. Whoever goes
-// leaves the unit at rest as far as the line allows. Does not live here: drawing (output_screen.hpp).
+// leaves the unit at rest as far as the line allows.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
 // SET AXIS POSITION: what is asked of the unit, what it showed before and after, and the way back.
-// Does not live here: drawing (position_screen.hpp).
 #pragma once
 
 #include <memory>

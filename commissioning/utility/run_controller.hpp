@@ -1,5 +1,4 @@
 // RUN USER SOFTWARE: which program with which argument, what it returned, the registers it left.
-// Does not live here: drawing (run_screen.hpp), writing programs into memory (MEMORY ACCESS).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // A datum record as figures: speed over time as in thesis figure 5.5, the switch and the marker, one or two records
-// over each other. Does not live here: drawing on a screen (app/screens/utility/datum_chart.hpp).
+// over each other.
 #pragma once
 
 #include <optional>

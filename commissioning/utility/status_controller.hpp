@@ -1,5 +1,4 @@
 // DISPLAY ECS STATUS: the unit's state, read again and again, or one out of a file; memory test, fault, mode.
-// Does not live here: words and tables (commissioning/unit/status_view.hpp), drawing (status_screen.hpp).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // The unit as it was seen last, and what the controllers of ECS UTILITY share.
-// Does not live here: the link to the unit (commissioning/link/unit_connection.hpp).
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,4 @@
 // A chart of measured readings with those that were left out of it: x, far ones at the edge with their value.
-// Does not live here: charts in general (app/ui/chart.hpp), what is left out (commissioning/laser_session/curves.hpp).
 #pragma once
 
 #include <string>

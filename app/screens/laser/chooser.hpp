@@ -1,5 +1,4 @@
 // Choosing files: a folder's list with what each file is taken for, marks, a path typed with completion.
-// Does not live here: what becomes of the files chosen (controller.hpp).
 #pragma once
 
 #include <filesystem>

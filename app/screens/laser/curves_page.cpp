@@ -1,5 +1,4 @@
-// Step 4: slope and smoothing of every curve, before and after. Does not live here: the arithmetic
-// (commissioning/laser_session/curves.cpp).
+// Step 4: slope and smoothing of every curve, before and after.
 #include <algorithm>
 
 #include <fmt/format.h>

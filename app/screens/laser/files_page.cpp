@@ -1,5 +1,4 @@
-// Step 1: which files. Does not live here: reading them (commissioning/laser_session/lines.cpp), the folder's list
-// (chooser.cpp).
+// Step 1: which files.
 #include <algorithm>
 #include <filesystem>
 

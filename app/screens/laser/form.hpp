@@ -1,5 +1,5 @@
 // A few fields to fill in, in a box over the screen: typed in place, chosen words on Space, the help of the field under
-// the cursor below. Does not live here: what is asked (the pages), forms of verbs (app/screens/verbs/verb_screen.hpp).
+// the cursor below.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,4 @@
-// Step 7: who made the map, when, for which machine. Does not live here: what the files say
-// (commissioning/laser_session/map_work.cpp).
+// Step 7: who made the map, when, for which machine.
 #include <array>
 
 #include <fmt/format.h>

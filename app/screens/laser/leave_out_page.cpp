@@ -1,5 +1,4 @@
-// Step 3: runs and readings left out and taken back, with the curve. Does not live here: what is suspect
-// (commissioning/laser_session/lines.cpp), the means without them (commissioning/laser_session/curves.cpp).
+// Step 3: runs and readings left out and taken back, with the curve.
 #include <algorithm>
 #include <set>
 #include <utility>

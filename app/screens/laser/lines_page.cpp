@@ -1,6 +1,4 @@
 // Steps 2 and 5: what was measured under which conditions; accuracy and repeatability by ISO 230-2.
-// Does not live here: finding the lines (commissioning/laser_session/lines.cpp), the evaluation
-// (laser/analysis/iso230.hpp).
 #include <algorithm>
 #include <filesystem>
 

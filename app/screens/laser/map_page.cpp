@@ -1,5 +1,4 @@
 // Step 6: the components that the scope needs, present or missing, the findings, the tables as curves.
-// Does not live here: building the map (commissioning/laser_session/map_work.cpp).
 #include <algorithm>
 #include <filesystem>
 

@@ -1,5 +1,4 @@
 // One step of PROCESS LASER DATA on the screen, and what all steps share: the controller, questions, forms, pictures.
-// Does not live here: the frame round the steps (screen.hpp).
 #pragma once
 
 #include <functional>

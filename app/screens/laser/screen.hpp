@@ -1,5 +1,5 @@
 // PROCESS LASER DATA: the steps from measured files to a map in the unit, as tabs that say how they stand; one can go
-// back to any of them. Does not live here: the steps (laser_*_page.cpp), their state (controller.hpp).
+// back to any of them.
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
 // Steps 8 and 9: the map saved, checked, sent; read back, and what comes next.
-// Does not live here: the transfer (commissioning/laser_session/unit_work.cpp).
 #include <algorithm>
 
 #include <fmt/format.h>

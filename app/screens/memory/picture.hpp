@@ -1,5 +1,4 @@
 // Memory as rows of bytes with their characters: where each byte stands, how it is marked.
-// Does not live here: keys, what is read (controller.hpp).
 #pragma once
 
 #include "app/ui/cells.hpp"

@@ -1,5 +1,4 @@
 // MEMORY ACCESS: bytes with their names, finding, comparing, writing with a question and the way back.
-// Does not live here: what is done (controller.hpp), how the rows look (picture.hpp).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // The MODEL screen: measurements and model side by side, where it fails, what is missing, add it and watch the error
-// fall. Does not live here: its state (controller.hpp), curves (app/ui/chart.hpp).
+// fall.
 #pragma once
 
 #include "app/ui/chart.hpp"

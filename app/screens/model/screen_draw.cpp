@@ -1,4 +1,4 @@
-// How the model screen looks. Does not live here: its keys (screen.cpp), its state (controller.hpp).
+// How the model screen looks.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -1,5 +1,4 @@
-// The page of the parameters screen that puts screen, file and unit side by side. Does not live here: the other pages
-// (parameters_view.cpp), what differs (controller.hpp).
+// The page of the parameters screen that puts screen, file and unit side by side.
 #include <algorithm>
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // E.C.S. PARAMETERS: the three groups of thesis 5.3 edited in place, checked as one types, compared with file and unit,
-// sent, received, saved. Does not live here: the set and its history (controller.hpp), the unit
-// (transfer.hpp), how the parts look (parameters_view.hpp).
+// sent, received, saved.
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
 // What the parameters screen does beyond a single value: files asked for, sending, receiving, finding by name.
-// Does not live here: the keys that lead here (screen.cpp).
 #include <algorithm>
 
 #include <fmt/format.h>

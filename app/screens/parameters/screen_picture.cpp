@@ -1,5 +1,4 @@
-// How the parameters screen puts its parts together. Does not live here: the parts (parameters_view.hpp), the keys
-// (screen.cpp).
+// How the parameters screen puts its parts together.
 #include <algorithm>
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // The parts of the parameters screen as pictures: the list of a group, the panel below it, findings, comparison, the
-// beginning. Does not live here: keys and state (screen.hpp, controller.hpp).
+// beginning.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
 // LINK: the setting as a form with the ports there are, the doctor at work, the counts of the line.
-// Does not live here: what is done (link_controller.hpp), what the counts mean (link_statistics.hpp).
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
-// LOG: what the screens said, newest last, with the whole text of one below. Does not live here: keeping it
-// (commissioning/session/event_log.hpp).
+// LOG: what the screens said, newest last, with the whole text of one below.
 #pragma once
 
 #include <filesystem>

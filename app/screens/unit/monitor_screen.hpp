@@ -1,5 +1,4 @@
-// ON LINE MONITOR: what the unit sees of its axes, as it happens. Does not live here: asking
-// (commissioning/link/unit_connection.hpp).
+// ON LINE MONITOR: what the unit sees of its axes, as it happens.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,4 @@
-// The unit in a few words, for the line that stands on every screen. Does not live here: the line
-// (app/ui/screen_program.hpp).
+// The unit in a few words, for the line that stands on every screen.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,5 @@
 // The velocity-time graph of thesis figure 5.5 on a screen: speed above, the switch and the marker as lanes below, one
-// or two records over each other, a cursor, a part of the time. Does not live here: files, keys
-// (datum_view_screen.hpp), the figures (commissioning/utility/shown_record.hpp).
+// or two records over each other, a cursor, a part of the time.
 #pragma once
 
 #include <optional>

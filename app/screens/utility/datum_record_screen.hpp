@@ -1,5 +1,4 @@
 // RECORD DATUM SEQUENCE: which axis, ten seconds with what the unit sees meanwhile, then the graph opens.
-// Does not live here: recording (datum_record_controller.hpp), the graph (datum_view_screen.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

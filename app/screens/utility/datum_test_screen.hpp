@@ -1,5 +1,4 @@
 // TEST DATUM ROUTINE: the axes with the stage in which each stands, live; what failed and what to do next.
-// Does not live here: testing (datum_test_controller.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

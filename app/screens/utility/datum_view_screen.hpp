@@ -1,5 +1,4 @@
 // DISPLAY DATUM SEQUENCE: the graph of thesis figure 5.5 with cursor and zoom, the events, a second record over it.
-// Does not live here: the records (datum_view_controller.hpp), the graph (datum_chart.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

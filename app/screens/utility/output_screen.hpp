@@ -1,5 +1,4 @@
 // OUTPUT COMPENSATION VALUE: axis, value, relay shown big, what moved beside it; steps, everything off on one key.
-// Does not live here: what is sent to the unit (output_controller.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

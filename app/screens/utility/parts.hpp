@@ -1,5 +1,5 @@
 // What the screens of ECS UTILITY share: the unit's state and its axes in rows, a question with what follows from it, a
-// line to type into. Does not live here: the state (commissioning/utility/unit_view.hpp), what a screen does.
+// line to type into.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,4 @@
 // SET AXIS POSITION: the axes with what the unit shows for them, live; a position is typed, asked for, set.
-// Does not live here: the line (commissioning/link/unit_connection.hpp), what is set (position_controller.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

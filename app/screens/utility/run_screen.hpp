@@ -1,5 +1,4 @@
 // RUN USER SOFTWARE: start address, argument and time limit, the regions to choose from, the result with the registers.
-// Does not live here: running (run_controller.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

@@ -1,5 +1,4 @@
 // DISPLAY ECS STATUS: state with the fault in plain words, address pointers, axes; live or from a file.
-// Does not live here: reading (status_controller.hpp), words (commissioning/unit/status_view.hpp).
 #pragma once
 
 #include "app/screens/utility/parts.hpp"

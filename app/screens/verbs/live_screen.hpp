@@ -1,6 +1,5 @@
 // A verb that talks with whoever runs it: what comes next in the upper row, what it said below as it says it, a line to
-// type into. Does not live here: the verbs (app/verbs/laser/capture.cpp, app/verbs/laser/devices.cpp), forms
-// (verb_screen.hpp).
+// type into.
 #pragma once
 
 #include <memory>

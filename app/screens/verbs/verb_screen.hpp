@@ -1,5 +1,4 @@
 // A verb as a form: its options as fields with their help, Enter runs it, the answer scrolls below.
-// Does not live here: the verbs (app/verbs/registry.hpp), which there are (catalogue.hpp).
 #pragma once
 
 #include <string>
