@@ -78,7 +78,10 @@ struct OptionAdder {
     return number(app.add_option_function<double>(argument.name, on, argument.help));
   }
   CLI::Option* operator()(const OnInteger& on) const {
-    return app.add_option_function<long long>(argument.name, on, argument.help)->type_name("INTEGER");
+    CLI::Option* option = app.add_option_function<long long>(argument.name, on, argument.help);
+    if (argument.most < std::numeric_limits<double>::max())
+      option->check(CLI::Range(static_cast<int>(argument.least), static_cast<int>(argument.most)).description(""));
+    return option->type_name("INTEGER");
   }
   CLI::Option* operator()(const OnText& on) const {
     return app.add_option_function<std::string>(argument.name, on, argument.help)->type_name("");

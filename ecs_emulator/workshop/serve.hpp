@@ -1,5 +1,5 @@
 // The virtual workshop as a process: machine, unit, line and door in one single-threaded event loop.
-// Does not live here: the command line (main.cpp).
+// Does not live here: the command line (ecs_emulator/verbs).
 #pragma once
 
 #include <csignal>

@@ -1,5 +1,5 @@
 // What a person in the workshop can do, as requests and answers of one JSON object each (docs/emulator.md lists them).
-// Does not live here: the socket they come through (serve.hpp), the command line (main.cpp).
+// Does not live here: the socket they come through (serve.hpp), the command line (ecs_emulator/verbs).
 #pragma once
 
 #include <functional>

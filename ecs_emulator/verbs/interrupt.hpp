@@ -1,0 +1,19 @@
+// Signals that end a verb of `ecs-emulator` in good order: it saves what it holds and returns.
+#pragma once
+
+#include <csignal>
+
+#include <sys/types.h>
+
+namespace ecs::emulator {
+
+/// Set by SIGTERM and SIGINT once stop_on_signals() was called.
+[[nodiscard]] const volatile std::sig_atomic_t& stop_requested();
+
+void stop_on_signals();
+
+/// Ends with the process that started this one, not with the thread of it that did: the signal comes for either.
+/// @return false: the parent has ended already
+[[nodiscard]] bool stop_with_parent(pid_t parent);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,79 @@
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "ecs_emulator/part_programs/files.hpp"
+#include "ecs_emulator/verbs/request_verb.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+struct ProgramArguments {
+  std::string plan;
+  std::string output;
+  std::string machine;
+  Json request = Json::object();
+};
+
+void add_plan_options(RequestVerb verb) {
+  verb.word("--axis", "axis", "moving axis");
+  verb.word("--sense", "sense", "what is measured (positioning)");
+  verb.word("--instrument", "instrument", "said in the head of the program");
+  verb.number("--from", "from", "first target, mm");
+  verb.number("--to", "to", "last target, mm");
+  verb.number("--step", "step", "mm");
+  verb.numbers("--targets", "targets", "in place of from, to and step");
+  verb.integer("--runs", "runs", "there and back (3)");
+  verb.flag("--unidirectional", "unidirectional", "one way only");
+  verb.number("--feed", "feed", "mm/min (2000)");
+  verb.number("--dwell", "dwell", "before each reading, s (2)");
+  verb.number("--overrun", "overrun", "mm (5)");
+}
+
+Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>& files) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  for (const ProgramFile& file : files)
+    if (auto written = write_file(folder / file.name, file.text); !written) return tl::unexpected(written.error());
+  return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
+}
+
+Result<Outcome> write_one(Json request, const fs::path& output, const std::optional<fs::path>& machine) {
+  request["action"] = "measure";
+  if (!request.contains("sense") && request.contains("axis"))
+    request["sense"] = "E" + request["axis"].get<std::string>();
+  const auto file = program_of_request(request.dump(), output.filename().string(), machine);
+  if (!file) return tl::unexpected(file.error());
+  const auto written = write_file(output, file->text);
+  return written ? Result<Outcome>(Outcome{}) : tl::unexpected(written.error());
+}
+
+Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramArguments& arguments) {
+  const auto machine = arguments.machine.empty() ? std::nullopt : std::optional<fs::path>(arguments.machine);
+  if (arguments.plan.empty()) return write_one(arguments.request, arguments.output, machine);
+  if (!arguments.request.empty())
+    return problem(ProblemKind::usage, "expected a plan file or --axis, --from, …, got both");
+  const auto files = programs_of_plan(arguments.plan, machine);
+  return files ? write_all(arguments.output, *files) : tl::unexpected(files.error());
+}
+
+}  // namespace
+
+extern const VerbDefinition kProgram = verb<ProgramArguments>(
+    "program", "write the part program that measures a plan (thesis appendix B)",
+    "ecs-emulator program plan.toml --machine machine.toml -o programs\n"
+    "  ecs-emulator program --axis X --from 0 --to -4100 --step 50 --runs 3 --dwell 2 --overrun 5 -o exx.nc",
+    [](Verb& verb, ProgramArguments& arguments) {
+      verb.text("PLAN", arguments.plan, "plan file (TOML): one program for each row");
+      add_plan_options(RequestVerb(verb, arguments.request));
+      verb.text("--machine", arguments.machine, "machine file: park the other axes, check the travel")
+          .text("-o,--output", arguments.output, "file; with a plan: folder", Need::required);
+    },
+    write_programs);
+
+}  // namespace ecs::emulator

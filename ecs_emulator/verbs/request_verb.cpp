@@ -1,0 +1,177 @@
+#include "ecs_emulator/verbs/request_verb.hpp"
+
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "base/outcome.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Json = nlohmann::json;
+
+Json coordinates_in(const std::vector<std::string>& texts) {
+  Json place = Json::object();
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    std::string name = text.substr(0, equals);
+    for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+    const Json value = equals == std::string::npos ? Json() : Json::parse(text.substr(equals + 1), nullptr, false);
+    place[name] = value.is_discarded() ? Json(text.substr(equals + 1)) : value;
+  }
+  return place;
+}
+
+std::string absolute(const std::string& path) { return std::filesystem::absolute(path).string(); }
+
+/// Of the instrument.
+void add_settings(RequestVerb& verb) {
+  verb.word("--air", "air", "off, manual or automatic");
+  verb.word("--material", "material", "off, manual or automatic");
+  verb.number("--material-temperature", "material_temperature", "entered, degC");
+  verb.number("--dead-path", "dead_path", "m");
+  verb.number("--misalignment", "misalignment", "between beam and axis, mrad");
+  verb.number("--trigger-latency", "trigger_latency", "of readings on the fly, s");
+}
+
+/// The kind of problem that ends the program with this code.
+ProblemKind kind_of(int exit_code) {
+  for (const ProblemKind kind : {ProblemKind::refused, ProblemKind::usage, ProblemKind::bad_input, ProblemKind::link})
+    if (exit_code_of(kind) == exit_code) return kind;
+  return ProblemKind::output;
+}
+
+}  // namespace
+
+void RequestVerb::number(const std::string& option, const std::string& key, const std::string& help, Need need) {
+  verb_.add({option, cli::OnNumber([&request = request_, key](double v) { request[key] = v; }), help, need});
+}
+
+void RequestVerb::integer(const std::string& option, const std::string& key, const std::string& help, Need need) {
+  verb_.add({option, cli::OnInteger([&request = request_, key](long long v) { request[key] = v; }), help, need});
+}
+
+void RequestVerb::word(const std::string& option, const std::string& key, const std::string& help, Need need) {
+  verb_.add({option, cli::OnText([&request = request_, key](const auto& v) { request[key] = v; }), help, need});
+}
+
+void RequestVerb::flag(const std::string& option, const std::string& key, const std::string& help) {
+  verb_.add({option, cli::OnFlag([&request = request_, key] { request[key] = true; }), help});
+}
+
+void RequestVerb::numbers(const std::string& option, const std::string& key, const std::string& help) {
+  cli::VerbArgument numbers{option, cli::OnNumbers([&request = request_, key](const auto& v) { request[key] = v; }),
+                            help};
+  numbers.by_commas = true;
+  verb_.add(numbers);
+}
+
+void RequestVerb::words(const std::string& option, const std::string& key, const std::string& help) {
+  cli::VerbArgument words{option, cli::OnTexts([&request = request_, key](const auto& v) { request[key] = v; }), help};
+  words.by_commas = true;
+  verb_.add(words);
+}
+
+void RequestVerb::coordinates(const std::string& option, const std::string& key, const std::string& help) {
+  cli::VerbArgument places{
+      option, cli::OnTexts([&request = request_, key](const auto& v) { request[key] = coordinates_in(v); }), help};
+  places.by_commas = true;
+  verb_.add(places);
+}
+
+void RequestVerb::path(const std::string& option, const std::string& key, const std::string& help, Need need) {
+  verb_.add(
+      {option, cli::OnText([&request = request_, key](const auto& v) { request[key] = absolute(v); }), help, need});
+}
+
+void RequestVerb::paths(const std::string& option, const std::string& key, const std::string& help) {
+  const auto take = [&request = request_, key](const std::vector<std::string>& paths) {
+    request[key] = Json::array();
+    for (const std::string& path : paths) request[key].push_back(absolute(path));
+  };
+  verb_.add({option, cli::OnTexts(take), help});
+}
+
+void add_measure_options(RequestVerb verb) {
+  verb.word("--axis", "axis", "", Need::required);
+  verb.word("--sense", "sense", "", Need::required);
+  verb.number("--from", "from");
+  verb.number("--to", "to");
+  verb.number("--step", "step");
+  verb.numbers("--targets", "targets");
+  verb.integer("--runs", "runs");
+  verb.flag("--unidirectional", "unidirectional");
+  verb.coordinates("--parked", "parked", "for example y=-700,z=0");
+  verb.number("--feed", "feed");
+  verb.number("--dwell", "dwell");
+  verb.number("--overrun", "overrun");
+  verb.flag("--on-the-fly", "on_the_fly");
+  verb.word("--instrument", "instrument");
+  add_settings(verb);
+  verb.integer("--beam-broken-at", "beam_broken_at", "somebody steps into the beam before this reading");
+  verb.word("--date", "date");
+  verb.word("--engineer", "engineer");
+  verb.word("--plan-name", "plan_name");
+  verb.paths("-o,--output", "output", "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos");
+}
+
+void add_capture_options(RequestVerb verb) {
+  verb.word("--axis", "axis", "", Need::required);
+  verb.word("--sense", "sense", "", Need::required);
+  verb.number("--rate", "rate", "Hz (1000)");
+  verb.number("--seconds", "seconds", "(10)");
+  verb.number("--to", "to", "mm; the axis starts to move there");
+  verb.number("--feed", "feed");
+  verb.word("--instrument", "instrument");
+  add_settings(verb);
+  verb.word("--date", "date");
+  verb.word("--engineer", "engineer");
+  verb.paths("-o,--output", "output", "files: .csv, .rtx");
+}
+
+void add_survey_options(RequestVerb verb) {
+  verb.number("--step", "step");
+  verb.integer("--approach", "approach");
+  verb.flag("--with-scatter", "with_scatter");
+  verb.path("-o,--output", "output");
+}
+
+void add_run_options(RequestVerb verb) {
+  verb.path("PROGRAM", "program", "part program (docs/part_programs.md)", Need::required);
+  verb.word("--axis", "axis", "axis whose component every M08 reads");
+  verb.word("--sense", "sense", "EX, EY, EZ, EA, EB or EC");
+  verb.word("--instrument", "instrument", "linear, straightness, angular, level or square");
+  verb.paths("-o,--output", "output", "readings; the form follows the name, as with measure");
+  verb.path("--trace", "trace", "the track, sample by sample (.csv)");
+  verb.number("--trace-period", "trace_period", "between samples, s (0.001); 0: every tick");
+  verb.word("--date", "date", "into the metadata");
+  verb.word("--engineer", "engineer", "into the metadata");
+}
+
+Result<Outcome> printed(const std::string& answer) {
+  const Json parsed = Json::parse(answer, nullptr, false);
+  if (parsed.is_object() && parsed.value("ok", false)) {
+    fmt::print("{}\n", answer);
+    return Outcome{};
+  }
+  if (!parsed.is_object() || !parsed.contains("error"))
+    return problem(ProblemKind::link, fmt::format("expected one JSON object from the workshop, got {}", answer));
+  return problem(kind_of(parsed.value("exit", 5)), parsed["error"].value("message", answer));
+}
+
+void show_progress(const std::string& line) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  const Json parsed = Json::parse(line, nullptr, false);
+  const double part = parsed.is_object() ? parsed.value("progress", 0.0) : 0.0;
+  const int at = parsed.is_object() ? parsed.value("line", 0) : 0;
+  fmt::print(stderr, "\r{:3.0f} %{}{}", part * 100.0, at > 0 ? fmt::format("  line {:<8}", at) : "",
+             part >= 1.0 ? "\n" : "");
+}
+
+}  // namespace ecs::emulator

@@ -1,0 +1,51 @@
+// A verb of `ecs-emulator` whose options are written into a request (docs/emulator.md).
+// Does not live here: what a request does (ecs_emulator/workshop/workshop.hpp).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "ecs_emulator/verbs/verb.hpp"
+
+namespace ecs::emulator {
+
+/// Every option that is given appears under its key. The request must live as long as the parsing.
+class RequestVerb {
+ public:
+  RequestVerb(Verb& verb, nlohmann::json& request) : verb_(verb), request_(request) {}
+
+  void number(const std::string& option, const std::string& key, const std::string& help = "",
+              Need need = Need::optional);
+  void integer(const std::string& option, const std::string& key, const std::string& help = "",
+               Need need = Need::optional);
+  void word(const std::string& option, const std::string& key, const std::string& help = "",
+            Need need = Need::optional);
+  void flag(const std::string& option, const std::string& key, const std::string& help = "");
+  /// Parted by commas.
+  void numbers(const std::string& option, const std::string& key, const std::string& help = "");
+  void words(const std::string& option, const std::string& key, const std::string& help = "");
+  /// "y=-700,z=0" → {"Y": -700, "Z": 0}
+  void coordinates(const std::string& option, const std::string& key, const std::string& help = "");
+  /// Made absolute: the server that gets the request may work in another folder.
+  void path(const std::string& option, const std::string& key, const std::string& help = "",
+            Need need = Need::optional);
+  void paths(const std::string& option, const std::string& key, const std::string& help = "");
+
+ private:
+  Verb& verb_;
+  nlohmann::json& request_;
+};
+
+/// Options of the verbs that a running workshop and a machine without a unit share.
+void add_measure_options(RequestVerb verb);
+void add_capture_options(RequestVerb verb);
+void add_survey_options(RequestVerb verb);
+void add_run_options(RequestVerb verb);
+
+/// Prints the answer of a workshop on stdout; what it refused is the problem.
+[[nodiscard]] Result<Outcome> printed(const std::string& answer);
+/// Draws the progress of a request on a terminal. @param line  {"progress": 0.25}
+void show_progress(const std::string& line);
+
+}  // namespace ecs::emulator

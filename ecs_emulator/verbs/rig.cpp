@@ -1,0 +1,43 @@
+#include <nlohmann/json.hpp>
+
+#include "ecs_emulator/rig/figures.hpp"
+#include "ecs_emulator/verbs/verb.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+struct RigArguments {
+  std::string folder;
+  std::optional<std::uint64_t> seed;
+  bool json = false;
+};
+
+nlohmann::json json_of(const std::vector<RigNumber>& numbers) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const RigNumber& n : numbers)
+    list.push_back({{"figure", n.figure},
+                    {"name", n.name},
+                    {"unit", n.unit},
+                    {"thesis", n.thesis ? nlohmann::json(*n.thesis) : nlohmann::json()},
+                    {"here", n.here}});
+  return {{"numbers", list}};
+}
+
+Result<Outcome> draw_rig(VerbContext& /*context*/, const RigArguments& arguments) {
+  const auto numbers = draw_rig_figures(arguments.folder, arguments.seed.value_or(7));
+  if (!numbers) return tl::unexpected(numbers.error());
+  return Outcome{arguments.json ? json_of(*numbers).dump(2) : table_of(*numbers), {}};
+}
+
+}  // namespace
+
+extern const VerbDefinition kRig = verb<RigArguments>(
+    "rig", "the thesis's single-axis rig: figures 3.3, 3.5, 3.9 to 3.12 with numbers", "ecs-emulator rig -o rig",
+    [](Verb& verb, RigArguments& arguments) {
+      verb.text("-o,--output", arguments.folder, "folder for data (CSV) and pictures (SVG)", Need::required)
+          .seed(arguments.seed, "seed of the scatter (7)")
+          .flag("--json", arguments.json, "the numbers as JSON");
+    },
+    draw_rig);
+
+}  // namespace ecs::emulator

@@ -1,0 +1,76 @@
+#include "ecs_emulator/workshop/serve.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "ecs_emulator/verbs/interrupt.hpp"
+#include "ecs_emulator/verbs/machine_arguments.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+constexpr std::size_t kLongestSerialNumber = 16;
+
+struct ServeArguments {
+  MachineArguments machine;
+  std::string memory, workshop;
+  int memory_modules = 5;
+  std::string mode = "auto";
+  bool with_parent = false;
+  ServeOptions options;
+};
+
+void declare_serve(Verb& verb, ServeArguments& arguments) {
+  ServeOptions& options = arguments.options;
+  arguments.machine.declare(verb);
+  verb.add({"--pty", cli::OnText([&options](const std::string& link) { options.pty = link; }),
+            "make this symbolic link to the pseudo-terminal (RTU)"})
+      .add({"--tcp", cli::OnInteger([&options](long long port) { options.tcp = static_cast<std::uint16_t>(port); }),
+            "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", Need::optional, 0, 65535})
+      .integer("--unit", options.unit, "Modbus unit number, 1 to 247", 1, 247)
+      .text("--serial-number", options.serial_number, "at most 16 characters")
+      .text("--memory", arguments.memory, "file that stands for the battery of the axis memory")
+      .text("--workshop", arguments.workshop, "socket for `ecs-emulator workshop`")
+      .add({"--pace", cli::OnInteger([&options](long long baud) { options.pace_baud = static_cast<int>(baud); }),
+            "make the line as slow as this baud rate, 300 to 921600", Need::optional, 300, 921600})
+      .integer("--modules", arguments.memory_modules, "axis memory modules in the rack, 1 to 5", 1, 5)
+      .choice("--mode", arguments.mode, {"auto", "compensate", "integrate"},
+              "what the unit finds on its socket at power-up")
+      .flag("--real-time", options.real_time, "simulated time goes by the clock; `state` counts missed periods")
+      .flag("--with-parent", arguments.with_parent, "end when the parent process ends");
+}
+
+LinkSense link_sense_named(std::string_view name) {
+  if (name == "compensate") return LinkSense::compensate;
+  return name == "integrate" ? LinkSense::integrate : LinkSense::automatic;
+}
+
+Result<Outcome> run_server(VerbContext& context, const ServeArguments& arguments) {
+  ServeOptions options = arguments.options;
+  if (options.pty && options.tcp) return problem(ProblemKind::usage, "--tcp excludes --pty");
+  if (options.serial_number.size() > kLongestSerialNumber)
+    return problem(ProblemKind::usage, "--serial-number: at most 16 characters");
+  options.machine = arguments.machine.machine;
+  options.errors = arguments.machine.errors;
+  options.seed = arguments.machine.seed;
+  options.memory = arguments.memory;
+  options.workshop = arguments.workshop;
+  options.memory_modules = static_cast<std::uint8_t>(arguments.memory_modules);
+  options.mode = link_sense_named(arguments.mode);
+  if (arguments.with_parent && !stop_with_parent(context.parent)) return Outcome{};
+  stop_on_signals();
+  const auto served = serve(options, stop_requested(), [](const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+  });
+  return served ? Result<Outcome>(Outcome{}) : tl::unexpected(served.error());
+}
+
+}  // namespace
+
+extern const VerbDefinition kServe = verb<ServeArguments>(
+    "serve", "the unit on a line, the machine behind it",
+    "ecs-emulator serve --machine mill.toml --workshop /tmp/shop --memory battery.bin", declare_serve, run_server);
+
+}  // namespace ecs::emulator

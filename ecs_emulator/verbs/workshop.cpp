@@ -1,0 +1,114 @@
+// `ecs-emulator workshop`: requests to a running server (docs/emulator.md).
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "ecs_emulator/instruments/plan_file.hpp"
+#include "ecs_emulator/unit/workshop_socket.hpp"
+#include "ecs_emulator/verbs/request_verb.hpp"
+
+namespace ecs::emulator {
+namespace {
+
+using Json = nlohmann::json;
+
+Result<Outcome> ask(const VerbContext& context, const std::string& request) {
+  const auto answer = ask_workshop(context.workshop, request, show_progress);
+  return answer ? printed(*answer) : tl::unexpected(answer.error());
+}
+
+/// A verb that sends one request: its name is the action.
+VerbDefinition request(const std::string& name, std::string help, const std::string& example,
+                       void (*declare)(RequestVerb)) {
+  return {"workshop " + name, std::move(help), "ecs-emulator workshop shop.sock " + example,
+          [name, declare](Verb& verb) -> Action {
+            const auto request = std::make_shared<Json>(Json{{"action", name}});
+            declare(RequestVerb(verb, *request));
+            return [request](VerbContext& context) { return ask(context, request->dump()); };
+          }};
+}
+
+void add_jog_options(RequestVerb verb) {
+  verb.number("--x,-x", "X");
+  verb.number("--y,-y", "Y");
+  verb.number("--z,-z", "Z");
+  verb.number("--feed", "feed");
+}
+
+void add_fault_options(RequestVerb verb) {
+  verb.word("NAME", "name", "", Need::required);
+  verb.integer("--address", "address");
+  verb.integer("--bit", "bit");
+  verb.integer("--level", "level");
+  verb.integer("--bits", "bits");
+  verb.word("--axis", "axis");
+  verb.flag("--back", "back");
+  verb.number("--us", "us");
+  verb.integer("--count", "count");
+  verb.number("--probability", "probability");
+  verb.number("--slow-ms", "slow_ms");
+}
+
+struct PlanArguments {
+  std::string plan;
+  std::string folder;
+  PlanChoice choice;
+};
+
+/// Every measurement of a plan, one after the other; the first that fails ends it.
+Result<Outcome> follow_plan(VerbContext& context, const PlanArguments& arguments) {
+  PlanChoice choice = arguments.choice;
+  choice.folder = std::filesystem::absolute(arguments.folder);
+  std::error_code error;
+  std::filesystem::create_directories(choice.folder, error);
+  const auto requests = requests_of(arguments.plan, choice);
+  if (!requests) return tl::unexpected(requests.error());
+  for (const std::string& request : *requests)
+    if (auto answered = ask(context, request); !answered) return answered;
+  return Outcome{};
+}
+
+}  // namespace
+
+const std::vector<VerbDefinition>& workshop_verbs() {
+  static const std::vector<VerbDefinition> verbs{
+      request("state", "positions, unit, time and counters", "state", [](RequestVerb /*verb*/) {}),
+      request("jog", "move axes", "jog --x -100 --y 50 --feed 2000", add_jog_options),
+      request("reference", "run the controller's reference sequence, all axes or --axes X", "reference --axes X",
+              [](RequestVerb verb) { verb.words("--axes", "axes"); }),
+      request("measure", "measure a line", "measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv",
+              add_measure_options),
+      request("run", "run a part program", "run exx.nc --axis X --sense EX -o exx.csv", add_run_options),
+      request("mdi", "one block of a part program", "mdi \"G01 X-100 F2000\"",
+              [](RequestVerb verb) { verb.word("BLOCK", "block", "one block: \"G01 X-100 F2000\"", Need::required); }),
+      request("capture", "the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
+              add_capture_options),
+      request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv",
+              add_survey_options),
+      request("power", "the unit's mains switch: off, on or cycle", "power cycle",
+              [](RequestVerb verb) { verb.word("STATE", "state", "", Need::required); }),
+      request("wait", "let simulated time pass", "wait 3600",
+              [](RequestVerb verb) { verb.number("SECONDS", "seconds", "", Need::required); }),
+      request("tick", "run so many periods of the unit's loop", "tick 1000",
+              [](RequestVerb verb) { verb.integer("COUNT", "count", "", Need::required); }),
+      request("load", "put a workpiece on the table", "load 500",
+              [](RequestVerb verb) { verb.number("KG", "kg", "", Need::required); }),
+      request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", add_fault_options),
+  };
+  return verbs;
+}
+
+extern const VerbDefinition kPlan = verb<PlanArguments>(
+    "workshop plan", "every measurement of a plan",
+    "ecs-emulator workshop shop.sock plan PLAN.toml --phase before -o DIR",
+    [](Verb& verb, PlanArguments& arguments) {
+      verb.text("PLAN", arguments.plan, "plan file (TOML)", Need::required)
+          .choice("--phase", arguments.choice.phase, {"before", "after"}, "rows of this phase, and of both",
+                  Need::required)
+          .text("-o,--output", arguments.folder, "folder for the files", Need::required)
+          .text("--date", arguments.choice.date, "")
+          .text("--engineer", arguments.choice.engineer, "");
+    },
+    follow_plan);
+
+}  // namespace ecs::emulator
