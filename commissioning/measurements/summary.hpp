@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {

@@ -6,8 +6,8 @@
 
 #include "base/units.hpp"
 #include "laser/analysis/curve_side.hpp"
-#include "laser/analysis/groups.hpp"
 #include "laser/analysis/process.hpp"
+#include "laser/groups.hpp"
 
 namespace ecs::laser {
 namespace {

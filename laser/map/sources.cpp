@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "laser/import/import.hpp"
 
 namespace ecs::laser {

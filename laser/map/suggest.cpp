@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/recipe.hpp"
 #include "laser/map/sources.hpp"

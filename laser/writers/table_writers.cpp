@@ -8,7 +8,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "app/plot/gnuplot.hpp"
 #include "commissioning/plot/curves.hpp"
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 #include "tests/support/import_corpus.hpp"
 #include "tests/support/real_data.hpp"
 

@@ -1,4 +1,4 @@
-#include "laser/analysis/groups.hpp"
+#include "laser/groups.hpp"
 
 #include <algorithm>
 #include <cmath>
