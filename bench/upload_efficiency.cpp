@@ -23,7 +23,7 @@ using namespace ecs::protocol;
 class PlainMemory : public UnitPort {
  public:
   Identity identity() override { return {kProtocolVersion, 1, 0, "BENCH", "bench", 1, {true, true, true}, 32'000}; }
-  UnitStatus status() override { return {}; }
+  UnitStatus status() override { return status_; }
   MonitorSample monitor() override { return {}; }
   UnitError read_memory(Address address, std::span<std::uint8_t> out) override {
     if (!holds(address, out.size())) return UnitError::address_unknown;
@@ -43,6 +43,8 @@ class PlainMemory : public UnitPort {
     const bool commits = command.code == CommandCode::commit_staged;
     if (commits && crc32_of(std::span(bytes_).first(command.length)) != command.crc)
       result.state = CommandState::failed;
+    else if (commits)
+      activate(command.length);
     return result;
   }
   CommandResult progress() override { return {}; }
@@ -51,6 +53,12 @@ class PlainMemory : public UnitPort {
   [[nodiscard]] bool holds(Address address, std::size_t size) const {
     return address >= kBankA.first && address - kBankA.first + size <= bytes_.size();
   }
+  void activate(std::uint32_t length) {
+    status_.active_bank = Bank::A;
+    status_.image_length_bytes = length;
+    ++status_.commit_sequence;
+  }
+  UnitStatus status_;
   std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kBankBytes);
 };
 
