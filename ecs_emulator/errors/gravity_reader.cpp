@@ -16,15 +16,16 @@ bool across(ErrorsReading& reading, const char* name, Axis axis, const toml::tab
 
 void ram(ErrorsReading& reading, Axis axis, const toml::table& table) {
   TomlReader& reader = reading.reader;
-  reader.only(table, {"retracted_mm", "extends", "overhang_mm", "stiffness_N_m2", "mass_kg_m", "tip_kg"}, "ram");
   Ram ram;
   ram.axis = axis;
-  number_into(reader, table, "retracted_mm", Sign::any, ram.retracted_mm);
+  numbers_into(reader, table, "ram",
+               {{"retracted_mm", &ram.retracted_mm},
+                {"overhang_mm", &ram.overhang_mm, Sign::not_negative},
+                required("stiffness_N_m2", ram.beam.stiffness_N_m2, Sign::positive),
+                required("mass_kg_m", ram.beam.mass_kg_m, Sign::not_negative),
+                {"tip_kg", &ram.beam.tip_kg, Sign::not_negative}},
+               {"extends"});
   sign_into(reader, table, "extends", ram.extends);
-  number_into(reader, table, "overhang_mm", Sign::not_negative, ram.overhang_mm);
-  required_into(reader, table, "stiffness_N_m2", Sign::positive, ram.beam.stiffness_N_m2);
-  required_into(reader, table, "mass_kg_m", Sign::not_negative, ram.beam.mass_kg_m);
-  number_into(reader, table, "tip_kg", Sign::not_negative, ram.beam.tip_kg);
   if (!across(reading, "ram", axis, table)) return;
   demand(reading, table, fmt::format("ram.{}", letter_of(axis)), axis, Demand::Side::tool);
   reading.parts.gravity.rams.push_back(ram);
@@ -55,13 +56,13 @@ void bed(ErrorsReading& reading, Axis axis, const toml::table& table) {
 
 void load_table(ErrorsReading& reading, Axis axis, const toml::table& table) {
   TomlReader& reader = reading.reader;
-  reader.only(table, {"stiffness_N_um", "base_mm", "load_at_mm", "saddle_mm"}, "table");
   Table springs;
   springs.axis = axis;
-  required_into(reader, table, "stiffness_N_um", Sign::positive, springs.stiffness_N_um);
-  required_into(reader, table, "base_mm", Sign::positive, springs.base_mm);
-  required_into(reader, table, "load_at_mm", Sign::any, springs.load_at_mm);
-  number_into(reader, table, "saddle_mm", Sign::any, springs.saddle_mm);
+  numbers_into(reader, table, "table",
+               {required("stiffness_N_um", springs.stiffness_N_um, Sign::positive),
+                required("base_mm", springs.base_mm, Sign::positive),
+                required("load_at_mm", springs.load_at_mm, Sign::any),
+                {"saddle_mm", &springs.saddle_mm}});
   if (!across(reading, "table", axis, table)) return;
   demand(reading, table, fmt::format("table.{}", letter_of(axis)), axis, Demand::Side::workpiece);
   reading.parts.gravity.tables.push_back(springs);

@@ -17,11 +17,6 @@ bool is_name(std::string_view name) {
   });
 }
 
-void at_most(TomlReader& reader, const toml::table& table, std::string_view key, double most, double value) {
-  if (value > most && table.contains(key))
-    reader.complain(*table.get(key), fmt::format("{}: expected at most {}, got {}", key, most, value));
-}
-
 void read_temperatures(ErrorsReading& reading) {
   const toml::table* table = reading.reader.child(reading.file, "temperature");
   if (table == nullptr) return;
@@ -35,30 +30,19 @@ void read_air(ErrorsReading& reading) {
   TomlReader& reader = reading.reader;
   const toml::table* table = reader.child(reading.file, "air");
   if (table == nullptr) return;
-  reader.only(*table,
-              {"mean_degC", "swing_degC", "warmest_h", "start_h", "wander_degC", "pressure_hPa", "pressure_wander_hPa",
-               "humidity_pct", "humidity_wander_pct"},
-              "air");
   DaySettings day;
-  number_into(reader, *table, "mean_degC", Sign::any, day.mean_degC);
-  number_into(reader, *table, "swing_degC", Sign::not_negative, day.swing_degC);
-  number_into(reader, *table, "warmest_h", Sign::not_negative, day.warmest_h);
-  number_into(reader, *table, "start_h", Sign::not_negative, day.start_h);
-  number_into(reader, *table, "wander_degC", Sign::not_negative, day.wander_degC);
-  number_into(reader, *table, "pressure_hPa", Sign::positive, day.pressure_hPa);
-  number_into(reader, *table, "pressure_wander_hPa", Sign::not_negative, day.pressure_wander_hPa);
-  number_into(reader, *table, "humidity_pct", Sign::not_negative, day.humidity_pct);
-  number_into(reader, *table, "humidity_wander_pct", Sign::not_negative, day.humidity_wander_pct);
-  at_most(reader, *table, "warmest_h", 24.0, day.warmest_h);
-  at_most(reader, *table, "start_h", 24.0, day.start_h);
-  at_most(reader, *table, "humidity_pct", 100.0, day.humidity_pct);
-  at_most(reader, *table, "mean_degC", 60.0, day.mean_degC);
+  constexpr Sign any = Sign::any, not_negative = Sign::not_negative;
+  numbers_into(reader, *table, "air",
+               {{"mean_degC", &day.mean_degC, any, 60.0},
+                {"swing_degC", &day.swing_degC, not_negative, 40.0},
+                {"warmest_h", &day.warmest_h, not_negative, 24.0},
+                {"start_h", &day.start_h, not_negative, 24.0},
+                {"wander_degC", &day.wander_degC, not_negative, 40.0},
+                {"pressure_hPa", &day.pressure_hPa, Sign::positive, 1200.0},
+                {"pressure_wander_hPa", &day.pressure_wander_hPa, not_negative, 200.0},
+                {"humidity_pct", &day.humidity_pct, not_negative, 100.0},
+                {"humidity_wander_pct", &day.humidity_wander_pct, not_negative, 100.0}});
   if (day.mean_degC < -40.0) reader.complain(*table->get("mean_degC"), "mean_degC: expected -40 or more");
-  for (const char* key : {"swing_degC", "wander_degC"})
-    at_most(reader, *table, key, 40.0, std::string_view(key) == "swing_degC" ? day.swing_degC : day.wander_degC);
-  at_most(reader, *table, "pressure_hPa", 1200.0, day.pressure_hPa);
-  at_most(reader, *table, "pressure_wander_hPa", 200.0, day.pressure_wander_hPa);
-  at_most(reader, *table, "humidity_wander_pct", 100.0, day.humidity_wander_pct);
   reading.parts.heat.air = day;
 }
 
@@ -66,8 +50,7 @@ void read_body(ErrorsReading& reading, const char* name, BodySettings& body) {
   TomlReader& reader = reading.reader;
   const toml::table* table = reader.child(reading.file, name);
   if (table == nullptr) return;
-  reader.only(*table, {"lag_s", "start_degC"}, name);
-  number_into(reader, *table, "lag_s", Sign::positive, body.lag_s);
+  numbers_into(reader, *table, name, {{"lag_s", &body.lag_s, Sign::positive}}, {"start_degC"});
   body.start_degC = reader.number(*table, "start_degC");
 }
 
@@ -96,19 +79,18 @@ void read_spindle(ErrorsReading& reading) {
   TomlReader& reader = reading.reader;
   const toml::table* table = reader.child(reading.file, "spindle");
   if (table == nullptr) return;
-  reader.only(*table,
-              {"axis", "lag_s", "degC_per_1000_rpm", "growth_um_per_degC", "tilt", "tilt_um_per_m_degC", "steps"},
-              "spindle");
   SpindleSettings spindle;
   const auto letter = reader.word(*table, "axis").value_or("Z");
   if (const auto axis = letter.size() == 1 ? axis_of(letter[0]) : std::nullopt)
     spindle.axis = *axis;
   else
     reader.complain(*table->get("axis"), fmt::format("axis: expected X, Y or Z, got \"{}\"", letter));
-  number_into(reader, *table, "lag_s", Sign::positive, spindle.lag_s);
-  required_into(reader, *table, "degC_per_1000_rpm", Sign::not_negative, spindle.degC_per_1000_rpm);
-  number_into(reader, *table, "growth_um_per_degC", Sign::any, spindle.growth_um_per_degC);
-  number_into(reader, *table, "tilt_um_per_m_degC", Sign::any, spindle.tilt_um_per_m_degC);
+  numbers_into(reader, *table, "spindle",
+               {{"lag_s", &spindle.lag_s, Sign::positive},
+                required("degC_per_1000_rpm", spindle.degC_per_1000_rpm, Sign::not_negative),
+                {"growth_um_per_degC", &spindle.growth_um_per_degC},
+                {"tilt_um_per_m_degC", &spindle.tilt_um_per_m_degC}},
+               {"axis", "tilt", "steps"});
   if (const auto word = reader.word(*table, "tilt")) {
     spindle.tilt = sense_named(*word);
     if (!spindle.tilt || !is_rotation(*spindle.tilt))
@@ -123,20 +105,19 @@ void read_spindle(ErrorsReading& reading) {
 
 void read_screw(ErrorsReading& reading, Axis axis, const toml::table& table) {
   TomlReader& reader = reading.reader;
-  reader.only(table,
-              {"fixed_bearing_mm", "expansion_um_per_m_degC", "friction_N", "friction_N_per_m_min",
-               "heat_capacity_J_per_m_degC", "loss_s", "diffusivity_mm2_s", "cell_mm", "feedback"},
-              "screw");
   ScrewSettings screw;
   screw.axis = axis;
-  required_into(reader, table, "fixed_bearing_mm", Sign::any, screw.fixed_bearing_mm);
-  number_into(reader, table, "expansion_um_per_m_degC", Sign::not_negative, screw.expansion_um_per_m_degC);
-  required_into(reader, table, "friction_N", Sign::not_negative, screw.friction_N);
-  number_into(reader, table, "friction_N_per_m_min", Sign::not_negative, screw.friction_N_per_m_min);
-  required_into(reader, table, "heat_capacity_J_per_m_degC", Sign::positive, screw.heat_capacity_J_per_m_degC);
-  number_into(reader, table, "loss_s", Sign::positive, screw.loss_s);
-  number_into(reader, table, "diffusivity_mm2_s", Sign::not_negative, screw.diffusivity_mm2_s);
-  number_into(reader, table, "cell_mm", Sign::positive, screw.cell_mm);
+  constexpr Sign not_negative = Sign::not_negative, positive = Sign::positive;
+  numbers_into(reader, table, "screw",
+               {required("fixed_bearing_mm", screw.fixed_bearing_mm, Sign::any),
+                {"expansion_um_per_m_degC", &screw.expansion_um_per_m_degC, not_negative},
+                required("friction_N", screw.friction_N, not_negative),
+                {"friction_N_per_m_min", &screw.friction_N_per_m_min, not_negative},
+                required("heat_capacity_J_per_m_degC", screw.heat_capacity_J_per_m_degC, positive),
+                {"loss_s", &screw.loss_s, positive},
+                {"diffusivity_mm2_s", &screw.diffusivity_mm2_s, not_negative},
+                {"cell_mm", &screw.cell_mm, positive}},
+               {"feedback"});
   if (screw.diffusivity_mm2_s > kMostDiffusion_per_s * screw.cell_mm * screw.cell_mm)
     reader.complain(table, fmt::format("cell_mm: expected at least {:.1f} with this diffusivity_mm2_s, got {}",
                                        std::sqrt(screw.diffusivity_mm2_s / kMostDiffusion_per_s), screw.cell_mm));
@@ -180,7 +161,6 @@ void body_into(ErrorsReading& reading, const toml::table& table, SensorSettings&
 
 void read_sensor(ErrorsReading& reading, std::string_view name, const toml::table& table) {
   TomlReader& reader = reading.reader;
-  reader.only(table, {"of", "at_mm", "lag_s", "offset_degC", "noise_degC", "resolution_degC"}, "sensor");
   SensorSettings sensor;
   sensor.name = std::string(name);
   if (!is_name(name))
@@ -192,10 +172,12 @@ void read_sensor(ErrorsReading& reading, std::string_view name, const toml::tabl
     required_into(reader, table, "at_mm", Sign::any, sensor.at_mm);
   else if (const toml::node* node = table.get("at_mm"))
     reader.complain(*node, "at_mm: only a sensor of a screw has a place along it");
-  number_into(reader, table, "lag_s", Sign::not_negative, sensor.lag_s);
-  number_into(reader, table, "offset_degC", Sign::any, sensor.offset_degC);
-  number_into(reader, table, "noise_degC", Sign::not_negative, sensor.noise_degC);
-  number_into(reader, table, "resolution_degC", Sign::not_negative, sensor.resolution_degC);
+  numbers_into(reader, table, "sensor",
+               {{"lag_s", &sensor.lag_s, Sign::not_negative},
+                {"offset_degC", &sensor.offset_degC},
+                {"noise_degC", &sensor.noise_degC, Sign::not_negative},
+                {"resolution_degC", &sensor.resolution_degC, Sign::not_negative}},
+               {"of", "at_mm"});
   reading.parts.heat.sensors.push_back(sensor);
 }
 

@@ -109,10 +109,9 @@ void read_scatter(ErrorsReading& reading) {
           node, fmt::format("scatter: expected EXX … ECZ = {{ pass = …, reading = … }}, got \"{}\"", key.str()));
       continue;
     }
-    reading.reader.only(*entry, {"pass", "reading"}, "scatter");
-    number_into(reading.reader, *entry, "pass", Sign::not_negative, reading.parts.pass_sigma[index_of(*component)]);
-    number_into(reading.reader, *entry, "reading", Sign::not_negative,
-                reading.parts.reading_sigma[index_of(*component)]);
+    numbers_into(reading.reader, *entry, "scatter",
+                 {{"pass", &reading.parts.pass_sigma[index_of(*component)], Sign::not_negative},
+                  {"reading", &reading.parts.reading_sigma[index_of(*component)], Sign::not_negative}});
   }
 }
 
@@ -141,13 +140,6 @@ std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& ta
   curve.points = table.contains("points") ? points_in(reading.reader, *table.get("points")) : csv_in(reading, table);
   if (curve.points.empty()) return std::nullopt;
   return curve;
-}
-
-void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value) {
-  if (table.contains(key))
-    number_into(reader, table, key, sign, value);
-  else
-    reader.complain(table, fmt::format("{}: expected a number, it is missing", key));
 }
 
 void for_each_axis(ErrorsReading& reading, const char* name,

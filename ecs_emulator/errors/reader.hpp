@@ -29,8 +29,6 @@ void read_gravity(ErrorsReading& reading);
 [[nodiscard]] std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what);
 /// A formula under `key`.
 [[nodiscard]] std::optional<Formula> formula_in(ErrorsReading& reading, const toml::table& table, std::string_view key);
-/// As number_into(), and complains where the key is absent.
-void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value);
 /// The tables `[name.X]`, `[name.Y]`, `[name.Z]` that are there; `each` may complain about them.
 void for_each_axis(ErrorsReading& reading, const char* name, const std::function<void(Axis, const toml::table&)>& each);
 /// Notes what `table` asks of the machine.

@@ -28,10 +28,8 @@ EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const
   settings.seed = static_cast<std::uint64_t>(seed);
   number_into(reader, table, "load_kg", Sign::not_negative, settings.load_kg);
   if (const auto* offset = reader.child(table, "tool_offset_mm")) {
-    reader.only(*offset, {"x", "y", "z"}, "tool_offset_mm");
-    number_into(reader, *offset, "x", Sign::any, settings.tool_offset_mm[0]);
-    number_into(reader, *offset, "y", Sign::any, settings.tool_offset_mm[1]);
-    number_into(reader, *offset, "z", Sign::any, settings.tool_offset_mm[2]);
+    Vector3& to = settings.tool_offset_mm;
+    numbers_into(reader, *offset, "tool_offset_mm", {{"x", &to[0]}, {"y", &to[1]}, {"z", &to[2]}});
   }
   if (const auto errors = reader.word(table, "errors")) settings.errors = folder / *errors;
   if (const auto* laser = reader.child(table, "laser")) settings.laser = read_laser_settings(reader, *laser);

@@ -11,53 +11,47 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kCompensations{"off", "manual", "automatic"};
 
-struct LaserField {
-  const char* name;
-  Sign sign;
-  double* value;
-};
-
-std::vector<LaserField> fields_of(LaserSettings& s) {
+std::vector<NumberField> fields_of(LaserSettings& s) {
   using enum Sign;
-  return {{"linear_noise_um", not_negative, &s.linear_noise_um},
-          {"straightness_noise_um", not_negative, &s.straightness_noise_um},
-          {"angular_noise_um_per_m", not_negative, &s.angular_noise_um_per_m},
-          {"level_noise_um_per_m", not_negative, &s.level_noise_um_per_m},
-          {"indicator_noise_um", not_negative, &s.indicator_noise_um},
-          {"linear_resolution_um", not_negative, &s.linear_resolution_um},
-          {"straightness_resolution_um", not_negative, &s.straightness_resolution_um},
-          {"angular_resolution_um_per_m", not_negative, &s.angular_resolution_um_per_m},
-          {"level_resolution_um_per_m", not_negative, &s.level_resolution_um_per_m},
-          {"indicator_resolution_um", not_negative, &s.indicator_resolution_um},
-          {"setup_slope_um_per_m", not_negative, &s.setup_slope_um_per_m},
-          {"setup_offset_um", not_negative, &s.setup_offset_um},
-          {"wavelength_nm", positive, &s.wavelength_nm},
-          {"fringe_parts", not_negative, &s.fringe_parts},
-          {"dead_path_m", not_negative, &s.dead_path_m},
-          {"misalignment_mrad", any, &s.misalignment_mrad},
-          {"head_drift_um_per_h", any, &s.head_drift_um_per_h},
-          {"turbulence_um_per_sqrt_m", not_negative, &s.turbulence_um_per_sqrt_m},
-          {"turbulence_time_s", positive, &s.turbulence_time_s},
-          {"nonlinearity_nm", not_negative, &s.nonlinearity_nm},
-          {"nonlinearity_cycles", positive, &s.nonlinearity_cycles},
-          {"air_sensor_error_degC", any, &s.air_sensor_error_degC},
-          {"pressure_sensor_error_hPa", any, &s.pressure_sensor_error_hPa},
-          {"humidity_sensor_error_pct", any, &s.humidity_sensor_error_pct},
-          {"material_sensor_error_degC", any, &s.material_sensor_error_degC},
-          {"material_degC", any, &s.material_degC},
-          {"expansion_um_per_m_degC", any, &s.expansion_um_per_m_degC},
-          {"trigger_latency_s", not_negative, &s.trigger_latency_s},
-          {"trigger_rate_Hz", not_negative, &s.trigger_rate_Hz},
-          {"straightness_noise_um_per_m", not_negative, &s.straightness_noise_um_per_m},
-          {"straightness_turbulence_um_per_m", not_negative, &s.straightness_turbulence_um_per_m},
-          {"air_gradient_degC_per_m", any, &s.air_gradient_degC_per_m},
-          {"angular_scale_error_pct", any, &s.angular_scale_error_pct},
-          {"angular_drift_um_per_m_h", any, &s.angular_drift_um_per_m_h},
-          {"level_settling_s", not_negative, &s.level_settling_s},
-          {"level_hysteresis_um_per_m", not_negative, &s.level_hysteresis_um_per_m},
-          {"level_zero_um_per_m", any, &s.level_zero_um_per_m},
-          {"square_error_um_per_m", any, &s.square_error_um_per_m},
-          {"indicator_hysteresis_um", not_negative, &s.indicator_hysteresis_um}};
+  return {{"linear_noise_um", &s.linear_noise_um, not_negative},
+          {"straightness_noise_um", &s.straightness_noise_um, not_negative},
+          {"angular_noise_um_per_m", &s.angular_noise_um_per_m, not_negative},
+          {"level_noise_um_per_m", &s.level_noise_um_per_m, not_negative},
+          {"indicator_noise_um", &s.indicator_noise_um, not_negative},
+          {"linear_resolution_um", &s.linear_resolution_um, not_negative},
+          {"straightness_resolution_um", &s.straightness_resolution_um, not_negative},
+          {"angular_resolution_um_per_m", &s.angular_resolution_um_per_m, not_negative},
+          {"level_resolution_um_per_m", &s.level_resolution_um_per_m, not_negative},
+          {"indicator_resolution_um", &s.indicator_resolution_um, not_negative},
+          {"setup_slope_um_per_m", &s.setup_slope_um_per_m, not_negative},
+          {"setup_offset_um", &s.setup_offset_um, not_negative},
+          {"wavelength_nm", &s.wavelength_nm, positive},
+          {"fringe_parts", &s.fringe_parts, not_negative},
+          {"dead_path_m", &s.dead_path_m, not_negative},
+          {"misalignment_mrad", &s.misalignment_mrad, any},
+          {"head_drift_um_per_h", &s.head_drift_um_per_h, any},
+          {"turbulence_um_per_sqrt_m", &s.turbulence_um_per_sqrt_m, not_negative},
+          {"turbulence_time_s", &s.turbulence_time_s, positive},
+          {"nonlinearity_nm", &s.nonlinearity_nm, not_negative},
+          {"nonlinearity_cycles", &s.nonlinearity_cycles, positive},
+          {"air_sensor_error_degC", &s.air_sensor_error_degC, any},
+          {"pressure_sensor_error_hPa", &s.pressure_sensor_error_hPa, any},
+          {"humidity_sensor_error_pct", &s.humidity_sensor_error_pct, any},
+          {"material_sensor_error_degC", &s.material_sensor_error_degC, any},
+          {"material_degC", &s.material_degC, any},
+          {"expansion_um_per_m_degC", &s.expansion_um_per_m_degC, any},
+          {"trigger_latency_s", &s.trigger_latency_s, not_negative},
+          {"trigger_rate_Hz", &s.trigger_rate_Hz, not_negative},
+          {"straightness_noise_um_per_m", &s.straightness_noise_um_per_m, not_negative},
+          {"straightness_turbulence_um_per_m", &s.straightness_turbulence_um_per_m, not_negative},
+          {"air_gradient_degC_per_m", &s.air_gradient_degC_per_m, any},
+          {"angular_scale_error_pct", &s.angular_scale_error_pct, any},
+          {"angular_drift_um_per_m_h", &s.angular_drift_um_per_m_h, any},
+          {"level_settling_s", &s.level_settling_s, not_negative},
+          {"level_hysteresis_um_per_m", &s.level_hysteresis_um_per_m, not_negative},
+          {"level_zero_um_per_m", &s.level_zero_um_per_m, any},
+          {"square_error_um_per_m", &s.square_error_um_per_m, any},
+          {"indicator_hysteresis_um", &s.indicator_hysteresis_um, not_negative}};
 }
 
 void compensation_into(TomlReader& reader, const toml::table& table, const char* key, Compensation& value) {
@@ -108,16 +102,12 @@ LaserSettings with(LaserSettings settings, const InstrumentSetting& setting) {
 
 LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) {
   LaserSettings laser;
-  std::vector<std::string> names{"air_compensation", "material_compensation", "dead_path_compensation"};
-  for (const LaserField& field : fields_of(laser)) {
-    names.emplace_back(field.name);
-    number_into(reader, table, field.name, field.sign, *field.value);
-  }
+  numbers_into(reader, table, "emulator.laser", fields_of(laser),
+               {"air_compensation", "material_compensation", "dead_path_compensation"});
   compensation_into(reader, table, "air_compensation", laser.air_compensation);
   compensation_into(reader, table, "material_compensation", laser.material_compensation);
   flag_into(reader, table, "dead_path_compensation", laser.dead_path_compensation);
   judge(reader, table, laser);
-  reader.only(table, names, "emulator.laser");
   return laser;
 }
 

@@ -20,7 +20,25 @@ void number_into(TomlReader& reader, const toml::table& table, std::string_view 
                   fmt::format("{}: expected {}, got {}", key, kWanted[static_cast<std::size_t>(sign)], *found));
 }
 
-/// +1 or −1.
+void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Sign sign, double& value) {
+  if (table.contains(key))
+    number_into(reader, table, key, sign, value);
+  else
+    reader.complain(table, fmt::format("{}: expected a number, it is missing", key));
+}
+
+void numbers_into(TomlReader& reader, const toml::table& table, std::string_view what,
+                  const std::vector<NumberField>& fields, std::vector<std::string> others) {
+  for (const NumberField& field : fields) others.emplace_back(field.key);
+  reader.only(table, others, what);
+  for (const NumberField& field : fields) {
+    (field.required ? required_into : number_into)(reader, table, field.key, field.sign, *field.value);
+    if (*field.value > field.most)
+      reader.complain(*table.get(field.key),
+                      fmt::format("{}: expected at most {}, got {}", field.key, field.most, *field.value));
+  }
+}
+
 void sign_into(TomlReader& reader, const toml::table& table, std::string_view key, int& value) {
   const auto found = reader.number(table, key);
   if (!found) return;
