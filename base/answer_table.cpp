@@ -9,22 +9,49 @@ Cell number_cell(const std::optional<double>& value, int decimals) {
   return {number_or_null(value), value ? fmt::format("{:.{}f}", *value, decimals) : "-"};
 }
 
+Cell plain_cell(double value) { return {number_or_null(value), fmt::format("{}", value)}; }
 Cell count_cell(std::size_t count) { return {count, fmt::format("{}", count)}; }
+Cell integer_cell(std::int64_t value) { return {value, fmt::format("{}", value)}; }
 Cell word_cell(std::string_view word) { return {std::string(word), std::string(word)}; }
+Cell text_cell(std::string_view text) { return {text_or_null(text), std::string(text)}; }
 Cell yes_cell(bool yes, std::string_view when_true, std::string_view when_false) {
   return {yes, std::string(yes ? when_true : when_false)};
 }
+Cell null_cell(std::string_view shown) { return {nullptr, std::string(shown)}; }
 Cell shown_cell(std::string text) { return {Json(Json::value_t::discarded), std::move(text)}; }
 
-std::string laid_out(std::string_view layout, const CellTexts& cells) {
+Cell lines_cell(const std::vector<std::string>& lines, std::string_view begin) {
+  Cell cell{lines, {}};
+  for (const std::string& line : lines) cell.text += fmt::format("{}{}\n", begin, line);
+  return cell;
+}
+
+Json object_of(const AnswerFields& fields) {
+  Json object = Json::object();
+  for (const auto& [key, cell] : fields) {
+    if (key.empty())
+      object.update(cell.json);
+    else if (!cell.json.is_discarded())
+      object[std::string(key)] = cell.json;
+  }
+  return object;
+}
+
+std::string laid_out(std::string_view layout, const AnswerFields& fields) {
   fmt::dynamic_format_arg_store<fmt::format_context> arguments;
   std::vector<std::string> keys;  // fmt wants them to end in a zero, and to stay
-  keys.reserve(cells.size());
-  for (const auto& [key, text] : cells) {
+  keys.reserve(fields.size());
+  for (const auto& [key, cell] : fields) {
     keys.emplace_back(key);
-    arguments.push_back(fmt::arg(keys.back().c_str(), text));
+    arguments.push_back(fmt::arg(keys.back().c_str(), cell.text));
   }
-  return fmt::vformat(layout, arguments) + "\n";
+  return fmt::vformat(layout, arguments);
 }
+
+Cell record_cell(std::string_view layout, const AnswerFields& fields) {
+  return {object_of(fields), laid_out(layout, fields)};
+}
+
+Outcome outcome_of(const Cell& answer, int exit_code) { return {answer.text, one_line(answer.json), exit_code}; }
 
 }  // namespace ecs

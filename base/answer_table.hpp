@@ -1,8 +1,9 @@
-// A table of an answer whose columns are stated once: the objects of its JSON and the lines of its text come from them.
-// Answers in prose keep their own text. Only for .cpp files (heavy header).
+// Records and tables of an answer whose fields are listed once: two writers visit the list, one makes the JSON, one the
+// text. Answers in prose keep their own text. Only for .cpp files (heavy header).
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,28 +12,53 @@
 #include <vector>
 
 #include "base/json.hpp"
+#include "base/outcome.hpp"
 
 namespace ecs {
 
-/// One value as JSON holds it and as a terminal shows it.
+/// A value, a record or a list, as JSON holds it and as a terminal shows it.
 struct Cell {
   Json json;
   std::string text;
+
+  /// One item more of a list.
+  void add(const Cell& item) {
+    json.push_back(item.json);
+    text += item.text;
+  }
 };
 
 /// "1.234"; null and "-" where there is none.
 [[nodiscard]] Cell number_cell(const std::optional<double>& value, int decimals);
+/// As few digits as give the number back.
+[[nodiscard]] Cell plain_cell(double value);
 [[nodiscard]] Cell count_cell(std::size_t count);
+[[nodiscard]] Cell integer_cell(std::int64_t value);
 [[nodiscard]] Cell word_cell(std::string_view word);
+/// The text; null in JSON where it is empty.
+[[nodiscard]] Cell text_cell(std::string_view text);
 /// true or false, shown as one of two words.
 [[nodiscard]] Cell yes_cell(bool yes, std::string_view when_true, std::string_view when_false);
+/// null in JSON.
+[[nodiscard]] Cell null_cell(std::string_view shown = {});
 /// Shown only; JSON has no such key.
 [[nodiscard]] Cell shown_cell(std::string text);
+/// A list in JSON, a line each in the text. @param begin  of each line: "note: "
+[[nodiscard]] Cell lines_cell(const std::vector<std::string>& lines, std::string_view begin);
 
-using CellTexts = std::vector<std::pair<std::string_view, std::string>>;  ///< by key
+struct AnswerField {
+  std::string_view key;  ///< in JSON and in the layout; empty: the keys of the cell's object take its place
+  Cell cell;
+};
+using AnswerFields = std::vector<AnswerField>;
 
-/// One line of text. @param layout  as fmt takes it, a column by its key: "{axis:<4} {position_mm:>11}"
-[[nodiscard]] std::string laid_out(std::string_view layout, const CellTexts& cells);
+/// The writer of JSON: an object with the keys in the order of the fields.
+[[nodiscard]] Json object_of(const AnswerFields& fields);
+/// The writer of text. @param layout  as fmt takes it, a field by its key: "{axis:<4} {position_mm:>11}"
+[[nodiscard]] std::string laid_out(std::string_view layout, const AnswerFields& fields);
+/// Both.
+[[nodiscard]] Cell record_cell(std::string_view layout, const AnswerFields& fields);
+[[nodiscard]] Outcome outcome_of(const Cell& answer, int exit_code = kDone);
 
 template <class Row>
 struct AnswerColumn {
@@ -49,21 +75,16 @@ class AnswerTable {
       : layout_(layout), columns_(std::move(columns)) {}
 
   [[nodiscard]] std::string heading() const {
-    CellTexts cells;
-    for (const auto& column : columns_) cells.emplace_back(column.key, std::string(column.heading));
-    return laid_out(layout_, cells);
+    AnswerFields fields;
+    for (const auto& column : columns_) fields.push_back({column.key, shown_cell(std::string(column.heading))});
+    return laid_out(layout_, fields) + "\n";
   }
-  [[nodiscard]] std::string line(const Row& row) const {
-    CellTexts cells;
-    for (const auto& column : columns_) cells.emplace_back(column.key, column.cell(row).text);
-    return laid_out(layout_, cells);
-  }
-  [[nodiscard]] Json object(const Row& row) const {
-    Json object = Json::object();
-    for (const auto& column : columns_)
-      if (Cell cell = column.cell(row); !cell.json.is_discarded())
-        object[std::string(column.key)] = std::move(cell.json);
-    return object;
+  [[nodiscard]] std::string line(const Row& row) const { return laid_out(layout_, fields_of(row)) + "\n"; }
+  [[nodiscard]] Json object(const Row& row) const { return object_of(fields_of(row)); }
+  [[nodiscard]] AnswerFields fields_of(const Row& row) const {
+    AnswerFields fields;
+    for (const auto& column : columns_) fields.push_back({column.key, column.cell(row)});
+    return fields;
   }
 
   template <class Rows>
@@ -77,6 +98,10 @@ class AnswerTable {
     Json array = Json::array();
     for (const Row& row : rows) array.push_back(object(row));
     return array;
+  }
+  template <class Rows>
+  [[nodiscard]] Cell cell(const Rows& rows) const {
+    return {array(rows), text(rows)};
   }
 
  private:

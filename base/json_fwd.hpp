@@ -1,4 +1,5 @@
-// The name of the JSON type, for headers; json.hpp is for the .cpp files that make or read JSON.
+// The names of the JSON types, for headers; json.hpp and answer_table.hpp are for the .cpp files that make or read
+// JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,5 +8,7 @@ namespace ecs {
 
 /// Keys stay in the order in which they are written.
 using Json = nlohmann::ordered_json;
+
+struct Cell;  ///< a value, record or list as JSON and as text; answer_table.hpp
 
 }  // namespace ecs
