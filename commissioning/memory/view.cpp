@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/unit/parameters_view.hpp"
@@ -12,103 +12,77 @@
 namespace ecs::commissioning {
 namespace {
 
-// --- JSON
-Json commits_json(const DecodedMemory& memory) {
-  Json out = Json::array();
-  for (const CommitSlot& slot : memory.commits) {
-    if (!memory.has_commits) break;
-    const auto& commit = slot.commit;
-    out.push_back({{"address", hex_address(slot.address)},
-                   {"state", commit       ? "valid"
-                             : slot.blank ? "blank"
-                                          : "corrupt"},
-                   {"active", slot.active},
-                   {"sequence", commit ? Json(commit->sequence) : Json(nullptr)},
-                   {"bank", commit ? Json(commit->bank == 0 ? "A" : "B") : Json(nullptr)},
-                   {"image_bytes", commit ? Json(commit->image_bytes) : Json(nullptr)},
-                   {"image_check", commit ? Json(fmt::format("{:08X}", commit->image_check)) : Json(nullptr)}});
-  }
-  return out;
-}
+Cell hex_cell(std::uint32_t number) { return word_cell(fmt::format("{:08X}", number)); }
 
-Json table_json(const DecodedTable& table) {
-  const bool has_values = !table.values.empty();
-  return Json{{"component", table.known_codes ? Json(ecs::name_of(table.entry.component)) : Json(nullptr)},
-              {"description", table.known_codes ? Json(laser::description_of(table.entry.component)) : Json(nullptr)},
-              {"approach", table.known_codes ? Json(name_of(table.entry.approach)) : Json(nullptr)},
-              {"declared_zero", table.entry.declared_zero},
-              {"entry_address", hex_address(table.entry_address)},
-              {"address", table.readable && has_values ? Json(hex_address(table.values_address)) : Json(nullptr)},
-              {"start_mm", number_or_null(table.entry.start_mm)},
-              {"increment_mm", number_or_null(table.entry.increment_mm)},
-              {"count", table.entry.count},
-              {"resolution", number_or_null(table.entry.resolution)},
-              {"unit", table.known_codes ? Json(unit_of(table.entry.component)) : Json(nullptr)},
-              {"least", has_values ? number_or_null(table.least) : Json(nullptr)},
-              {"most", has_values ? number_or_null(table.most) : Json(nullptr)},
-              {"fault", text_or_null(table.fault)}};
-}
-
-Json image_json(const DecodedImage& image) {
-  Json tables = Json::array();
-  for (const DecodedTable& table : image.tables) tables.push_back(table_json(table));
-  return Json{{"region", image.region},
-              {"address", hex_address(image.address)},
-              {"active", image.active},
-              {"bytes", image.bytes},
-              {"sound", image.faults.empty()},
-              {"faults", image.faults},
-              {"block_check",
-               {{"stored", fmt::format("{:08X}", image.verdict.check_expected)},
-                {"computed", fmt::format("{:08X}", image.verdict.check_found)},
-                {"agrees", image.verdict.check_expected == image.verdict.check_found}}},
-              {"parameters", image.parameters ? json_of(*image.parameters) : Json(nullptr)},
-              {"tables", tables},
-              {"header", text_or_null(image.header)}};
-}
-
-Json regions_json(const MemoryDump& dump) {
-  Json out = Json::array();
+Cell regions_cell(const MemoryDump& dump) {
+  Cell regions{Json::array(), {}};
   for (const DumpRegion& region : dump.regions)
-    out.push_back({{"name", region.name},
-                   {"address", hex_address(region.address)},
-                   {"bytes", region.bytes.size()},
-                   {"expected_bytes", region.size},
-                   {"intact", region.intact}});
-  return out;
+    regions.add(record_cell("{address}  {bytes:>7} bytes  {name}{intact}\n",
+                            {{"name", word_cell(region.name)},
+                             {"address", word_cell(hex_address(region.address))},
+                             {"bytes", count_cell(region.bytes.size())},
+                             {"expected_bytes", count_cell(region.size)},
+                             {"intact", yes_cell(region.intact, "", " (damaged)")}}));
+  return regions;
 }
 
-// --- text
-std::string commits_text(const DecodedMemory& memory) {
-  std::string text;
-  for (const CommitSlot& slot : memory.commits) {
-    if (!memory.has_commits) break;
-    text += fmt::format("commit record {}: ", hex_address(slot.address));
-    if (slot.commit)
-      text += fmt::format("sequence {}, bank {}, {} bytes, block check {:08X}{}\n", slot.commit->sequence,
-                          slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check,
-                          slot.active ? " (active)" : "");
-    else
-      text += slot.blank ? "blank\n" : "corrupt\n";
-  }
-  return text;
+Cell commit_cell(const CommitSlot& slot) {
+  const auto& commit = slot.commit;
+  const std::string_view state = commit ? "valid" : (slot.blank ? "blank" : "corrupt");
+  return record_cell(commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, block "
+                              "check {image_check}{active}\n"
+                            : "commit record {address}: {state}\n",
+                     {{"address", word_cell(hex_address(slot.address))},
+                      {"state", word_cell(state)},
+                      {"active", yes_cell(slot.active, " (active)", "")},
+                      {"sequence", commit ? count_cell(commit->sequence) : null_cell()},
+                      {"bank", commit ? word_cell(commit->bank == 0 ? "A" : "B") : null_cell()},
+                      {"image_bytes", commit ? count_cell(commit->image_bytes) : null_cell()},
+                      {"image_check", commit ? hex_cell(commit->image_check) : null_cell()}});
 }
 
-std::string tables_text(const DecodedImage& image) {
-  if (image.tables.empty()) return "no tables\n";
-  std::string text = " # component    address    start/mm incr./mm count     least      most unit\n";
-  for (const DecodedTable& table : image.tables) {
-    text += fmt::format("{:>2} {:<12} ", table.number, name_of(table));
-    if (!table.fault.empty())
-      text += fmt::format("{}: {}\n", hex_address(table.entry_address), table.fault);
-    else if (table.entry.declared_zero)
-      text += "declared zero\n";
-    else
-      text += fmt::format("{} {:>10} {:>8} {:>5} {:>9.2f} {:>9.2f} {}\n", hex_address(table.values_address),
-                          table.entry.start_mm, table.entry.increment_mm, table.entry.count, table.least, table.most,
-                          unit_of(table.entry.component));
-  }
-  return text;
+Cell commits_cell(const DecodedMemory& memory) {
+  Cell list{Json::array(), {}};
+  if (memory.has_commits)
+    for (const CommitSlot& slot : memory.commits) list.add(commit_cell(slot));
+  return list;
+}
+
+std::string_view layout_for(const DecodedTable& table) {
+  if (!table.fault.empty()) return "{number:>2} {name:<12} {entry_address}: {fault}\n";
+  if (table.entry.declared_zero) return "{number:>2} {name:<12} declared zero\n";
+  return "{number:>2} {name:<12} {address} {start_mm:>10} {increment_mm:>8} {count:>5} {least:>9} {most:>9} {unit}\n";
+}
+
+Cell table_cell(const DecodedTable& table) {
+  const bool known = table.known_codes, has_values = !table.values.empty();
+  const auto& entry = table.entry;
+  const std::string address = hex_address(table.values_address);
+  return record_cell(
+      layout_for(table),
+      {{"number", shown_cell(fmt::format("{}", table.number))},
+       {"name", shown_cell(name_of(table))},
+       {"component", known ? word_cell(ecs::name_of(entry.component)) : null_cell()},
+       {"description", known ? word_cell(laser::description_of(entry.component)) : null_cell()},
+       {"approach", known ? word_cell(name_of(entry.approach)) : null_cell()},
+       {"declared_zero", yes_cell(entry.declared_zero, "", "")},
+       {"entry_address", word_cell(hex_address(table.entry_address))},
+       {"address", table.readable && has_values ? word_cell(address) : null_cell(address)},
+       {"start_mm", plain_cell(entry.start_mm)},
+       {"increment_mm", plain_cell(entry.increment_mm)},
+       {"count", count_cell(entry.count)},
+       {"resolution", plain_cell(entry.resolution)},
+       {"unit", known ? word_cell(unit_of(entry.component)) : null_cell()},
+       {"least", has_values ? number_cell(table.least, 2) : null_cell(fmt::format("{:.2f}", table.least))},
+       {"most", has_values ? number_cell(table.most, 2) : null_cell(fmt::format("{:.2f}", table.most))},
+       {"fault", text_cell(table.fault)}});
+}
+
+Cell tables_cell(const DecodedImage& image) {
+  if (image.tables.empty()) return {Json::array(), "no tables\n"};
+  Cell list{Json::array(), " # component    address    start/mm incr./mm count     least      most unit\n"};
+  for (const DecodedTable& table : image.tables) list.add(table_cell(table));
+  return list;
 }
 
 std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
@@ -124,49 +98,58 @@ std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
   return text;
 }
 
-std::string image_text(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
-  std::string text = fmt::format("\n== {} at {}, {} bytes{}\n", image.region, hex_address(image.address), image.bytes,
-                                 image.active ? ", active" : "");
-  text += fmt::format("block check {:08X} stored, {:08X} computed: {}\n", image.verdict.check_expected,
-                      image.verdict.check_found,
-                      image.verdict.check_expected == image.verdict.check_found ? "they agree" : "they differ");
-  for (const std::string& fault : image.faults) text += fmt::format("FAULT: {}\n", fault);
-  if (with_bytes) text += "\n" + bytes_text(image, dump);
-  if (image.parameters) text += "\n" + table_of(*image.parameters);
-  text += "\n" + tables_text(image);
-  if (!image.header.empty()) text += fmt::format("\nheader\n{}\n", image.header);
-  return text;
+Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
+  const ImageVerdict& verdict = image.verdict;
+  const Cell block_check =
+      record_cell("block check {stored} stored, {computed} computed: {agrees}\n",
+                  {{"stored", hex_cell(verdict.check_expected)},
+                   {"computed", hex_cell(verdict.check_found)},
+                   {"agrees", yes_cell(verdict.check_expected == verdict.check_found, "they agree", "they differ")}});
+  return record_cell(
+      "\n== {region} at {address}, {bytes} bytes{active}\n{block_check}{faults}{fields}{parameters}\n{tables}{header}",
+      {{"region", word_cell(image.region)},
+       {"address", word_cell(hex_address(image.address))},
+       {"active", yes_cell(image.active, ", active", "")},
+       {"bytes", count_cell(image.bytes)},
+       {"sound", yes_cell(image.faults.empty(), "", "")},
+       {"faults", lines_cell(image.faults, "FAULT: ")},
+       {"block_check", block_check},
+       {"fields", shown_cell(with_bytes ? "\n" + bytes_text(image, dump) : "")},
+       {"parameters",
+        image.parameters ? Cell{json_of(*image.parameters), "\n" + table_of(*image.parameters)} : null_cell()},
+       {"tables", tables_cell(image)},
+       {"header", image.header.empty() ? null_cell() : Cell{image.header, "\nheader\n" + image.header + "\n"}}});
+}
+
+Cell images_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
+  Cell list{Json::array(), memory.images.empty() ? "no memory image\n" : ""};
+  for (const DecodedImage& image : memory.images) list.add(image_cell(image, dump, with_bytes));
+  return list;
+}
+
+Cell status_when_taken(const MemoryDump& dump) {
+  if (!dump.status) return null_cell();
+  Cell status = status_cell(*dump.status);
+  status.text = "\n== status when it was taken\n" + status.text;
+  return status;
 }
 
 }  // namespace
 
-Json json_of(const MemoryDump& dump, const DecodedMemory& memory) {
-  Json images = Json::array();
-  for (const DecodedImage& image : memory.images) images.push_back(image_json(image));
-  return Json{{"taken", text_or_null(dump.taken)},
-              {"link", text_or_null(dump.link)},
-              {"serial_number", text_or_null(dump.serial_number)},
-              {"sound", memory.sound()},
-              {"faults", memory.faults},
-              {"regions", regions_json(dump)},
-              {"commits", commits_json(memory)},
-              {"images", images},
-              {"status", dump.status ? json_of(*dump.status) : Json(nullptr)}};
-}
-
-std::string text_of(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
-  std::string text;
-  if (!dump.taken.empty())
-    text += fmt::format("unit {}, taken {}\nover {}\n", dump.serial_number, dump.taken, dump.link);
-  for (const std::string& fault : memory.faults) text += fmt::format("FAULT: {}\n", fault);
-  for (const DumpRegion& region : dump.regions)
-    text += fmt::format("{}  {:>7} bytes  {}{}\n", hex_address(region.address), region.bytes.size(), region.name,
-                        region.intact ? "" : " (damaged)");
-  text += commits_text(memory);
-  for (const DecodedImage& image : memory.images) text += image_text(image, dump, with_bytes);
-  if (memory.images.empty()) text += "no memory image\n";
-  if (dump.status) text += "\n== status when it was taken\n" + text_of(*dump.status);
-  return text;
+Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
+  return record_cell(
+      dump.taken.empty()
+          ? "{faults}{regions}{commits}{images}{status}"
+          : "unit {serial_number}, taken {taken}\nover {link}\n{faults}{regions}{commits}{images}{status}",
+      {{"taken", text_cell(dump.taken)},
+       {"link", text_cell(dump.link)},
+       {"serial_number", text_cell(dump.serial_number)},
+       {"sound", yes_cell(memory.sound(), "", "")},
+       {"faults", lines_cell(memory.faults, "FAULT: ")},
+       {"regions", regions_cell(dump)},
+       {"commits", commits_cell(memory)},
+       {"images", images_cell(dump, memory, with_bytes)},
+       {"status", status_when_taken(dump)}});
 }
 
 }  // namespace ecs::commissioning

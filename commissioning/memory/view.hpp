@@ -8,9 +8,7 @@
 
 namespace ecs::commissioning {
 
-[[nodiscard]] Json json_of(const MemoryDump& dump, const DecodedMemory& memory);
-
-/// @param with_bytes  names and meaning beside the bytes of prefix, parameters and directory
-[[nodiscard]] std::string text_of(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes);
+/// @param with_bytes  in the text, names and meaning beside the bytes of prefix, parameters and directory
+[[nodiscard]] Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes);
 
 }  // namespace ecs::commissioning

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/plain_text.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -125,7 +125,7 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
 
 Json json_with_registers(const StatusSnapshot& snapshot) {
   Json object{{"ecs_status", kFormat}};
-  object.update(json_of(snapshot));
+  object.update(status_cell(snapshot).json);
   object["raw"] = raw_json(snapshot);
   return object;
 }

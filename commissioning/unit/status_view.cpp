@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "core/fault.hpp"
 #include "laser/map/error_map.hpp"
 
@@ -25,57 +25,110 @@ std::string_view name_of_bank(Bank bank) {
 
 bool has_address(Fault fault) { return fault == Fault::ram_test || fault == Fault::block_check; }
 
-Json fault_json(const UnitStatus& status) {
+Cell hex_cell(std::uint32_t number) { return word_cell(fmt::format("{:08X}", number)); }
+
+Cell fault_cell(const UnitStatus& status) {
   const FaultText text = ecs::text_of(status.fault);
-  return Json{{"name", text.name},
-              {"number", static_cast<int>(status.fault)},
-              {"meaning", text.meaning},
-              {"action", text.action},
-              {"address", has_address(status.fault) ? Json(hex_address(status.fault_address)) : Json(nullptr)},
-              {"axis", status.fault_axis ? Json(std::string(1, letter_of(*status.fault_axis))) : Json(nullptr)}};
+  const std::string address = hex_address(status.fault_address);
+  const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
+  return record_cell("fault {number} ({name}): {meaning}{address}{axis}. What to do: {action}",
+                     {{"name", word_cell(text.name)},
+                      {"number", integer_cell(static_cast<int>(status.fault))},
+                      {"meaning", word_cell(text.meaning)},
+                      {"action", word_cell(text.action)},
+                      {"address", has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()},
+                      {"axis", status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()}});
 }
 
-/// Both numbers are zero until the first check.
-bool block_check_made(const UnitStatus& status) {
-  return status.block_check_expected != 0 || status.block_check_found != 0;
+Cell ram_test_cell(const UnitStatus& status) {
+  const std::string address = hex_address(status.ram_test_address);
+  return record_cell(
+      "RAM test     {outcome}{address}\n",
+      {{"outcome", word_cell(name_of_outcome(status.ram_test))},
+       {"address", status.ram_test == TestOutcome::failed ? Cell{address, " at " + address} : null_cell()}});
 }
 
-Json block_check_json(const UnitStatus& status) {
-  if (!block_check_made(status)) return Json{{"expected", nullptr}, {"found", nullptr}, {"agrees", nullptr}};
-  return Json{{"expected", fmt::format("{:08X}", status.block_check_expected)},
-              {"found", fmt::format("{:08X}", status.block_check_found)},
-              {"agrees", status.block_check_expected == status.block_check_found}};
+Cell block_check_cell(const UnitStatus& status) {
+  const bool made = status.block_check_expected != 0 || status.block_check_found != 0;  // both zero until the first
+  const bool agrees = status.block_check_expected == status.block_check_found;
+  return record_cell(made ? "block check  expected {expected}, found {found}{agrees}\n" : "block check  not run\n",
+                     {{"expected", made ? hex_cell(status.block_check_expected) : null_cell()},
+                      {"found", made ? hex_cell(status.block_check_found) : null_cell()},
+                      {"agrees", made ? yes_cell(agrees, "", ": they differ") : null_cell()}});
 }
 
-Json axis_json(const AxisStatus& axis) {
-  return Json{
-      {"referenced", axis.referenced},
-      {"datum_stage", ecs::name_of(axis.datum_stage)},
-      {"datum_failure", ecs::name_of(axis.datum_failure)},
-      {"datum_advice", axis.datum_failure == DatumFailure::none ? Json(nullptr) : Json(advice_for(axis.datum_failure))},
-      {"position_mm", axis.referenced ? number_or_null(axis.position_mm) : Json(nullptr)},
-      {"last_approach", name_of(axis.last_approach)},
-      {"relay_closed", axis.relay_closed}};
+Cell map_cell(const UnitStatus& status) {
+  const std::string_view bank = name_of_bank(status.active_bank);
+  return record_cell("active map   bank {bank}, {bytes} bytes, commit {commit_sequence}\n",
+                     {{"bank", status.active_bank == Bank::none ? null_cell(bank) : word_cell(bank)},
+                      {"bytes", count_cell(status.image_length_bytes)},
+                      {"commit_sequence", count_cell(status.commit_sequence)}});
 }
 
-bool in_use(const protocol::CurvePointer& pointer) { return pointer.address != protocol::kUnused; }
+Cell axis_cell(Axis letter, const AxisStatus& axis) {
+  const bool failed = axis.datum_failure != DatumFailure::none;
+  const std::string_view failure = ecs::name_of(axis.datum_failure), advice = advice_for(axis.datum_failure);
+  return record_cell(
+      "{axis:<5} {referenced:<11} {datum_stage:<15} {position_mm:>11}  {last_approach:<9} {relay_closed}\n"
+      "{datum_failure}{datum_advice}",
+      {{"axis", shown_cell(std::string(1, letter_of(letter)))},
+       {"referenced", yes_cell(axis.referenced, "yes", "no")},
+       {"datum_stage", word_cell(ecs::name_of(axis.datum_stage))},
+       {"datum_failure", {failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""}},
+       {"datum_advice", failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()},
+       {"position_mm", axis.referenced ? number_cell(axis.position_mm, 4) : null_cell("unknown")},
+       {"last_approach", word_cell(name_of(axis.last_approach))},
+       {"relay_closed", yes_cell(axis.relay_closed, "closed", "open")}});
+}
 
-Json pointers_json(const StatusSnapshot& snapshot) {
-  Json out = Json::array();
-  for (std::size_t i = 0; i < kCurves; ++i) {
-    const auto& pointer = snapshot.status.pointers[i];
-    if (!in_use(pointer)) continue;
-    const auto component = static_cast<Component>(i);
-    const auto& selected = snapshot.selected[i];
-    out.push_back({{"component", name_of(component)},
-                   {"description", laser::description_of(component)},
-                   {"index", pointer.index},
-                   {"address", hex_address(pointer.address)},
-                   {"counts", selected ? Json(selected->counts) : Json(nullptr)},
-                   {"value", selected ? number_or_null(selected->value) : Json(nullptr)},
-                   {"unit", unit_of(component)}});
+Cell axes_cell(const StatusSnapshot& snapshot) {
+  Cell axes{Json::object(), "axis  referenced  datum stage     position/mm  approach  relay\n"};
+  for (const Axis axis : kAllAxes) {
+    if (!snapshot.identity.axis_present[index_of(axis)]) continue;
+    const Cell one = axis_cell(axis, snapshot.status.axes[index_of(axis)]);
+    axes.json[std::string(1, letter_of(axis))] = one.json;
+    axes.text += one.text;
   }
-  return out;
+  return axes;
+}
+
+Cell pointer_cell(Component component, const protocol::CurvePointer& pointer,
+                  const std::optional<SelectedValue>& selected) {
+  return record_cell("{component}   {index:>5}  {address}  {value:>9} {unit:<5}{description}\n",
+                     {{"component", word_cell(name_of(component))},
+                      {"description", word_cell(laser::description_of(component))},
+                      {"index", count_cell(pointer.index)},
+                      {"address", word_cell(hex_address(pointer.address))},
+                      {"counts", selected ? integer_cell(selected->counts) : null_cell()},
+                      {"value", selected ? number_cell(selected->value, 2) : null_cell("unknown")},
+                      {"unit", word_cell(unit_of(component))}});
+}
+
+Cell pointers_cell(const StatusSnapshot& snapshot) {
+  Cell pointers{Json::array(),
+                fmt::format("address pointers at tick {}: the values selected last (with linear\ninterpolation the "
+                            "value at or below the position)\ncurve  index  address       value\n",
+                            snapshot.status.pointers_at_tick)};
+  for (std::size_t i = 0; i < kCurves; ++i)
+    if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
+      pointers.add(pointer_cell(static_cast<Component>(i), pointer, snapshot.selected[i]));
+  if (pointers.json.empty()) pointers.text = "address pointers: none in use\n";
+  return pointers;
+}
+
+Cell unit_cell(const StatusSnapshot& snapshot) {
+  const auto& id = snapshot.identity;
+  std::string axes;
+  for (const Axis axis : kAllAxes)
+    if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
+  return record_cell("unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s)\n",
+                     {{"serial_number", text_cell(id.serial_number)},
+                      {"name", text_cell(id.unit_name)},
+                      {"firmware", word_cell(fmt::format("{}.{}", id.firmware_major, id.firmware_minor))},
+                      {"protocol_version", count_cell(id.protocol_version)},
+                      {"axes", word_cell(axes)},
+                      {"memory_modules", count_cell(id.memory_modules)},
+                      {"capacity_values", count_cell(id.capacity_values)}});
 }
 
 }  // namespace
@@ -85,110 +138,37 @@ std::string_view name_of(Approach approach) {
   return approach == Approach::reverse ? "reverse" : "unknown";
 }
 
-std::string fault_sentence(const UnitStatus& status) {
-  const FaultText text = ecs::text_of(status.fault);
-  std::string sentence = fmt::format("fault {} ({}): {}", static_cast<int>(status.fault), text.name, text.meaning);
-  if (has_address(status.fault)) sentence += fmt::format("; address {}", hex_address(status.fault_address));
-  if (status.fault_axis) sentence += fmt::format("; axis {}", letter_of(*status.fault_axis));
-  return fmt::format("{}. What to do: {}", sentence, text.action);
-}
-
-std::string axes_text(const StatusSnapshot& snapshot) {
-  std::string text = "axis  referenced  datum stage     position/mm  approach  relay\n";
-  for (const Axis axis : kAllAxes) {
-    if (!snapshot.identity.axis_present[index_of(axis)]) continue;
-    const AxisStatus& a = snapshot.status.axes[index_of(axis)];
-    text += fmt::format("{:<5} {:<11} {:<15} {:>11}  {:<9} {}\n", letter_of(axis), a.referenced ? "yes" : "no",
-                        ecs::name_of(a.datum_stage), a.referenced ? fmt::format("{:.4f}", a.position_mm) : "unknown",
-                        name_of(a.last_approach), a.relay_closed ? "closed" : "open");
-    if (a.datum_failure != DatumFailure::none)
-      text += fmt::format("      datum failed: {}; {}\n", ecs::name_of(a.datum_failure), advice_for(a.datum_failure));
-  }
-  return text;
-}
-
-std::string pointers_text(const StatusSnapshot& snapshot) {
-  std::string rows;
-  for (std::size_t i = 0; i < kCurves; ++i) {
-    const auto& pointer = snapshot.status.pointers[i];
-    if (!in_use(pointer)) continue;
-    const auto component = static_cast<Component>(i);
-    const auto& selected = snapshot.selected[i];
-    rows += fmt::format("{}   {:>5}  {}  {:>9} {:<5}{}\n", name_of(component), pointer.index,
-                        hex_address(pointer.address), selected ? fmt::format("{:.2f}", selected->value) : "unknown",
-                        unit_of(component), laser::description_of(component));
-  }
-  if (rows.empty()) return "address pointers: none in use\n";
-  return fmt::format(
-      "address pointers at tick {}: the values selected last (with linear\ninterpolation the value at or below the "
-      "position)\ncurve  index  address       value\n{}",
-      snapshot.status.pointers_at_tick, rows);
-}
-
+std::string fault_sentence(const UnitStatus& status) { return fault_cell(status).text; }
+std::string axes_text(const StatusSnapshot& snapshot) { return axes_cell(snapshot).text; }
+std::string pointers_text(const StatusSnapshot& snapshot) { return pointers_cell(snapshot).text; }
 std::string memory_text(const UnitStatus& status) {
-  std::string text = fmt::format("RAM test     {}", name_of_outcome(status.ram_test));
-  if (status.ram_test == TestOutcome::failed) text += fmt::format(" at {}", hex_address(status.ram_test_address));
-  if (block_check_made(status))
-    text += fmt::format("\nblock check  expected {:08X}, found {:08X}{}\n", status.block_check_expected,
-                        status.block_check_found,
-                        status.block_check_expected == status.block_check_found ? "" : ": they differ");
-  else
-    text += "\nblock check  not run\n";
-  return text + fmt::format("active map   bank {}, {} bytes, commit {}\n", name_of_bank(status.active_bank),
-                            status.image_length_bytes, status.commit_sequence);
+  return ram_test_cell(status).text + block_check_cell(status).text + map_cell(status).text;
 }
 
-Json json_of(const StatusSnapshot& snapshot) {
-  const auto& id = snapshot.identity;
+Cell status_cell(const StatusSnapshot& snapshot) {
   const UnitStatus& s = snapshot.status;
-  Json axes = Json::object();
-  std::string present;
-  for (const Axis axis : kAllAxes) {
-    if (!id.axis_present[index_of(axis)]) continue;
-    present += letter_of(axis);
-    axes[std::string(1, letter_of(axis))] = axis_json(s.axes[index_of(axis)]);
-  }
-  const bool failed = s.ram_test == TestOutcome::failed;
-  return Json{
-      {"taken", text_or_null(snapshot.taken)},
-      {"link", text_or_null(snapshot.link)},
-      {"unit",
-       {{"serial_number", text_or_null(id.serial_number)},
-        {"name", text_or_null(id.unit_name)},
-        {"firmware", fmt::format("{}.{}", id.firmware_major, id.firmware_minor)},
-        {"protocol_version", id.protocol_version},
-        {"axes", present},
-        {"memory_modules", id.memory_modules},
-        {"capacity_values", id.capacity_values}}},
-      {"mode", ecs::name_of(s.mode)},
-      {"fault", fault_json(s)},
-      {"ram_test",
-       {{"outcome", name_of_outcome(s.ram_test)},
-        {"address", failed ? Json(hex_address(s.ram_test_address)) : Json(nullptr)}}},
-      {"block_check", block_check_json(s)},
-      {"map",
-       {{"bank", s.active_bank == Bank::none ? Json(nullptr) : Json(name_of_bank(s.active_bank))},
-        {"bytes", s.image_length_bytes},
-        {"commit_sequence", s.commit_sequence}}},
-      {"loop", {{"period_us", number_or_null(s.loop_period_us)}, {"overruns", s.loop_overruns}, {"ticks", s.ticks}}},
-      {"uptime_s", s.uptime_s},
-      {"watchdog_trips", s.watchdog_trips},
-      {"axes", axes},
-      {"pointers_at_tick", s.pointers_at_tick},
-      {"pointers", pointers_json(snapshot)}};
-}
-
-std::string text_of(const StatusSnapshot& snapshot) {
-  const auto& id = snapshot.identity;
-  const UnitStatus& s = snapshot.status;
-  std::string text = fmt::format("unit {} ({}), firmware {}.{}, {} memory module(s)\nstatus of {}\n", id.serial_number,
-                                 id.unit_name, id.firmware_major, id.firmware_minor, id.memory_modules, snapshot.taken);
-  text += fmt::format("mode         {}\n", ecs::name_of(s.mode));
-  text += s.fault == Fault::none ? std::string("no fault\n") : fault_sentence(s) + "\n";
-  text += "\n" + memory_text(s);
-  text += fmt::format("loop         {} us, {} ticks, {} overruns, watchdog trips {}\nup for       {} s\n",
-                      s.loop_period_us, s.ticks, s.loop_overruns, s.watchdog_trips, s.uptime_s);
-  return text + "\n" + axes_text(snapshot) + "\n" + pointers_text(snapshot);
+  Cell fault = fault_cell(s);
+  if (s.fault == Fault::none) fault.text = "no fault";
+  return record_cell(
+      "{unit}status of {taken}\nmode         {mode}\n{fault}\n\n{ram_test}{block_check}{map}{loop}, watchdog trips "
+      "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}",
+      {{"taken", text_cell(snapshot.taken)},
+       {"link", text_cell(snapshot.link)},
+       {"unit", unit_cell(snapshot)},
+       {"mode", word_cell(ecs::name_of(s.mode))},
+       {"fault", std::move(fault)},
+       {"ram_test", ram_test_cell(s)},
+       {"block_check", block_check_cell(s)},
+       {"map", map_cell(s)},
+       {"loop", record_cell("loop         {period_us} us, {ticks} ticks, {overruns} overruns",
+                            {{"period_us", plain_cell(s.loop_period_us)},
+                             {"overruns", count_cell(s.loop_overruns)},
+                             {"ticks", count_cell(s.ticks)}})},
+       {"uptime_s", count_cell(s.uptime_s)},
+       {"watchdog_trips", count_cell(s.watchdog_trips)},
+       {"axes", axes_cell(snapshot)},
+       {"pointers_at_tick", count_cell(s.pointers_at_tick)},
+       {"pointers", pointers_cell(snapshot)}});
 }
 
 }  // namespace ecs::commissioning

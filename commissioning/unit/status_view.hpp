@@ -11,11 +11,11 @@ namespace ecs::commissioning {
 /// "forward", "reverse", "unknown"
 [[nodiscard]] std::string_view name_of(Approach approach);
 
-[[nodiscard]] Json json_of(const StatusSnapshot& snapshot);
+/// All of it; lines of at most 80 columns.
+[[nodiscard]] Cell status_cell(const StatusSnapshot& snapshot);
 /// The same as a status file holds it: marked as one, with the registers under "raw".
 [[nodiscard]] Json json_with_registers(const StatusSnapshot& snapshot);
-[[nodiscard]] std::string text_of(const StatusSnapshot& snapshot);
-// its parts, lines of at most 80 columns
+// parts of its text
 [[nodiscard]] std::string axes_text(const StatusSnapshot& snapshot);        ///< a row for each axis
 [[nodiscard]] std::string pointers_text(const StatusSnapshot& snapshot);    ///< a row for each curve in use
 [[nodiscard]] std::string memory_text(const protocol::UnitStatus& status);  ///< RAM test, block check, active map

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/view.hpp"
@@ -52,7 +53,7 @@ Result<StatusFile> read_status_file(const std::string& path) {
   const auto dump = dump_in(*text, path);
   if (!dump) return tl::unexpected(dump.error());
   file.snapshot = dump->status;
-  const std::string said = text_of(*dump, decoded(*dump), false);
+  const std::string said = memory_cell(*dump, decoded(*dump), false).text;
   for (const std::string_view line : lines_of(said)) file.memory.emplace_back(line);
   return file;
 }

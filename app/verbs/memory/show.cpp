@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/memory/compare.hpp"
 #include "commissioning/memory/view.hpp"
 
@@ -30,8 +30,7 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
     return problem(ProblemKind::usage, "memory show: give either a FILE or --unit");
   const auto dump = arguments.unit ? dump_of_unit(context, DumpScope::active) : read_dump(arguments.file);
   if (!dump) return tl::unexpected(dump.error());
-  const DecodedMemory memory = decoded(*dump);
-  return Outcome{text_of(*dump, memory, arguments.bytes), one_line(json_of(*dump, memory)), kDone};
+  return outcome_of(memory_cell(*dump, decoded(*dump), arguments.bytes));
 }
 
 struct CompareArguments {
@@ -53,10 +52,8 @@ std::vector<std::string> damage_in(const MemoryDump& dump) {
   return damage;
 }
 
-std::string damage_text(std::string_view side, const std::string& file, const std::vector<std::string>& damage) {
-  std::string text;
-  for (const std::string& one : damage) text += fmt::format("DAMAGED {} ({}): {}\n", side, file, one);
-  return text;
+Cell damage_cell(std::string_view side, const std::string& file, const MemoryDump& dump) {
+  return lines_cell(damage_in(dump), fmt::format("DAMAGED {} ({}): ", side, file));
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
@@ -64,22 +61,20 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
   if (!a) return tl::unexpected(a.error());
   const auto b = dump_from(context, arguments.b);
   if (!b) return tl::unexpected(b.error());
-  Json list = Json::array();
-  std::string text;
-  for (const MemoryDifference& difference : differences(*a, *b)) {
-    list.push_back({{"what", difference.what}, {"a", difference.a}, {"b", difference.b}});
-    text += fmt::format("{}: A {} | B {}\n", difference.what, difference.a, difference.b);
-  }
-  const bool same = list.empty();
-  if (same) text = "no difference\n";
-  const std::vector<std::string> hurt_a = damage_in(*a), hurt_b = damage_in(*b);
-  const Json object{{"a", arguments.a},
-                    {"b", arguments.b},
-                    {"same", same},
-                    {"damaged", {{"a", hurt_a}, {"b", hurt_b}}},
-                    {"differences", list}};
-  return Outcome{damage_text("A", arguments.a, hurt_a) + damage_text("B", arguments.b, hurt_b) + text, one_line(object),
-                 same && hurt_a.empty() && hurt_b.empty() ? kDone : kDoesNotHold};
+  Cell found{Json::array(), {}};
+  for (const auto& [what, in_a, in_b] : differences(*a, *b))
+    found.add(record_cell("{what}: A {a} | B {b}\n",
+                          {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}}));
+  const bool same = found.json.empty();
+  if (same) found.text = "no difference\n";
+  const Cell damage_a = damage_cell("A", arguments.a, *a), damage_b = damage_cell("B", arguments.b, *b);
+  return outcome_of(
+      record_cell("{damaged}{differences}", {{"a", word_cell(arguments.a)},
+                                             {"b", word_cell(arguments.b)},
+                                             {"same", yes_cell(same, "", "")},
+                                             {"damaged", record_cell("{a}{b}", {{"a", damage_a}, {"b", damage_b}})},
+                                             {"differences", found}}),
+      same && damage_a.json.empty() && damage_b.json.empty() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/utility_work.hpp"
@@ -31,7 +31,7 @@ std::string stages_of(const StatusSnapshot& snapshot) {
 }
 
 Outcome outcome_of(const StatusSnapshot& snapshot, std::string text, int exit_code) {
-  const Json full = json_of(snapshot);
+  const Json full = status_cell(snapshot).json;
   Json object{{"mode", full["mode"]}, {"fault", full["fault"]}, {"axes", full["axes"]}};
   return {std::move(text), one_line(object), exit_code};
 }

@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 
@@ -29,7 +29,7 @@ Result<Outcome> show_status(VerbContext& context, const StatusArguments& argumen
     if (auto written = write_snapshot(arguments.save, *snapshot); !written) return tl::unexpected(written.error());
     context.console.note(fmt::format("status written to {}", arguments.save));
   }
-  return Outcome{text_of(*snapshot), one_line(json_of(*snapshot)), kDone};
+  return outcome_of(status_cell(*snapshot));
 }
 
 }  // namespace

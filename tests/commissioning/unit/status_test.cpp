@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "protocol/registers/unit_registers.hpp"
@@ -55,7 +55,7 @@ TEST_CASE("a saved status decodes to the same fault, address, pointers and value
 }
 
 TEST_CASE("the words say what to do next") {
-  const std::string text = text_of(faulty_unit());
+  const std::string text = status_cell(faulty_unit()).text;
   CHECK(text.find("replace that axis memory module") != std::string::npos);
   CHECK(text.find("0x100ABC") != std::string::npos);
   CHECK(text.find("raise the approach speed") != std::string::npos);
@@ -91,7 +91,7 @@ TEST_CASE("registers of any content are decoded or refused") {
     const auto at = *rc::gen::inRange<std::size_t>(0, object["raw"][block].size());
     object["raw"][block][at] = *rc::gen::arbitrary<std::uint16_t>();
     const auto read = parse_snapshot(object.dump(), "s");
-    if (read) RC_ASSERT(Json::parse(one_line(json_of(*read)), nullptr, false).is_object());
+    if (read) RC_ASSERT(Json::parse(one_line(status_cell(*read).json), nullptr, false).is_object());
   }));
 }
 
