@@ -10,6 +10,7 @@
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/plain_text.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
@@ -130,7 +131,7 @@ std::string parameter_text(std::string_view name, std::string_view unit, double 
 }
 
 ReportedDiagnosis reported(const model::Diagnosis& diagnosis) {
-  return diagnosis_in(json_of(diagnosis)).value_or(ReportedDiagnosis{});
+  return diagnosis_in(diagnosis_cell(diagnosis).json).value_or(ReportedDiagnosis{});
 }
 
 Result<ReportedDiagnosis> parse_diagnosis(std::string_view json, const std::string& name) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/from_model.hpp"
@@ -84,7 +85,7 @@ Result<ModelController::Fitted> ModelController::fitted(model::Model model, cons
                                                         std::string said) {
   auto fit = model::fit(model, data);
   if (!fit) return tl::unexpected(fit.error());
-  auto comparison = owned_lines_of(comparison_text(model::compare(*fit, data), data.size()));
+  auto comparison = owned_lines_of(comparison_cell(model::compare(*fit, data), data.size()).text);
   return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
 }
 
@@ -215,7 +216,7 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
     const ModelWork now{model, work->machine, {}, work->data, work->data_name};
     const auto answer = what_if_answer(messages, now, files.model, measured_again, files.import);
     if (!answer) return tl::unexpected(answer.error());
-    return owned_lines_of(what_if_text(*answer));
+    return owned_lines_of(what_if_cell(*answer).text);
   };
   task_.start("computing what compensation would leave", compute, [this](Result<Lines> lines) {
     if (task_.cancelled()) return;

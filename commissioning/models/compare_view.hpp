@@ -1,4 +1,4 @@
-// Where a model fails, as text of 80 columns and as JSON. Only for .cpp files (heavy header).
+// Where a model fails, as text of 80 columns and as JSON.
 #pragma once
 
 #include <string>
@@ -8,7 +8,6 @@
 
 namespace ecs::commissioning {
 
-[[nodiscard]] std::string comparison_text(const model::Comparison& comparison, std::size_t readings);
-[[nodiscard]] Json json_of(const model::Comparison& comparison);
+[[nodiscard]] Cell comparison_cell(const model::Comparison& comparison, std::size_t readings);
 
 }  // namespace ecs::commissioning

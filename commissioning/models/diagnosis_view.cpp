@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/paragraph.hpp"
+#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
@@ -54,9 +55,9 @@ std::string summary(const Diagnosis& d) {
     text +=
         fmt::format("With {}: rms {:.3f} um. ",
                     d.verdict == Verdict::missing_effect ? "what is named" : "the best that was tried", d.rms_after_um);
-  text += fmt::format("Lack of fit: {}", lack_of_fit_text(d.lack_of_fit));
+  text += fmt::format("Lack of fit: {}", lack_of_fit_cell(d.lack_of_fit).text);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
-    text += fmt::format("; afterwards {}", lack_of_fit_text(d.lack_of_fit_after));
+    text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
 }
 
@@ -71,35 +72,57 @@ constexpr std::string_view kHead =
     "                               rms after  above noise    held out [um]     false\n"
     "                                    [um]    explained   before    after   naming\n";
 
-std::string evidence_row(const Candidate& c, std::size_t blanks) {
-  const auto cell = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.3f}", *value) : std::string("-");
-  };
-  return fmt::format("{} {:>9.3f} {:>12} {:>8} {:>8} {:>8}\n", padded(place_text(c.effect), 30), c.rms_after_um,
-                     percent(c.explainable_share), cell(c.held_out_rms_before_um), cell(c.held_out_rms_um),
-                     false_naming_text(c.false_naming, blanks));
-}
-
-std::string details(const Candidate& c) {
-  std::string text;
-  if (!c.parameters.empty()) text += paragraph(parameters_text(c.parameters), 2, 4);
-  if (!c.because.empty()) text += paragraph("because: " + c.because, 2, 4);
-  if (!c.indistinguishable_from.empty())
-    text += paragraph(fmt::format("cannot be told from: {}", fmt::join(c.indistinguishable_from, ", ")), 2, 4);
-  if (c.skipped > 0) text += paragraph(fmt::format("{} readings lack a cell that it needs", c.skipped), 2, 4);
-  if (!c.next_measurement.empty()) text += paragraph("next: " + c.next_measurement, 2, 4);
-  return text;
-}
-
-std::string table_of(const Diagnosis& d, bool named, std::string_view title) {
-  std::string text;
-  for (const Candidate& candidate : d.candidates) {
-    if (candidate.named != named) continue;
-    if (text.empty()) text = fmt::format("\n{}\n{}", title, kHead);
-    text += evidence_row(candidate, d.noise_replicates);
-    if (named) text += details(candidate);
+/// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
+Cell candidate_cell(const Candidate& c, std::size_t replicates) {
+  Json values = Json::object(), sigmas = Json::object();
+  for (const model::ParameterEstimate& one : c.parameters) {
+    values[one.name] = number_or_null(one.value);
+    sigmas[one.name] = number_or_null(one.sigma);
   }
-  return text;
+  const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
+  const auto& rivals = c.indistinguishable_from;
+  AnswerFields fields{
+      {"", {effect_json(c.effect), ""}},
+      {"place", shown_cell(padded(place_text(c.effect), 30))},
+      {"parameters", {values, details(!c.parameters.empty(), parameters_text(c.parameters))}},
+      {"sigma", {sigmas, ""}},
+      {"named", {c.named, ""}},
+      {"rms_after_um", number_cell(c.rms_after_um, 3)},
+      {"explained", number_cell(c.explained, 3)},
+      {"explainable_share", {number_or_null(c.explainable_share), percent(c.explainable_share)}},
+      {"p_value", {number_or_null(c.p_value), ""}},
+      {"false_naming", {number_or_null(c.false_naming), false_naming_text(c.false_naming, replicates)}},
+      {"held_out_rms_um", number_cell(c.held_out_rms_um, 3)},
+      {"held_out_rms_before_um", number_cell(c.held_out_rms_before_um, 3)},
+      {"skipped", {c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))}},
+      {"indistinguishable_from",
+       {rivals, details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))}},
+      {"because", {c.because, details(!c.because.empty(), "because: " + c.because)}},
+      {"next_measurement", {c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)}}};
+  if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
+  return {object_of(fields),
+          laid_out("{place} {rms_after_um:>9} {explainable_share:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
+                   "{false_naming:>8}\n",
+                   fields) +
+              (c.named ? laid_out("{parameters}{because}{indistinguishable_from}{skipped}{next_measurement}", fields)
+                       : std::string())};
+}
+
+Cell candidates_cell(const Diagnosis& d) {
+  Json list = Json::array();
+  std::string named, rivals;
+  for (const Candidate& candidate : d.candidates) {
+    const Cell one = candidate_cell(candidate, d.noise_replicates);
+    list.push_back(one.json);
+    (candidate.named ? named : rivals) += one.text;
+  }
+  const auto titled_table = [](std::string_view title, const std::string& rows) {
+    return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, kHead, rows);
+  };
+  return {
+      std::move(list),
+      titled_table(d.verdict == Verdict::missing_effect ? "what is missing" : "the best explanation there is", named) +
+          titled_table("rivals and weaker explanations", rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -115,19 +138,31 @@ double largest_in(const std::vector<ShapePoint>& points) {
   return largest;
 }
 
-std::string where_text(const Diagnosis& d) {
-  if (d.where.empty()) return {};
-  std::string text = "\nwhat the residual depends on (share of its variance)\n";
+Cell where_cell(const Diagnosis& d) {
+  Cell where{Json::array(), d.where.empty() ? "" : "\nwhat the residual depends on (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
-    text += fmt::format("  {} {:>8}  in noise alone: p = {:.1g}\n", padded(one.variable, 26), percent(one.strength),
-                        one.p_value);
+    where.add(record_cell("  {variable} {strength:>8}  in noise alone: p = {p_value}\n",
+                          {{"variable", {one.variable, padded(one.variable, 26)}},
+                           {"strength", {number_or_null(one.strength), percent(one.strength)}},
+                           {"p_value", {number_or_null(one.p_value), fmt::format("{:.1g}", one.p_value)}},
+                           {"at", {numbers_json(one.at), ""}},
+                           {"mean_um", {numbers_json(one.mean_um), ""}}}));
   std::size_t shapes = 0;
   for (const model::Dependence& one : d.where) {
     const std::vector<ShapePoint> points = shape_of(one);
     if (one.strength < kWorthAShape || largest_in(points) < 0.3 * d.noise.noise_um || ++shapes > kMostShapes) continue;
-    text += "\n" + shape_text(one.variable, points);
+    where.text += "\n" + shape_text(one.variable, points);
   }
-  return text;
+  return where;
+}
+
+std::string outliers_text(const Diagnosis& d) {
+  if (d.outliers.empty()) return {};
+  return "\n" +
+         paragraph(fmt::format("outliers: rows {} ({} of {} readings) differ; they weigh little, and stay in every "
+                               "rms",
+                               rows_text(d.outliers), d.outliers.size(), d.observations),
+                   0, 2);
 }
 
 }  // namespace
@@ -143,22 +178,28 @@ std::string verdict_sentence(const Diagnosis& diagnosis) {
   }
 }
 
-std::string diagnosis_text(const Diagnosis& d) {
-  std::string text = paragraph(verdict_sentence(d)) + "\n" + summary(d);
-  text += table_of(d, true, d.verdict == Verdict::missing_effect ? "what is missing" : "the best explanation there is");
-  text += table_of(d, false, "rivals and weaker explanations");
-  text += where_text(d);
-  if (!d.outliers.empty())
-    text += "\n" + paragraph(fmt::format("outliers: rows {} ({} of {} readings) differ; they weigh little, and "
-                                         "stay in every rms",
-                                         rows_text(d.outliers), d.outliers.size(), d.observations),
-                             0, 2);
-  text += "\n";
-  if (d.noise_replicates > 0)
-    text += paragraph(fmt::format("{} candidates were tried, and {} blanks of noise alone on the same design",
-                                  d.candidates_tried, d.noise_replicates));
-  text += notes_text(d.notes);
-  return text;
+Cell diagnosis_cell(const Diagnosis& d) {
+  const std::string tried =
+      paragraph(fmt::format("{} candidates were tried, and {} blanks of noise alone on the same design",
+                            d.candidates_tried, d.noise_replicates));
+  return record_cell("{verdict}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
+                     {{"observations", {d.observations, ""}},
+                      {"rms_um", {number_or_null(d.rms_um), ""}},
+                      {"noise_um", {number_or_null(d.noise.noise_um), ""}},
+                      {"noise_from_repeats", {d.noise.from_repeats, ""}},
+                      {"lack_of_fit", lack_of_fit_cell(d.lack_of_fit)},
+                      {"verdict", {name_of(d.verdict), paragraph(verdict_sentence(d))}},
+                      {"summary", shown_cell(summary(d))},
+                      {"candidates", candidates_cell(d)},
+                      {"where", where_cell(d)},
+                      {"rms_after_um", {number_or_null(d.rms_after_um), ""}},
+                      {"lack_of_fit_after", lack_of_fit_cell(d.lack_of_fit_after)},
+                      {"outliers", {d.outliers, outliers_text(d)}},
+                      {"notes", {d.notes, notes_text(d.notes)}},
+                      {"candidates_tried", {d.candidates_tried, ""}},
+                      {"blanks", {d.noise_replicates, d.noise_replicates > 0 ? tried : ""}}});
 }
+
+std::string diagnosis_text(const Diagnosis& diagnosis) { return diagnosis_cell(diagnosis).text; }
 
 }  // namespace ecs::commissioning

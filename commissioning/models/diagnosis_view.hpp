@@ -1,8 +1,9 @@
-// A diagnosis as a person reads it, 80 columns: the verdict in one sentence, then the evidence.
+// A diagnosis as an answer: the verdict in one sentence, then the evidence.
 #pragma once
 
 #include <string>
 
+#include "base/json_fwd.hpp"
 #include "model/diagnosis/diagnose.hpp"
 
 namespace ecs::commissioning {
@@ -10,6 +11,8 @@ namespace ecs::commissioning {
 /// One sentence, plain.
 [[nodiscard]] std::string verdict_sentence(const model::Diagnosis& diagnosis);
 
+/// JSON as docs/design.md 3.4 has it; text of 80 columns.
+[[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);
 [[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);
 
 }  // namespace ecs::commissioning

@@ -1,13 +1,16 @@
 #include "commissioning/models/json.hpp"
 
-#include "base/json.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
-using model::Candidate;
-using model::Diagnosis;
 using model::EffectInstance;
 using model::ParameterEstimate;
 
@@ -16,29 +19,16 @@ std::string word_in(const Json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-Json candidate_json(const Candidate& candidate) {
-  Json object = json_of(candidate.effect);
-  Json values = Json::object(), sigmas = Json::object();
-  for (const ParameterEstimate& one : candidate.parameters) {
-    values[one.name] = number_or_null(one.value);
-    sigmas[one.name] = number_or_null(one.sigma);
-  }
-  object["parameters"] = std::move(values);
-  object["sigma"] = std::move(sigmas);
-  object["named"] = candidate.named;
-  object["rms_after_um"] = number_or_null(candidate.rms_after_um);
-  object["explained"] = number_or_null(candidate.explained);
-  object["explainable_share"] = number_or_null(candidate.explainable_share);
-  object["p_value"] = number_or_null(candidate.p_value);
-  object["false_naming"] = number_or_null(candidate.false_naming);
-  object["held_out_rms_um"] = number_or_null(candidate.held_out_rms_um);
-  object["held_out_rms_before_um"] = number_or_null(candidate.held_out_rms_before_um);
-  object["skipped"] = candidate.skipped;
-  object["indistinguishable_from"] = candidate.indistinguishable_from;
-  object["because"] = candidate.because;
-  object["next_measurement"] = candidate.next_measurement;
-  if (!candidate.effect.curve.empty()) object["curve"] = json_of(candidate.effect.curve);
-  return object;
+}  // namespace
+
+std::string axis_json(Axis axis) { return std::string(1, letter_of(axis)); }
+
+Cell position_cell(double position_mm) { return {number_or_null(position_mm), position_text(position_mm)}; }
+
+Json position_json(const Vector3& position_mm) {
+  return {{"x_mm", number_or_null(position_mm[0])},
+          {"y_mm", number_or_null(position_mm[1])},
+          {"z_mm", number_or_null(position_mm[2])}};
 }
 
 Json numbers_json(const std::vector<double>& values) {
@@ -47,25 +37,7 @@ Json numbers_json(const std::vector<double>& values) {
   return out;
 }
 
-Json dependence_json(const model::Dependence& one) {
-  return {{"variable", one.variable},
-          {"strength", number_or_null(one.strength)},
-          {"p_value", number_or_null(one.p_value)},
-          {"at", numbers_json(one.at)},
-          {"mean_um", numbers_json(one.mean_um)}};
-}
-
-}  // namespace
-
-std::string axis_json(Axis axis) { return std::string(1, letter_of(axis)); }
-
-Json position_json(const Vector3& position_mm) {
-  return {{"x_mm", number_or_null(position_mm[0])},
-          {"y_mm", number_or_null(position_mm[1])},
-          {"z_mm", number_or_null(position_mm[2])}};
-}
-
-Json json_of(const EffectInstance& effect) {
+Json effect_json(const EffectInstance& effect) {
   Json out{{"effect", name_of(effect.id)},
            {"axis", effect.axis ? Json(axis_json(*effect.axis)) : Json(nullptr)},
            {"sense", effect.sense ? Json(name_of(*effect.sense)) : Json(nullptr)},
@@ -95,64 +67,36 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   return effect;
 }
 
-Json json_of(const std::optional<model::LackOfFit>& test) {
-  if (!test) return nullptr;
-  return {{"F", number_or_null(test->F)}, {"p", number_or_null(test->p)}};
+Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
+  if (!test) return null_cell("too few repeats to judge");
+  return record_cell("F = {F}, p = {p}", {{"F", {number_or_null(test->F), few_digits(test->F)}},
+                                          {"p", {number_or_null(test->p), fmt::format("{:.1g}", test->p)}}});
 }
 
-Json json_of(const ParameterEstimate& parameter) {
-  return {{"name", parameter.name},
-          {"unit", parameter.unit},
-          {"value", number_or_null(parameter.value)},
-          {"sigma", number_or_null(parameter.sigma)},
-          {"held", parameter.held},
-          {"undetermined", parameter.undetermined}};
+AnswerFields fields_of(const ParameterEstimate& p) {
+  std::string sigma = p.sigma ? few_digits(*p.sigma, 2) : "-";
+  if (p.held) sigma = "held";
+  if (p.undetermined) sigma = "undetermined";
+  int digits = 5;
+  if (!p.held && !p.undetermined && p.sigma && *p.sigma >= 1e-9)
+    digits =
+        2 + std::max(0, static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), *p.sigma) / *p.sigma))));
+  return {{"name", word_cell(p.name)},
+          {"unit", word_cell(p.unit)},
+          {"value", {number_or_null(p.value), few_digits(p.value, digits)}},
+          {"sigma", {number_or_null(p.sigma), sigma}},
+          {"held", {p.held, ""}},
+          {"undetermined", {p.undetermined, ""}}};
 }
 
-Json json_of(const std::vector<ParameterEstimate>& parameters) {
-  Json out = Json::array();
-  for (const ParameterEstimate& one : parameters) out.push_back(json_of(one));
-  return out;
+Cell parameters_cell(const std::vector<ParameterEstimate>& parameters, std::string_view layout) {
+  Cell list{Json::array(), {}};
+  for (const ParameterEstimate& one : parameters) list.add(record_cell(layout, fields_of(one)));
+  return list;
 }
 
-Json json_of(const model::LadderStep& step) {
-  return {{"effect", text_or_null(step.effect)},
-          {"data", text_or_null(step.data)},
-          {"rms_before_um", number_or_null(step.rms_before_um)},
-          {"rms_um", number_or_null(step.rms_um)},
-          {"peak_um", number_or_null(step.peak_um)},
-          {"noise_um", number_or_null(step.noise_um)},
-          {"held_out_rms_um", number_or_null(step.held_out_rms_um)}};
-}
-
-Json json_of(const std::vector<model::LadderStep>& history) {
-  Json out = Json::array();
-  for (const model::LadderStep& step : history) out.push_back(json_of(step));
-  return out;
-}
-
-Json json_of(const model::FittedCurve& curve) {
+Json curve_json(const model::FittedCurve& curve) {
   return {{"p_mm", numbers_json(curve.p_mm)}, {"value", numbers_json(curve.value)}};
-}
-
-Json json_of(const Diagnosis& d) {
-  Json candidates = Json::array(), where = Json::array();
-  for (const Candidate& one : d.candidates) candidates.push_back(candidate_json(one));
-  for (const model::Dependence& one : d.where) where.push_back(dependence_json(one));
-  return {{"observations", d.observations},
-          {"rms_um", number_or_null(d.rms_um)},
-          {"noise_um", number_or_null(d.noise.noise_um)},
-          {"noise_from_repeats", d.noise.from_repeats},
-          {"lack_of_fit", json_of(d.lack_of_fit)},
-          {"verdict", name_of(d.verdict)},
-          {"candidates", std::move(candidates)},
-          {"where", std::move(where)},
-          {"rms_after_um", number_or_null(d.rms_after_um)},
-          {"lack_of_fit_after", json_of(d.lack_of_fit_after)},
-          {"outliers", d.outliers},
-          {"notes", d.notes},
-          {"candidates_tried", d.candidates_tried},
-          {"blanks", d.noise_replicates}};
 }
 
 }  // namespace ecs::commissioning

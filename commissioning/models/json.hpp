@@ -1,11 +1,13 @@
-// Models, fits and diagnoses as JSON, by the names of docs/design.md 3.4. Only for .cpp files (heavy header).
+// What answers about models share: effects, parameters and tests by the names of docs/design.md 3.4. Only for .cpp
+// files (heavy header).
 #pragma once
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "base/json_fwd.hpp"
+#include "base/answer_table.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 
@@ -13,21 +15,24 @@ namespace ecs::commissioning {
 
 /// {"effect", "axis", "sense", "approach", "code", "sensor", "name"}, and "sensor2" where one applies; absent parts
 /// null; `name` is "cyclic:X:EX".
-[[nodiscard]] Json json_of(const model::EffectInstance& effect);
+[[nodiscard]] Json effect_json(const model::EffectInstance& effect);
 /// The same place out of such an object; only "effect" must be there. Nothing where that is no effect of the library.
 [[nodiscard]] std::optional<model::EffectInstance> effect_in(const Json& object);
 
-/// {"F", "p"}, or null without repeats.
-[[nodiscard]] Json json_of(const std::optional<model::LackOfFit>& test);
-/// {"name", "unit", "value", "sigma", "held", "undetermined"}
-[[nodiscard]] Json json_of(const model::ParameterEstimate& parameter);
-[[nodiscard]] Json json_of(const std::vector<model::ParameterEstimate>& parameters);
-/// {"effect", "data", "rms_before_um", "rms_um", "peak_um", "noise_um", "held_out_rms_um"}
-[[nodiscard]] Json json_of(const model::LadderStep& step);
-[[nodiscard]] Json json_of(const std::vector<model::LadderStep>& history);
-[[nodiscard]] Json json_of(const model::FittedCurve& curve);
-[[nodiscard]] Json json_of(const model::Diagnosis& diagnosis);
+/// {"F", "p"}, or null without repeats; "F = 31.2, p = 1e-40", "too few repeats to judge".
+[[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
+/// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
+[[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);
+/// @param layout  of each
+[[nodiscard]] Cell parameters_cell(const std::vector<model::ParameterEstimate>& parameters,
+                                   std::string_view layout = {});
+/// {"p_mm", "value"}
+[[nodiscard]] Json curve_json(const model::FittedCurve& curve);
+/// A number that is not finite is null.
+[[nodiscard]] Json numbers_json(const std::vector<double>& values);
 
+/// The text to a thousandth.
+[[nodiscard]] Cell position_cell(double position_mm);
 /// {"x_mm", "y_mm", "z_mm"}
 [[nodiscard]] Json position_json(const Vector3& position_mm);
 [[nodiscard]] std::string axis_json(Axis axis);

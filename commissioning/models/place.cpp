@@ -1,10 +1,11 @@
 #include "commissioning/models/place.hpp"
 
 #include <cmath>
+#include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/json.hpp"
@@ -102,27 +103,27 @@ Extent extent_of(const std::vector<VolumePoint>& points) {
   return extent;
 }
 
-std::string volume_lines(std::string_view direction, const std::vector<VolumePoint>& points) {
-  const Extent e = extent_of(points);
-  const VolumePoint& worst = *worst_in(points);
-  std::string text = fmt::format("  {}: EX {:.2f} ... {:.2f}, EY {:.2f} ... {:.2f}, EZ {:.2f} ... {:.2f} um\n",
-                                 direction, e.least[0], e.most[0], e.least[1], e.most[1], e.least[2], e.most[2]);
-  return text + paragraph(fmt::format("worst {:.2f} um at x {} y {} z {} mm", size_of(worst.error_um),
-                                      position_text(worst.position_mm[0]), position_text(worst.position_mm[1]),
-                                      position_text(worst.position_mm[2])),
-                          4);
+std::string range_text(std::string_view sense, double least, double most) {
+  return fmt::format("{} {:.2f} ... {:.2f}", sense, least, most);
 }
 
-Json volume_json(const std::vector<VolumePoint>& points) {
+Cell volume_cell(std::string_view direction, const std::vector<VolumePoint>& points) {
   const VolumePoint& worst = *worst_in(points);
-  Json worst_json = position_json(worst.position_mm);
-  worst_json["error_um"] = number_or_null(size_of(worst.error_um));
+  const Vector3& at = worst.position_mm;
+  const double worst_um = size_of(worst.error_um);
+  Json worst_json = position_json(at);
+  worst_json["error_um"] = number_or_null(worst_um);
   const Extent e = extent_of(points);
-  return {{"points", points.size()},
-          {"EX_um", {number_or_null(e.least[0]), number_or_null(e.most[0])}},
-          {"EY_um", {number_or_null(e.least[1]), number_or_null(e.most[1])}},
-          {"EZ_um", {number_or_null(e.least[2]), number_or_null(e.most[2])}},
-          {"worst", std::move(worst_json)}};
+  AnswerFields fields{{"points", count_cell(points.size())}};
+  for (const auto& [key, sense, i] : {std::tuple{"EX_um", "EX", 0U}, {"EY_um", "EY", 1U}, {"EZ_um", "EZ", 2U}})
+    fields.push_back(
+        {key, {{number_or_null(e.least[i]), number_or_null(e.most[i])}, range_text(sense, e.least[i], e.most[i])}});
+  fields.push_back(
+      {"worst",
+       {std::move(worst_json), paragraph(fmt::format("worst {:.2f} um at x {} y {} z {} mm", worst_um,
+                                                     position_text(at[0]), position_text(at[1]), position_text(at[2])),
+                                         4)}});
+  return record_cell(fmt::format("  {}: {{EX_um}}, {{EY_um}}, {{EZ_um}} um\n{{worst}}", direction), fields);
 }
 
 }  // namespace
@@ -144,37 +145,33 @@ Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<pa
   return shares;
 }
 
-std::string shares_text(const PlaceShares& shares) {
+Cell shares_cell(const PlaceShares& shares) {
   const Vector3& at = shares.query.position_mm;
-  std::string text = fmt::format("\nthe model at x {} y {} z {} mm, {} [um; um/m for EA EB EC]\n{}",
-                                 position_text(at[0]), position_text(at[1]), position_text(at[2]),
-                                 direction_text(shares.query.approach), padded("effect", 34));
-  for (const Sense sense : shares.senses) text += fmt::format(" {:>10}", name_of(sense));
-  text += "\n";
-  for (std::size_t i = 0; i < shares.per.front().shares.size(); ++i) {
-    text += padded(shares.per.front().shares[i].effect, 34);
-    for (const model::Breakdown& one : shares.per) text += fmt::format(" {:>10.3f}", one.shares[i].um);
-    text += "\n";
-  }
-  text += padded("sum", 34);
-  for (const model::Breakdown& one : shares.per) text += fmt::format(" {:>10.3f}", one.total_um);
-  return text + "\n";
-}
-
-Json json_of(const PlaceShares& shares) {
-  Json object = position_json(shares.query.position_mm);
-  object["approach"] = shares.query.approach;
-  object["senses"] = Json::array();
+  Json senses = Json::array();
+  std::string heading = padded("effect", 34), sums = padded("sum", 34);
+  std::vector<std::string> rows;
+  for (const model::ShareAtPoint& share : shares.per.front().shares) rows.push_back(padded(share.effect, 34));
   for (std::size_t s = 0; s < shares.senses.size(); ++s) {
+    const model::Breakdown& per = shares.per[s];
+    heading += fmt::format(" {:>10}", name_of(shares.senses[s]));
+    sums += fmt::format(" {:>10.3f}", per.total_um);
     Json effects = Json::array();
-    for (const model::ShareAtPoint& share : shares.per[s].shares)
-      effects.push_back({{"effect", share.effect}, {"um", number_or_null(share.um)}});
-    object["senses"].push_back({{"sense", name_of(shares.senses[s])},
-                                {"total_um", number_or_null(shares.per[s].total_um)},
-                                {"effects", std::move(effects)},
-                                {"notes", shares.per[s].notes}});
+    for (std::size_t i = 0; i < per.shares.size(); ++i) {
+      effects.push_back({{"effect", per.shares[i].effect}, {"um", number_or_null(per.shares[i].um)}});
+      rows[i] += fmt::format(" {:>10.3f}", per.shares[i].um);
+    }
+    senses.push_back({{"sense", name_of(shares.senses[s])},
+                      {"total_um", number_or_null(per.total_um)},
+                      {"effects", std::move(effects)},
+                      {"notes", per.notes}});
   }
-  return object;
+  rows.push_back(sums);
+  Json object = position_json(at);
+  object["approach"] = shares.query.approach;
+  object["senses"] = std::move(senses);
+  return {std::move(object), fmt::format("\nthe model at x {} y {} z {} mm, {} [um; um/m for EA EB EC]\n{}\n{}\n",
+                                         position_text(at[0]), position_text(at[1]), position_text(at[2]),
+                                         direction_text(shares.query.approach), heading, fmt::join(rows, "\n"))};
 }
 
 Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,
@@ -187,13 +184,11 @@ Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optiona
   return PredictedVolume{std::move(*forward), std::move(*reverse)};
 }
 
-std::string volume_text(const PredictedVolume& volume) {
-  return fmt::format("\npredicted error over the working volume, {} places\n", volume.forward.size()) +
-         volume_lines("forward", volume.forward) + volume_lines("reverse", volume.reverse);
-}
-
-Json json_of(const PredictedVolume& volume) {
-  return {{"forward", volume_json(volume.forward)}, {"reverse", volume_json(volume.reverse)}};
+Cell volume_cell(const PredictedVolume& volume) {
+  Cell cell = record_cell("{forward}{reverse}", {{"forward", volume_cell("forward", volume.forward)},
+                                                 {"reverse", volume_cell("reverse", volume.reverse)}});
+  cell.text = fmt::format("\npredicted error over the working volume, {} places\n", volume.forward.size()) + cell.text;
+  return cell;
 }
 
 std::string to_csv(const PredictedVolume& volume) {

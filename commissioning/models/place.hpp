@@ -1,5 +1,4 @@
-// What a model says at one place of the machine, and over its whole volume: answers of `ecs model compare`. Only for
-// .cpp files (heavy header).
+// What a model says at one place of the machine, and over its whole volume: answers of `ecs model compare`.
 #pragma once
 
 #include <string>
@@ -23,8 +22,7 @@ struct PlaceShares {
 /// @param fitted  with values
 [[nodiscard]] Result<PlaceShares> shares_at(const model::Model& fitted, const std::optional<params::Machine>& machine,
                                             const std::string& words);
-[[nodiscard]] std::string shares_text(const PlaceShares& shares);
-[[nodiscard]] Json json_of(const PlaceShares& shares);
+[[nodiscard]] Cell shares_cell(const PlaceShares& shares);
 
 /// The predicted error over the volume, for both approaches.
 struct PredictedVolume {
@@ -35,8 +33,7 @@ struct PredictedVolume {
 [[nodiscard]] Result<PredictedVolume> volume_of(const model::Model& fitted,
                                                 const std::optional<params::Machine>& machine,
                                                 std::size_t points_per_axis);
-[[nodiscard]] std::string volume_text(const PredictedVolume& volume);
-[[nodiscard]] Json json_of(const PredictedVolume& volume);
+[[nodiscard]] Cell volume_cell(const PredictedVolume& volume);
 /// x_mm,y_mm,z_mm,approach,EX_um,EY_um,EZ_um
 [[nodiscard]] std::string to_csv(const PredictedVolume& volume);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 
@@ -50,13 +51,19 @@ std::string bar(double um, double largest) {
   return cells;
 }
 
-std::string ladder_row(std::size_t step, const std::string& effect, double rms_um, std::optional<double> peak_um,
-                       std::optional<double> noise_um, std::optional<double> held_out_um) {
-  const auto cell = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.3f}", *value) : std::string("-");
-  };
-  return fmt::format("{:>4}  {} {:>9.3f} {:>9} {:>9} {:>9}\n", step, padded(effect, 34), rms_um, cell(peak_um),
-                     cell(noise_um), cell(held_out_um));
+constexpr std::string_view kLadderRow =
+    "{step:>4}  {effect} {rms_um:>9} {peak_um:>9} {noise_um:>9} {held_out_rms_um:>9}\n";
+
+AnswerFields fields_of(const LadderStep& step, std::size_t number) {
+  return {{"step", shown_cell(fmt::format("{}", number))},
+          {"effect",
+           {text_or_null(step.effect), padded(step.effect.empty() ? "(the model as it began)" : step.effect, 34)}},
+          {"data", text_cell(step.data)},
+          {"rms_before_um", number_cell(step.rms_before_um, 3)},
+          {"rms_um", number_cell(step.rms_um, 3)},
+          {"peak_um", number_cell(step.peak_um, 3)},
+          {"noise_um", number_cell(step.noise_um, 3)},
+          {"held_out_rms_um", number_cell(step.held_out_rms_um, 3)}};
 }
 
 }  // namespace
@@ -94,10 +101,6 @@ std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test) {
-  return test ? fmt::format("F = {}, p = {:.1g}", few_digits(test->F), test->p) : "too few repeats to judge";
-}
-
 std::string noise_text(const model::PureError& noise) {
   return fmt::format("{:.3f} um from {}", noise.noise_um,
                      noise.from_repeats ? "repeats" : "neighbouring readings (there are no repeats)");
@@ -124,23 +127,25 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
   return rows.size() > most ? text + fmt::format(" and {} more", rows.size() - most) : text;
 }
 
-std::string ladder_text(const std::vector<LadderStep>& history) {
-  if (history.empty()) return "no step was taken yet: `ecs model add` takes one\n";
-  std::string text = fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34), "rms [um]",
-                                 "peak", "noise", "held-out");
-  std::size_t step = 0;
-  if (!history.front().effect.empty())
-    text += ladder_row(step++, "(before)", history.front().rms_before_um, {}, {}, {});
-  for (const LadderStep& one : history)
-    text += ladder_row(step++, one.effect.empty() ? "(the model as it began)" : one.effect, one.rms_um, one.peak_um,
-                       one.noise_um, one.held_out_rms_um);
-  const bool same = std::all_of(history.begin(), history.end(),
-                                [&](const LadderStep& one) { return one.data == history.front().data; });
-  if (same) return text + paragraph("fitted to " + history.front().data, 6, 8);
-  step = history.front().effect.empty() ? 0 : 1;
-  for (const LadderStep& one : history) text += paragraph(fmt::format("step {} fitted to {}", step++, one.data), 6, 8);
-  return text;
+Cell ladder_cell(const std::vector<LadderStep>& history) {
+  if (history.empty()) return {Json::array(), "no step was taken yet: `ecs model add` takes one\n"};
+  Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
+                                         "rms [um]", "peak", "noise", "held-out")};
+  const LadderStep& first = history.front();
+  const std::size_t before = first.effect.empty() ? 0 : 1;
+  if (before > 0)
+    ladder.text += fmt::format("{:>4}  {} {:>9.3f} {:>9} {:>9} {:>9}\n", 0, padded("(before)", 34), first.rms_before_um,
+                               "-", "-", "-");
+  for (std::size_t i = 0; i < history.size(); ++i)
+    ladder.add(record_cell(kLadderRow, fields_of(history[i], before + i)));
+  const bool same =
+      std::all_of(history.begin(), history.end(), [&](const LadderStep& one) { return one.data == first.data; });
+  if (same) ladder.text += paragraph("fitted to " + first.data, 6, 8);
+  for (std::size_t i = 0; i < history.size() && !same; ++i)
+    ladder.text += paragraph(fmt::format("step {} fitted to {}", before + i, history[i].data), 6, 8);
+  return ladder;
 }
+std::string ladder_text(const std::vector<LadderStep>& history) { return ladder_cell(history).text; }
 
 std::string notes_text(const std::vector<std::string>& notes) {
   std::string text;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"
 
@@ -25,9 +26,6 @@ namespace ecs::commissioning {
 /// "period_mm 8.0003 +- 0.0012 mm, amplitude_um 6.51 +- 0.05 um"; without those that are nothing.
 [[nodiscard]] std::string parameters_text(const std::vector<model::ParameterEstimate>& parameters);
 
-/// "F = 31.2, p = 1e-40"; "no repeats to judge by".
-[[nodiscard]] std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test);
-
 /// "0.52 um from repeats"
 [[nodiscard]] std::string noise_text(const model::PureError& noise);
 
@@ -47,6 +45,7 @@ struct ShapePoint {
 [[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);
 
 /// The ladder: step, effect, rms, peak, noise floor, held-out rms; the file of each step where they differ.
+[[nodiscard]] Cell ladder_cell(const std::vector<model::LadderStep>& history);
 [[nodiscard]] std::string ladder_text(const std::vector<model::LadderStep>& history);
 
 /// Paragraphs "note: …".

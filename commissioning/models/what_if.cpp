@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/paragraph.hpp"
+#include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
 
 namespace ecs::commissioning {
@@ -35,27 +36,57 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
   return std::optional(std::move(out));
 }
 
-std::string shares_text(const WhatIfAnswer& answer) {
-  std::string text = fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by");
-  for (const model::WhatIf::Share& share : answer.what.shares)
-    text += paragraph_after(fmt::format("{} {:>9.3f}  ", padded(share.effect, 34), share.rms_um),
-                            (share.carried ? "" : "NOT CARRIED: ") + share.how);
-  return text;
+Cell effects_cell(const WhatIfAnswer& answer) {
+  Cell effects{Json::array(), fmt::format("{} {:>9}  {}\n", padded("effect", 34), "rms [um]", "carried by")};
+  for (const model::WhatIf::Share& share : answer.what.shares) {
+    const AnswerFields fields{{"effect", {share.effect, padded(share.effect, 34)}},
+                              {"rms_um", number_cell(share.rms_um, 3)},
+                              {"carried", yes_cell(share.carried, "", "NOT CARRIED: ")},
+                              {"how", word_cell(share.how)}};
+    effects.add({object_of(fields),
+                 paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
+  }
+  return effects;
 }
 
-std::string directions_text(const WhatIfAnswer& answer) {
-  std::string text = "sense axis direction   readings   now [um]  predicted";
-  text += answer.achieved ? "   achieved   of predicted\n" : "\n";
+Cell directions_cell(const WhatIfAnswer& answer) {
+  Cell directions{Json::array(), "sense axis direction   readings   now [um]  predicted"};
+  directions.text += answer.achieved ? "   achieved   of predicted\n" : "\n";
   for (const AfterDirection& one : answer.directions) {
-    text += fmt::format("{:<5} {:<4} {:<11} {:>8} {:>10.3f} {:>10.3f}", name_of(one.sense), letter_of(one.axis),
-                        direction_text(one.approach), one.readings, one.now_um, one.predicted_um);
-    if (one.achieved_um) {
-      text += fmt::format(" {:>10.3f}", *one.achieved_um);
-      if (one.predicted_um > 0.0) text += fmt::format(" {:>12.2f} x", *one.achieved_um / one.predicted_um);
-    }
-    text += "\n";
+    const bool compared = one.achieved_um && one.predicted_um > 0.0;
+    const double ratio = compared ? *one.achieved_um / one.predicted_um : 0.0;
+    directions.add(record_cell(
+        "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {rms_now_um:>10} "
+        "{rms_after_um:>10}{achieved_rms_um}{ratio}\n",
+        {{"sense", word_cell(name_of(one.sense))},
+         {"axis", word_cell(axis_json(one.axis))},
+         {"approach", {one.approach, std::string(direction_text(one.approach))}},
+         {"rms_now_um", number_cell(one.now_um, 3)},
+         {"rms_after_um", number_cell(one.predicted_um, 3)},
+         {"achieved_rms_um", one.achieved_um
+                                 ? Cell{number_or_null(one.achieved_um), fmt::format(" {:>10.3f}", *one.achieved_um)}
+                                 : null_cell()},
+         {"ratio", shown_cell(compared ? fmt::format(" {:>12.2f} x", ratio) : "")},
+         {"readings", count_cell(one.readings)},
+         {"readings_after", count_cell(one.readings_after)}}));
   }
-  return text;
+  return directions;
+}
+
+Cell achieved_cell(const WhatIfAnswer& answer) {
+  if (!answer.achieved) return null_cell();
+  const Achieved& achieved = *answer.achieved;
+  Cell cell = record_cell(
+      "Measured again: {readings} readings, rms {rms_um} um (peak {peak_um} um): {of_predicted} times what was "
+      "predicted.",
+      {{"rms_um", number_cell(achieved.rms_um, 3)},
+       {"peak_um", number_cell(achieved.peak_um, 3)},
+       {"readings", count_cell(achieved.data.size())},
+       {"of_predicted",
+        {number_or_null(achieved.rms_um / answer.what.rms_after_um),
+         fmt::format("{:.2f}", achieved.rms_um / std::max(1e-12, answer.what.rms_after_um))}}});
+  cell.text = paragraph(cell.text);
+  return cell;
 }
 
 std::vector<std::string> notes_on(const ModelWork& work, const std::optional<Achieved>& after) {
@@ -85,18 +116,20 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
                       *again, notes_on(work, *again)};
 }
 
-std::string what_if_text(const WhatIfAnswer& answer) {
-  std::string text =
+Cell what_if_cell(const WhatIfAnswer& answer) {
+  const std::string summary =
       paragraph(fmt::format("Compensating all that the unit can would bring the rms from {:.3f} to {:.3f} um (peak "
                             "{:.3f} um), noise included.",
                             answer.what.rms_now_um, answer.what.rms_after_um, answer.what.peak_after_um));
-  if (answer.achieved)
-    text +=
-        paragraph(fmt::format("Measured again: {} readings, rms {:.3f} um (peak {:.3f} um): {:.2f} times what was "
-                              "predicted.",
-                              answer.achieved->data.size(), answer.achieved->rms_um, answer.achieved->peak_um,
-                              answer.achieved->rms_um / std::max(1e-12, answer.what.rms_after_um)));
-  return text + "\n" + shares_text(answer) + "\n" + directions_text(answer) + notes_text(answer.notes);
+  return record_cell("{summary}{achieved}\n{effects}\n{directions}{notes}",
+                     {{"summary", shown_cell(summary)},
+                      {"rms_now_um", {number_or_null(answer.what.rms_now_um), ""}},
+                      {"rms_after_um", {number_or_null(answer.what.rms_after_um), ""}},
+                      {"peak_after_um", {number_or_null(answer.what.peak_after_um), ""}},
+                      {"effects", effects_cell(answer)},
+                      {"directions", directions_cell(answer)},
+                      {"achieved", achieved_cell(answer)},
+                      {"notes", {answer.notes, notes_text(answer.notes)}}});
 }
 
 }  // namespace ecs::commissioning

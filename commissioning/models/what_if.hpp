@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "commissioning/models/after.hpp"
 #include "commissioning/models/work.hpp"
 #include "model/diagnosis/ladder.hpp"
@@ -33,7 +34,7 @@ struct WhatIfAnswer {
                                                   const std::string& model_file, const std::vector<std::string>& after,
                                                   const ImportArguments& import);
 
-/// 80 columns.
-[[nodiscard]] std::string what_if_text(const WhatIfAnswer& answer);
+/// Its text has 80 columns.
+[[nodiscard]] Cell what_if_cell(const WhatIfAnswer& answer);
 
 }  // namespace ecs::commissioning

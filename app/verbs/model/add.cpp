@@ -5,7 +5,6 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
@@ -48,27 +47,23 @@ Problem with_hint(Problem why) {
   return why;
 }
 
-std::string added_text(const model::Added& added, const std::string& output) {
-  std::string text =
+Cell added_cell(const model::Added& added, const std::string& output) {
+  Json effect = effect_json(added.effect.effect);
+  effect["parameters"] = parameters_cell(added.effect.parameters).json;
+  const std::string summary =
       paragraph(fmt::format("added {}: rms {:.3f} -> {:.3f} um, noise of one reading {:.3f} um",
                             place_text(added.effect.effect), added.rms_before_um, added.rms_after_um, added.noise_um));
-  text += paragraph(parameters_text(added.effect.parameters), 2, 4);
-  text += "\n" + ladder_text(added.model.history);
-  return text + (output.empty() ? "nothing written: give -o MODEL to keep it\n"
-                                : fmt::format("model written to {}\n", output));
-}
-
-Json added_json(const model::Added& added, const std::string& output) {
-  Json effect = json_of(added.effect.effect);
-  effect["parameters"] = json_of(added.effect.parameters);
-  return {{"rms_before_um", number_or_null(added.rms_before_um)},
-          {"rms_after_um", number_or_null(added.rms_after_um)},
-          {"noise_um", number_or_null(added.noise_um)},
-          {"peak_um", number_or_null(added.step.peak_um)},
-          {"held_out_rms_um", number_or_null(added.step.held_out_rms_um)},
-          {"effect", std::move(effect)},
-          {"history", json_of(added.model.history)},
-          {"model", text_or_null(output)}};
+  return record_cell("{summary}{effect}\n{history}{model}\n",
+                     {{"summary", shown_cell(summary)},
+                      {"rms_before_um", {number_or_null(added.rms_before_um), ""}},
+                      {"rms_after_um", {number_or_null(added.rms_after_um), ""}},
+                      {"noise_um", {number_or_null(added.noise_um), ""}},
+                      {"peak_um", {number_or_null(added.step.peak_um), ""}},
+                      {"held_out_rms_um", {number_or_null(added.step.held_out_rms_um), ""}},
+                      {"effect", {std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)}},
+                      {"history", ladder_cell(added.model.history)},
+                      {"model", output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
+                                               : Cell{output, "model written to " + output}}});
 }
 
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
@@ -81,7 +76,7 @@ Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   if (!arguments.output.empty())
     if (const auto kept = keep_model(arguments.output, added->model, arguments.common.model); !kept)
       return tl::unexpected(kept.error());
-  return Outcome{added_text(*added, arguments.output), one_line(added_json(*added, arguments.output)), kDone};
+  return outcome_of(added_cell(*added, arguments.output));
 }
 
 struct UndoArguments {
@@ -107,8 +102,9 @@ Result<Outcome> undo(const UndoArguments& arguments) {
   const std::string output = arguments.output.empty() ? arguments.model : arguments.output;
   if (const auto kept = keep_model(output, *before, arguments.model); !kept) return tl::unexpected(kept.error());
   const std::string taken = model->history.back().effect;
-  return Outcome{fmt::format("taken back: {}\n\n{}model written to {}\n", taken, ladder_text(before->history), output),
-                 one_line(Json{{"undone", taken}, {"history", json_of(before->history)}, {"model", output}}), kDone};
+  return outcome_of(record_cell(
+      "taken back: {undone}\n\n{history}model written to {model}\n",
+      {{"undone", word_cell(taken)}, {"history", ladder_cell(before->history)}, {"model", word_cell(output)}}));
 }
 
 }  // namespace

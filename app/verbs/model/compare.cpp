@@ -4,10 +4,9 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "commissioning/models/compare_view.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/place.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/trace.hpp"
@@ -36,36 +35,32 @@ Result<void> sound(const CompareArguments& arguments) {
   return check_output_not_input(arguments.output, inputs);
 }
 
-/// Text and JSON of one answer, growing together.
-struct Answer {
-  std::string text;
-  Json json;
-};
-
-Result<void> tell_place(Answer& answer, const ModelWork& work, const model::Model& fitted,
+Result<void> tell_place(Cell& answer, const ModelWork& work, const model::Model& fitted,
                         const CompareArguments& arguments) {
   if (arguments.at.empty()) return {};
   const auto shares = shares_at(fitted, work.machine, arguments.at);
   if (!shares) return tl::unexpected(shares.error());
-  answer.text += shares_text(*shares);
-  answer.json["at"] = json_of(*shares);
+  const Cell cell = shares_cell(*shares);
+  answer.text += cell.text;
+  answer.json["at"] = cell.json;
   return {};
 }
 
-Result<void> tell_volume(Answer& answer, const ModelWork& work, const model::Model& fitted,
+Result<void> tell_volume(Cell& answer, const ModelWork& work, const model::Model& fitted,
                          const CompareArguments& arguments) {
   if (arguments.volume == 0) return {};
   const auto volume = volume_of(fitted, work.machine, static_cast<std::size_t>(arguments.volume));
   if (!volume) return tl::unexpected(volume.error());
-  answer.text += volume_text(*volume);
-  answer.json["volume"] = json_of(*volume);
+  const Cell cell = volume_cell(*volume);
+  answer.text += cell.text;
+  answer.json["volume"] = cell.json;
   if (arguments.output.empty()) return {};
   answer.text += "  written to " + arguments.output + "\n";
   answer.json["volume"]["output"] = arguments.output;
   return write_file(arguments.output, to_csv(*volume));
 }
 
-Result<void> draw(Answer& answer, const ModelWork& work, const model::Fit& fit, const CompareArguments& arguments) {
+Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, const CompareArguments& arguments) {
   if (arguments.plot.empty()) return {};
   answer.text += "\nplot written to " + arguments.plot + "\n";
   return write_plot(arguments.plot, fit_figure(fit, work.data, "model against measurement"));
@@ -99,15 +94,14 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
   const auto fit = model::fit(work->model, work->data);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
   const model::Comparison comparison = model::compare(*fit, work->data, static_cast<std::size_t>(arguments.worst));
-  Answer answer{comparison_text(comparison, work->data.size()), {{"observations", work->data.size()}}};
-  answer.json.update(json_of(comparison));
+  Cell answer = comparison_cell(comparison, work->data.size());
   answer.json["notes"] = fit->notes;
   if (!fit->notes.empty()) answer.text += "\n" + notes_text(fit->notes);
   const model::Model fitted = with_values(work->model, *fit);
   if (const auto done = tell_place(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
   if (const auto done = tell_volume(answer, *work, fitted, arguments); !done) return tl::unexpected(done.error());
   if (const auto done = draw(answer, *work, *fit, arguments); !done) return tl::unexpected(done.error());
-  return Outcome{answer.text, one_line(answer.json), kDone};
+  return outcome_of(answer);
 }
 
 }  // namespace

@@ -3,10 +3,9 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/interrupt.hpp"
-#include "base/json.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
-#include "commissioning/models/json.hpp"
 #include "commissioning/models/plots.hpp"
 
 namespace ecs::app {
@@ -36,12 +35,12 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
   options.cancelled = &interrupted();
   const auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
-  std::string text = diagnosis_text(*diagnosis);
+  Cell answer = diagnosis_cell(*diagnosis);
   if (!arguments.plot.empty()) {
     if (const auto drawn = draw(*work, *diagnosis, arguments); !drawn) return tl::unexpected(drawn.error());
-    text += "\nplot written to " + arguments.plot + "\n";
+    answer.text += "\nplot written to " + arguments.plot + "\n";
   }
-  return Outcome{text, one_line(json_of(*diagnosis)), kDone};
+  return outcome_of(answer);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/verb.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/view.hpp"
@@ -30,59 +30,45 @@ std::string_view word_for(Carrier carrier) {
   }
 }
 
-bool is_searched(const ParameterDefinition& parameter) { return parameter.coding == model::Coding::searched; }
-
-std::string parameter_text(const ParameterDefinition& parameter) {
-  std::string text =
-      fmt::format("{}{}{}: {}", parameter.name, parameter.unit.empty() ? "" : " ", parameter.unit, parameter.meaning);
-  if (parameter.limits)
-    text += fmt::format(", {} to {}", shortest(parameter.limits->least), shortest(parameter.limits->greatest));
-  if (is_searched(parameter)) text += " (searched)";
-  return text;
+Cell parameter_cell(const ParameterDefinition& parameter) {
+  const auto& limits = parameter.limits;
+  const AnswerFields fields{
+      {"name", word_cell(parameter.name)},
+      {"unit", {parameter.unit, fmt::format("{}{}", parameter.unit.empty() ? "" : " ", parameter.unit)}},
+      {"least", limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()},
+      {"greatest", limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()},
+      {"searched", yes_cell(parameter.coding == model::Coding::searched, " (searched)", "")},
+      {"meaning", word_cell(parameter.meaning)}};
+  return {object_of(fields),
+          paragraph(laid_out("parameter:    {name}{unit}: {meaning}{least}{greatest}{searched}", fields), 2, 16)};
 }
 
-std::string whole_text(const EffectDefinition& effect) {
-  std::string text = fmt::format("{}: {}\n", effect.id, effect.title);
-  text += paragraph(fmt::format("formula:      {}", effect.formula), 2, 16);
-  text += paragraph(fmt::format("cause:        {}", effect.cause), 2, 16);
-  text += paragraph(fmt::format("distinguished by: {}", effect.tells_apart), 2, 16);
-  for (const ParameterDefinition& parameter : effect.parameters)
-    text += paragraph("parameter:    " + parameter_text(parameter), 2, 16);
-  if (effect.traits.of_approach) text += "  acts only on readings of known approach of its own moving axis\n";
-  return text + paragraph(fmt::format("compensated:  {}; {}", word_for(effect.carrier), effect.how), 2, 16);
+Cell explained(std::string_view value, std::string_view begin) {
+  return {value, paragraph(fmt::format("{}{}", begin, value), 2, 16)};
 }
 
-std::string list_text() {
-  std::string text = fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by");
-  for (const EffectDefinition& effect : model::effect_library())
-    text += fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula, word_for(effect.carrier));
-  return text + "`ecs model effects NAME` explains one\n";
-}
-
-Json json_of_effect(const EffectDefinition& effect) {
-  Json parameters = Json::array();
-  for (const ParameterDefinition& parameter : effect.parameters)
-    parameters.push_back({{"name", parameter.name},
-                          {"unit", parameter.unit},
-                          {"least", parameter.limits ? Json(parameter.limits->least) : Json(nullptr)},
-                          {"greatest", parameter.limits ? Json(parameter.limits->greatest) : Json(nullptr)},
-                          {"searched", is_searched(parameter)},
-                          {"meaning", parameter.meaning}});
-  return {{"effect", effect.id},
-          {"title", effect.title},
-          {"formula", effect.formula},
-          {"cause", effect.cause},
-          {"tells_apart", effect.tells_apart},
+AnswerFields fields_of(const EffectDefinition& effect) {
+  Cell parameters{Json::array(), {}};
+  for (const ParameterDefinition& parameter : effect.parameters) parameters.add(parameter_cell(parameter));
+  const std::string_view carrier = word_for(effect.carrier);
+  return {{"effect", word_cell(effect.id)},
+          {"title", word_cell(effect.title)},
+          {"formula", explained(effect.formula, "formula:      ")},
+          {"cause", explained(effect.cause, "cause:        ")},
+          {"tells_apart", explained(effect.tells_apart, "distinguished by: ")},
           {"parameters", std::move(parameters)},
-          {"of_approach", effect.traits.of_approach},
-          {"carrier", word_for(effect.carrier)},
-          {"compensated", effect.is_carried()},
-          {"how", effect.how}};
+          {"of_approach", yes_cell(effect.traits.of_approach,
+                                   "  acts only on readings of known approach of its own moving axis\n", "")},
+          {"carrier", word_cell(carrier)},
+          {"compensated", {effect.is_carried(), ""}},
+          {"how", {effect.how, paragraph(fmt::format("compensated:  {}; {}", carrier, effect.how), 2, 16)}}};
 }
 
 Result<Outcome> one_effect(const std::string& name) {
   const model::EffectId id = model::effect_named(name);
-  if (id) return Outcome{whole_text(*id), one_line(json_of_effect(*id)), kDone};
+  if (id)
+    return outcome_of(
+        record_cell("{effect}: {title}\n{formula}{cause}{tells_apart}{parameters}{of_approach}{how}", fields_of(*id)));
   std::vector<std::string> names;
   for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);
@@ -93,9 +79,11 @@ Result<Outcome> one_effect(const std::string& name) {
 
 Result<Outcome> effects(const std::string& name) {
   if (!name.empty()) return one_effect(name);
-  Json all = Json::array();
-  for (const EffectDefinition& effect : model::effect_library()) all.push_back(json_of_effect(effect));
-  return Outcome{list_text(), one_line(Json{{"effects", std::move(all)}}), kDone};
+  Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
+  for (const EffectDefinition& effect : model::effect_library())
+    all.add({object_of(fields_of(effect)),
+             fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula, word_for(effect.carrier))});
+  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {{"effects", std::move(all)}}));
 }
 
 struct EffectsArguments {

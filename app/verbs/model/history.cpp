@@ -3,8 +3,7 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
-#include "base/json.hpp"
-#include "commissioning/models/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 
@@ -20,13 +19,13 @@ struct HistoryArguments {
 Result<Outcome> history(const HistoryArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
-  std::string text = ladder_text(model->history);
+  Cell ladder = ladder_cell(model->history);
   if (!arguments.plot.empty()) {
     if (const auto drawn = write_plot(arguments.plot, ladder_figure(model->history, "Error after every step")); !drawn)
       return tl::unexpected(drawn.error());
-    text += "plot written to " + arguments.plot + "\n";
+    ladder.text += "plot written to " + arguments.plot + "\n";
   }
-  return Outcome{text, one_line(Json{{"model", arguments.model}, {"history", json_of(model->history)}}), kDone};
+  return outcome_of(record_cell("{history}", {{"model", word_cell(arguments.model)}, {"history", ladder}}));
 }
 
 }  // namespace

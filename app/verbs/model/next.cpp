@@ -6,7 +6,6 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/json.hpp"
@@ -32,50 +31,54 @@ struct NextArguments {
 
 // --- proposals
 
-std::string proposals_text(const model::NextMeasurement& next, const model::Diagnosis& diagnosis) {
-  std::string text = paragraph(verdict_sentence(diagnosis));
-  if (next.rivals.size() > 1) text += paragraph(fmt::format("to be separated: {}", fmt::join(next.rivals, ", ")), 0, 2);
-  if (next.rivals.size() == 1) text += paragraph("to be confirmed: " + next.rivals.front());
-  std::size_t number = 0;
-  for (const MeasurementProposal& one : next.proposals) {
-    text += fmt::format("\n{}. {:.1f} sigma in {:.0f} min\n", ++number, one.separation_sigma, one.minutes);
-    text += paragraph(one.sentence, 3);
-  }
-  return text + notes_text(next.notes);
-}
-
-Json pairs_json(const MeasurementProposal& one) {
+Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   Json pairs = Json::array();
   for (const model::PairSeparation& pair : one.pairs)
     pairs.push_back(
         {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
-  return pairs;
+  return record_cell("\n{number}. {separation_sigma} sigma in {minutes} min\n{sentence}",
+                     {{"number", shown_cell(fmt::format("{}", number))},
+                      {"axis", word_cell(axis_json(one.axis))},
+                      {"sense", word_cell(name_of(one.sense))},
+                      {"targets_mm", {one.targets_mm, ""}},
+                      {"parked_mm", {position_json(one.parked_mm), ""}},
+                      {"bidirectional", {one.bidirectional, ""}},
+                      {"approach", integer_cell(one.approach)},
+                      {"runs", integer_cell(one.runs)},
+                      {"feed_mm_min", {number_or_null(one.feed_mm_min), ""}},
+                      {"second_feed_mm_min", {number_or_null(one.second_feed_mm_min), ""}},
+                      {"dwell_s", {number_or_null(one.dwell_s), ""}},
+                      {"new_set_up", {one.new_set_up, ""}},
+                      {"temperatures_degC", {one.temperatures_degC, ""}},
+                      {"pressure_hPa", {number_or_null(one.pressure_hPa), ""}},
+                      {"humidity_pct", {number_or_null(one.humidity_pct), ""}},
+                      {"load_kg", {number_or_null(one.load_kg), ""}},
+                      {"compensated", {one.compensated ? Json(*one.compensated) : Json(nullptr), ""}},
+                      {"condition", word_cell(one.condition)},
+                      {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
+                      {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
+                      {"minutes", number_cell(one.minutes, 0)},
+                      {"separation_sigma", number_cell(one.separation_sigma, 1)},
+                      {"pairs", {std::move(pairs), ""}},
+                      {"sentence", {one.sentence, paragraph(one.sentence, 3)}}});
 }
 
-Json proposal_json(const MeasurementProposal& one) {
-  return {{"axis", axis_json(one.axis)},
-          {"sense", name_of(one.sense)},
-          {"targets_mm", one.targets_mm},
-          {"parked_mm", position_json(one.parked_mm)},
-          {"bidirectional", one.bidirectional},
-          {"approach", one.approach},
-          {"runs", one.runs},
-          {"feed_mm_min", number_or_null(one.feed_mm_min)},
-          {"second_feed_mm_min", number_or_null(one.second_feed_mm_min)},
-          {"dwell_s", number_or_null(one.dwell_s)},
-          {"new_set_up", one.new_set_up},
-          {"temperatures_degC", one.temperatures_degC},
-          {"pressure_hPa", number_or_null(one.pressure_hPa)},
-          {"humidity_pct", number_or_null(one.humidity_pct)},
-          {"load_kg", number_or_null(one.load_kg)},
-          {"compensated", one.compensated ? Json(*one.compensated) : Json(nullptr)},
-          {"condition", one.condition},
-          {"wait_minutes", number_or_null(one.wait_minutes)},
-          {"set_up_minutes", number_or_null(one.set_up_minutes)},
-          {"minutes", number_or_null(one.minutes)},
-          {"separation_sigma", number_or_null(one.separation_sigma)},
-          {"pairs", pairs_json(one)},
-          {"sentence", one.sentence}};
+std::string rivals_text(const std::vector<std::string>& rivals) {
+  if (rivals.size() > 1) return paragraph(fmt::format("to be separated: {}", fmt::join(rivals, ", ")), 0, 2);
+  return rivals.empty() ? std::string() : paragraph("to be confirmed: " + rivals.front());
+}
+
+Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis,
+                    const NextArguments& arguments) {
+  Cell proposals{Json::array(), {}};
+  for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
+  return record_cell("{verdict}{rivals}{proposals}{notes}",
+                     {{"verdict", {name_of(diagnosis.verdict), paragraph(verdict_sentence(diagnosis))}},
+                      {"rivals", {next.rivals, rivals_text(next.rivals)}},
+                      {"proposals", std::move(proposals)},
+                      {"program", text_cell(arguments.program)},
+                      {"targets", text_cell(arguments.targets)},
+                      {"notes", {next.notes, notes_text(next.notes)}}});
 }
 
 /// Part program and target list of the chosen proposal; says what was written.
@@ -120,16 +123,9 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   const model::NextMeasurement next = model::next_measurement(work->model, work->data, *diagnosis);
   const auto written = written_for(next, work->machine, arguments);
   if (!written) return tl::unexpected(written.error());
-  Json proposals = Json::array();
-  for (const MeasurementProposal& one : next.proposals) proposals.push_back(proposal_json(one));
-  return Outcome{proposals_text(next, *diagnosis) + *written,
-                 one_line(Json{{"verdict", name_of(diagnosis->verdict)},
-                               {"rivals", next.rivals},
-                               {"proposals", std::move(proposals)},
-                               {"program", text_or_null(arguments.program)},
-                               {"targets", text_or_null(arguments.targets)},
-                               {"notes", next.notes}}),
-                 kDone};
+  Cell answer = proposals_cell(next, *diagnosis, arguments);
+  answer.text += *written;
+  return outcome_of(answer);
 }
 
 // --- the check of a plan
@@ -144,37 +140,28 @@ Result<double> noise_to_expect(VerbContext& context, const NextArguments& argume
   return fit->noise.noise_um;
 }
 
-std::string check_text(const PlanCheck& check, double noise_um, std::size_t readings) {
-  std::string text = paragraph(check.determines ? "The plan determines every parameter of the model."
-                                                : "The plan does not determine the model.");
-  text +=
-      fmt::format("{} readings, noise {:.3f} um, condition {}\n\n", readings, noise_um, few_digits(check.condition));
-  text += fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "sigma to expect");
-  for (const model::EffectFit& effect : check.effects) {
-    text += place_text(effect.effect) + fmt::format("  ({} readings)\n", effect.readings);
-    for (const model::ParameterEstimate& one : effect.parameters) {
-      std::string sigma = one.sigma ? few_digits(*one.sigma, 2) : "-";
-      if (one.held) sigma = "held";
-      if (one.undetermined) sigma = "undetermined";
-      text += fmt::format("  {} {:>15}  {}\n", padded(one.name, 38), sigma, one.unit);
-    }
-  }
-  for (const std::string& one : check.undetermined) text += paragraph("undetermined: " + one, 0, 2);
-  for (const std::string& one : check.assumed) text += paragraph("assumed: " + one, 0, 2);
-  return text;
-}
-
-Json check_json(const PlanCheck& check, double noise_um, std::size_t readings) {
-  Json effects = Json::array();
-  for (const model::EffectFit& effect : check.effects) {
-    Json object = json_of(effect.effect);
-    object["parameters"] = json_of(effect.parameters);
-    object["readings"] = effect.readings;
-    effects.push_back(std::move(object));
-  }
-  return {{"determines", check.determines},       {"readings", readings},
-          {"noise_um", number_or_null(noise_um)}, {"condition", number_or_null(check.condition)},
-          {"undetermined", check.undetermined},   {"effects", std::move(effects)}};
+Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
+  Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "sigma to expect")};
+  for (const model::EffectFit& effect : check.effects)
+    effects.add(record_cell("{place}  ({readings} readings)\n{parameters}",
+                            {{"", {effect_json(effect.effect), ""}},
+                             {"place", shown_cell(place_text(effect.effect))},
+                             {"parameters", parameters_cell(effect.parameters, "  {name:<38} {sigma:>15}  {unit}\n")},
+                             {"readings", count_cell(effect.readings)}}));
+  std::string undetermined, assumed;
+  for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
+  for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
+  return record_cell(
+      "{determines}\n{readings} readings, noise {noise_um} um, condition {condition}\n\n{effects}"
+      "{undetermined}{assumed}",
+      {{"determines", yes_cell(check.determines, "The plan determines every parameter of the model.",
+                               "The plan does not determine the model.")},
+       {"readings", count_cell(readings)},
+       {"noise_um", number_cell(noise_um, 3)},
+       {"condition", {number_or_null(check.condition), few_digits(check.condition)}},
+       {"undetermined", {check.undetermined, undetermined}},
+       {"effects", std::move(effects)},
+       {"assumed", shown_cell(assumed)}});
 }
 
 Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
@@ -189,8 +176,7 @@ Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
   const model::Observations rows = model::observations_of(plan->set, *model, *machine);
   const auto result = model::check_plan(*model, rows, *noise_um);
   if (!result) return tl::unexpected(in_file(result.error(), arguments.common.model));
-  return Outcome{check_text(*result, *noise_um, rows.size()), one_line(check_json(*result, *noise_um, rows.size())),
-                 result->determines ? kDone : kDoesNotHold};
+  return outcome_of(check_cell(*result, *noise_um, rows.size()), result->determines ? kDone : kDoesNotHold);
 }
 
 }  // namespace

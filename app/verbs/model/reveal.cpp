@@ -13,7 +13,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/paragraph.hpp"
-#include "commissioning/models/json.hpp"
+#include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/view.hpp"
 
 namespace ecs::app {
@@ -73,7 +73,7 @@ Result<FoundAnswer> answer_of(VerbContext& context, const std::string& folder, c
   options.noise_replicates = static_cast<std::size_t>(arguments.blanks);
   const auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), inputs.model));
-  return answer_in(one_line(json_of(*diagnosis)), folder);
+  return answer_in(one_line(diagnosis_cell(*diagnosis).json), folder);
 }
 
 Result<Revealed> revealed(VerbContext& context, const std::string& folder, const RevealArguments& arguments,
