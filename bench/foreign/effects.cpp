@@ -1,0 +1,452 @@
+// Regressors of the effect library over readings (physics.md 4), terms of the rigid-body model (physics.md 2).
+#include "bench/foreign/effects.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+namespace foreign {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+bool is(const Term& term, std::initializer_list<const char*> ids) {
+  return std::any_of(ids.begin(), ids.end(), [&](const char* id) { return term.id == id; });
+}
+
+double p_mm(const Setup& setup, const Reading& reading, char axis) {
+  return reading.at_mm[index_of(axis)] - setup.machine.axes[index_of(axis)].datum_mm;
+}
+
+double sensor_degC(const Setup& setup, const Reading& reading, const std::string& name) {
+  const auto at = std::find(setup.sensors.begin(), setup.sensors.end(), name);
+  return at == setup.sensors.end() ? 0.0 : reading.sensors_degC[static_cast<std::size_t>(at - setup.sensors.begin())];
+}
+
+bool has_sensor(const Setup& setup, const std::string& name) {
+  return std::find(setup.sensors.begin(), setup.sensors.end(), name) != setup.sensors.end();
+}
+
+double legendre(int degree, double x) {
+  double before = 1.0;
+  double now = x;
+  if (degree == 0) return before;
+  for (int k = 1; k < degree; ++k) {
+    const double next = ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0);
+    before = now;
+    now = next;
+  }
+  return now;
+}
+
+// Coordinates of the moving axis over the readings of that axis, brought to −1 … 1.
+std::pair<double, double> span_of(const Setup& setup, char axis) {
+  double low = kUnlimited;
+  double high = -kUnlimited;
+  for (const Reading& reading : setup.readings) {
+    low = std::min(low, reading.at_mm[index_of(axis)]);
+    high = std::max(high, reading.at_mm[index_of(axis)]);
+  }
+  return {low, high};
+}
+
+// s(p): Legendre polynomials less mean and slope over the positions of the rows that the effect acts on.
+std::vector<Column> smooth_columns(const Setup& setup, const Term& term, bool reversal) {
+  const auto [low, high] = span_of(setup, term.axis);
+  std::vector<Column> columns(kCurveColumns, Column(setup.readings.size(), 0.0));
+  if (!(high > low)) return columns;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < setup.readings.size(); ++i) {
+    const Reading& reading = setup.readings[i];
+    if (reading.sense == term.sense && (!reversal || reading.axis == term.axis)) rows.push_back(i);
+  }
+  const auto at = [&, low = low, high = high](std::size_t row) {
+    return 2.0 * (setup.readings[row].at_mm[index_of(term.axis)] - low) / (high - low) - 1.0;
+  };
+  Basis line;
+  Column ones(rows.size(), 1.0);
+  Column slope(rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) slope[k] = at(rows[k]);
+  line.add(ones);
+  line.add(slope);
+  for (int degree = 0; degree < kCurveColumns; ++degree) {
+    Column values(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) values[k] = legendre(degree + 2, at(rows[k]));
+    values = line.residual(values);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      columns[static_cast<std::size_t>(degree)][rows[k]] =
+          values[k] * (reversal ? 0.5 * setup.readings[rows[k]].approach : 1.0);
+  }
+  return columns;
+}
+
+struct AngularTerm {
+  char lever;
+  double sign;
+};
+
+// (ε × L) in one direction: which coordinate of the lever acts, with which sign.
+std::optional<AngularTerm> cross_product(char rotation, char sense) {
+  const std::string cycle = "XYZXY";
+  const std::size_t r = cycle.find(rotation);
+  if (cycle[r + 1] == sense) return AngularTerm{cycle[r + 2], -1.0};  // B × Z gives +X; C gives −Y in X
+  if (cycle[r + 2] == sense) return AngularTerm{cycle[r + 1], 1.0};
+  return std::nullopt;
+}
+
+// Whether the lever of an axis's angular error holds this coordinate (physics.md 2).
+bool lever_counts(const std::string& configuration, char axis, char lever) {
+  const std::size_t tool = configuration.find('T');
+  const std::size_t of_axis = configuration.find(axis);
+  const std::size_t of_lever = configuration.find(lever);
+  if (of_axis > tool) return of_lever > of_axis;
+  return of_lever > tool || of_lever <= of_axis;
+}
+
+// Sensed directly in its own angular sense, or through a lever; empty where the code shows nothing.
+double lever_m(const Setup& setup, const Term& term, const Reading& reading) {
+  if (reading.sense == term.code.substr(0, 2)) return 1.0;
+  if (reading.sense[1] < 'X') return 0.0;
+  const auto rotation = static_cast<char>('X' + (term.code[1] - 'A'));
+  const std::optional<AngularTerm> found = cross_product(rotation, reading.sense[1]);
+  if (!found || !lever_counts(setup.machine.configuration, term.axis, found->lever)) return 0.0;
+  double at = reading.at_mm[index_of(found->lever)];
+  const AxisFacts& axis = setup.machine.axes[index_of(term.axis)];
+  if (axis.measurement_line_mm && found->lever != term.axis) at -= (*axis.measurement_line_mm)[index_of(found->lever)];
+  return found->sign * at / 1000.0;
+}
+
+std::vector<Column> angular_columns(const Setup& setup, const Term& term) {
+  const auto [low, high] = span_of(setup, term.axis);
+  std::vector<Column> columns(kCurveColumns + 2, Column(setup.readings.size(), 0.0));
+  for (std::size_t i = 0; i < setup.readings.size(); ++i) {
+    const Reading& reading = setup.readings[i];
+    const double lever = lever_m(setup, term, reading);
+    const double at = high > low ? 2.0 * (reading.at_mm[index_of(term.axis)] - low) / (high - low) - 1.0 : 0.0;
+    for (int degree = 0; degree < kCurveColumns + 2; ++degree)
+      columns[static_cast<std::size_t>(degree)][i] = lever * legendre(degree, at);
+  }
+  return columns;
+}
+
+double map_at(const Setup& setup, const Reading& reading, int approach, double shift_mm) {
+  for (const MapTable& table : setup.map)
+    if (table.axis == reading.axis && table.sense == reading.sense &&
+        (table.approach == 0 || table.approach == approach))
+      return interpolated(table.p_mm, table.value_um, reading.at_mm[index_of(reading.axis)] + shift_mm);
+  return 0.0;
+}
+
+double excess_refraction_at(const Setup& setup, const Reading& reading) {
+  return excess_refraction(sensor_degC(setup, reading, "t_air_degC"), reading.pressure_hPa, reading.humidity_pct);
+}
+
+// Rotation vector times place, in the sense of the reading [m].
+double rotation_m(const Setup& setup, const Term& term, const Reading& reading) {
+  const auto rotation = static_cast<char>('X' + (term.code[1] - 'A'));
+  const std::optional<AngularTerm> found = cross_product(rotation, reading.sense[1]);
+  return found ? found->sign * p_mm(setup, reading, found->lever) / 1000.0 : 0.0;
+}
+
+double squareness_m(const Setup& setup, const Term& term, const Reading& reading) {
+  if (term.code == "C0Y" && reading.sense == "EX") return -p_mm(setup, reading, 'Y') / 1000.0;
+  if (term.code == "B0Z" && reading.sense == "EX") return p_mm(setup, reading, 'Z') / 1000.0;
+  if (term.code == "A0Z" && reading.sense == "EY") return -p_mm(setup, reading, 'Z') / 1000.0;
+  return 0.0;
+}
+
+// Effects with a few columns, one reading at a time. `p` in mm, `d` the approach.
+std::vector<double> row_of(const Setup& setup, const Term& term, const Reading& reading) {
+  const double p = p_mm(setup, reading, term.axis);
+  const double d = reading.axis == term.axis ? reading.approach : 0.0;
+  if (term.id == "offset") return {1.0};
+  if (term.id == "scale") return {p / 1000.0};
+  if (term.id == "cyclic") {
+    const double turn = 2.0 * std::numbers::pi * p / term.nonlinear;
+    const bool acts = term.approach == 0 || (reading.axis == term.axis && term.approach == reading.approach);
+    const double on = acts ? 1.0 : 0.0;
+    return {on * std::sin(turn), on * std::cos(turn), on * std::sin(2.0 * turn), on * std::cos(2.0 * turn)};
+  }
+  if (term.id == "backlash") return {0.5 * d};
+  if (term.id == "step") return {reading.at_mm[index_of(term.axis)] > term.nonlinear ? 1.0 : 0.0};
+  if (term.id == "sag") return {std::pow(p / 1000.0, 2), std::pow(std::abs(p) / 1000.0, 3)};
+  if (term.id == "squareness") return {squareness_m(setup, term, reading)};
+  if (term.id == "measurement_line") {
+    if (!setup.known) return {0.0};
+    return {interpolated(setup.known->p_mm, setup.known->value, reading.at_mm[index_of(term.axis)]) / 1000.0};
+  }
+  if (term.id == "thermal_scale") return {p / 1000.0 * (sensor_degC(setup, reading, "t_material_degC") - 20.0)};
+  if (term.id == "thermal_drift") {
+    const double start = sensor_degC(setup, setup.readings.front(), term.sensor);
+    return {sensor_degC(setup, reading, term.sensor) - start};
+  }
+  if (term.id == "warm_up") {
+    const double warm = 1.0 - std::exp(-(reading.time_s - setup.readings.front().time_s) / term.nonlinear);
+    return {warm, warm * p / 1000.0};
+  }
+  if (term.id == "thermal_bend")
+    return {std::pow(p / 1000.0, 2) *
+            (sensor_degC(setup, reading, term.sensor) - sensor_degC(setup, reading, term.sensor2))};
+  if (term.id == "set_up_rotation") return {rotation_m(setup, term, reading)};
+  if (term.id == "time_drift") return {(reading.time_s - setup.readings.front().time_s) / 3600.0};
+  if (term.id == "air_refraction") return {p * 1000.0 * excess_refraction_at(setup, reading)};
+  if (term.id == "dead_path") return {1e6 * excess_refraction_at(setup, reading)};
+  if (term.id == "cosine") return {-p / 2000.0};
+  if (term.id == "servo_lag") return {reading.feed_mm_min / 1000.0 * d};
+  if (term.id == "load") return {reading.load_kg, reading.load_kg * p / 1000.0};
+  if (term.id == "reversal_spike") return {d * std::exp(-reading.travel_mm / term.nonlinear)};
+  const double map = map_at(setup, reading, reading.approach, 0.0);
+  if (term.id == "map_polarity") return {-2.0 * map};
+  if (term.id == "map_gain") return {map};
+  if (term.id == "map_shift") return {map_at(setup, reading, reading.approach, term.nonlinear) - map};
+  if (term.id == "map_direction_swap") return {map_at(setup, reading, -reading.approach, 0.0) - map};
+  return {};
+}
+
+bool acts_on(const Term& term, const Reading& reading) {
+  if (!term.sense.empty() && reading.sense != term.sense) return false;
+  if (is(term, {"backlash", "servo_lag", "reversal_spike"})) return reading.axis == term.axis;
+  return true;
+}
+
+// Targets of the moving axis, each once, in rising order.
+std::vector<double> targets_of(const Setup& setup, char axis) {
+  std::set<double> targets;
+  for (const Reading& reading : setup.readings)
+    if (reading.axis == axis) targets.insert(reading.at_mm[index_of(axis)]);
+  return {targets.begin(), targets.end()};
+}
+
+std::vector<double> geometric(double low, double high, int count) {
+  std::vector<double> values;
+  if (!(low > 0.0) || !(high > low)) return values;
+  for (int k = 0; k < count; ++k) values.push_back(low * std::pow(high / low, k / (count - 1.0)));
+  return values;
+}
+
+// At least two periods in the travel and two targets a period; shorter ones on moved targets, and the pitches.
+std::vector<double> period_grid(const Setup& setup, char axis) {
+  const std::vector<double> targets = targets_of(setup, axis);
+  std::vector<double> periods;
+  if (targets.size() < 6) return periods;
+  const double span = targets.back() - targets.front();
+  const double step = span / static_cast<double>(targets.size() - 1);
+  const double shortest = (setup.moved_targets ? 1.0 : 2.0) * step;
+  for (double waves = 2.0; span / waves >= shortest; waves += 0.2) periods.push_back(span / waves);
+  const AxisFacts& facts = setup.machine.axes[index_of(axis)];
+  for (const auto& pitch : {facts.screw_pitch_mm, facts.scale_pitch_mm})
+    if (pitch)
+      for (const double part : {0.5, 1.0, 2.0})
+        if (2.0 * *pitch * part <= span) periods.push_back(*pitch * part);
+  return periods;
+}
+
+bool varies_inside_runs(const Setup& setup, const Column& column) {
+  std::map<int, std::pair<double, double>> range;
+  std::set<long long> states;
+  double largest = 0.0;
+  for (const double value : column) largest = std::max(largest, std::abs(value));
+  if (!(largest > 0.0)) return false;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    const auto [at, fresh] = range.try_emplace(setup.readings[i].run, column[i], column[i]);
+    at->second.first = std::min(at->second.first, column[i]);
+    at->second.second = std::max(at->second.second, column[i]);
+    states.insert(std::llround(column[i] / largest * 1e6));
+    (void)fresh;
+  }
+  const bool inside = std::any_of(range.begin(), range.end(), [&](const auto& run) {
+    return run.second.second - run.second.first > 1e-6 * largest;
+  });
+  return inside || states.size() >= 4;
+}
+
+}  // namespace
+
+std::string name_of(const Term& term) {
+  const bool by_code = is(term, {"angular", "squareness", "set_up_rotation"});
+  return term.id + ":" + term.axis + ":" + (by_code ? term.code : term.sense);
+}
+
+bool has_nonlinear(const std::string& id) {
+  return id == "cyclic" || id == "step" || id == "warm_up" || id == "reversal_spike" || id == "map_shift";
+}
+
+bool has_fixed_size(const std::string& id) {
+  return id == "map_polarity" || id == "map_gain" || id == "map_shift" || id == "map_direction_swap";
+}
+
+std::vector<Column> columns_of(const Setup& setup, const Term& term) {
+  if (term.id == "progressive") return smooth_columns(setup, term, false);
+  if (term.id == "reversal_curve") return smooth_columns(setup, term, true);
+  if (term.id == "angular") return angular_columns(setup, term);
+  std::vector<Column> columns(row_of(setup, term, setup.readings.front()).size(), Column(setup.readings.size(), 0.0));
+  for (std::size_t i = 0; i < setup.readings.size(); ++i) {
+    if (!acts_on(term, setup.readings[i])) continue;
+    const std::vector<double> row = row_of(setup, term, setup.readings[i]);
+    for (std::size_t k = 0; k < row.size(); ++k) columns[k][i] = row[k];
+  }
+  return columns;
+}
+
+Column contribution(const Setup& setup, const Term& term) {
+  Column sum(setup.readings.size(), 0.0);
+  const std::vector<Column> columns = columns_of(setup, term);
+  for (std::size_t k = 0; k < columns.size(); ++k) add_scaled(sum, columns[k], term.coefficients[k]);
+  return sum;
+}
+
+Column nonlinear_derivative(const Setup& setup, const Term& term) {
+  Column derivative(setup.readings.size(), 0.0);
+  if (!has_nonlinear(term.id) || term.id == "step") return derivative;
+  const double step = 1e-5 * std::max(1e-3, std::abs(term.nonlinear));
+  Term moved = term;
+  moved.nonlinear = term.nonlinear + step;
+  derivative = contribution(setup, moved);
+  moved.nonlinear = term.nonlinear - step;
+  add_scaled(derivative, contribution(setup, moved), -1.0);
+  for (double& value : derivative) value /= 2.0 * step;
+  return derivative;
+}
+
+std::map<std::string, double> parameters_of(const Setup& setup, const Term& term) {
+  const std::vector<double>& c = term.coefficients;
+  if (term.id == "offset" || term.id == "backlash") return {{"um", c[0]}};
+  if (is(term, {"scale", "squareness", "set_up_rotation"})) return {{"um_per_m", c[0]}};
+  if (term.id == "cyclic")
+    return {{"period_mm", term.nonlinear},
+            {"amplitude_um", std::hypot(c[0], c[1])},
+            {"phase_rad", std::atan2(c[1], c[0])},
+            {"amplitude2_um", std::hypot(c[2], c[3])},
+            {"phase2_rad", std::atan2(c[3], c[2])}};
+  if (term.id == "step")
+    return {{"position_mm", term.nonlinear - setup.machine.axes[index_of(term.axis)].datum_mm}, {"height_um", c[0]}};
+  if (term.id == "sag") return {{"k2", c[0]}, {"k3", c[1]}};
+  if (term.id == "measurement_line") return {{"lever_mm", c[0]}};
+  if (term.id == "thermal_scale") return {{"um_per_m_degC", c[0]}};
+  if (term.id == "thermal_drift") return {{"um_per_degC", c[0]}};
+  if (term.id == "thermal_bend") return {{"um_per_m2_degC", c[0]}};
+  if (term.id == "warm_up") return {{"tau_s", term.nonlinear}, {"c_um", c[0]}, {"c_um_per_m", c[1]}};
+  if (term.id == "time_drift") return {{"um_per_h", c[0]}};
+  if (term.id == "air_refraction") return {{"factor", c[0]}};
+  if (term.id == "dead_path") return {{"length_m", c[0]}};
+  if (term.id == "cosine") return {{"angle_mrad", std::sqrt(std::max(0.0, c[0]))}};
+  if (term.id == "servo_lag") return {{"um_per_m_min", c[0]}};
+  if (term.id == "load") return {{"um_per_kg", c[0]}, {"um_per_kg_m", c[1]}};
+  if (term.id == "reversal_spike") return {{"u0_mm", term.nonlinear}, {"c_um", c[0]}};
+  if (term.id == "map_polarity") return {{"fraction", c[0]}};
+  if (term.id == "map_gain") return {{"gain", 1.0 + c[0]}};
+  if (term.id == "map_shift") return {{"shift_mm", term.nonlinear}};
+  return {};
+}
+
+std::vector<double> nonlinear_grid(const Setup& setup, const Term& term) {
+  if (term.id == "cyclic") return period_grid(setup, term.axis);
+  if (term.id == "step") {
+    const std::vector<double> targets = targets_of(setup, term.axis);
+    std::vector<double> places;
+    for (std::size_t k = 3; k + 3 <= targets.size(); ++k) places.push_back(0.5 * (targets[k - 1] + targets[k]));
+    return places;
+  }
+  if (term.id == "warm_up") {
+    const double session = setup.readings.back().time_s - setup.readings.front().time_s;
+    return geometric(session / 50.0, session, 14);
+  }
+  if (term.id == "reversal_spike") {
+    double shortest = kUnlimited;
+    double longest = 0.0;
+    for (const Reading& reading : setup.readings) {
+      shortest = std::min(shortest, reading.travel_mm);
+      longest = std::max(longest, reading.travel_mm);
+    }
+    return geometric(std::max(0.01, shortest / 3.0), longest / 2.0, 14);
+  }
+  if (term.id == "map_shift") {
+    std::vector<double> shifts;
+    for (int k = -30; k <= 30; ++k)
+      if (k != 0) shifts.push_back(2.0 * k);
+    return shifts;
+  }
+  return {0.0};
+}
+
+bool may_be_candidate(const Setup& setup, const Term& term) {
+  const bool needs_states = is(term, {"dead_path", "thermal_drift", "air_refraction"});
+  const std::vector<Column> columns = needs_states ? columns_of(setup, term) : std::vector<Column>{};
+  return !needs_states || varies_inside_runs(setup, columns.front());
+}
+
+std::pair<double, double> coefficient_limits(const std::string& id) {
+  if (id == "cosine") return {0.0, kUnlimited};
+  if (id == "air_refraction") return {0.0, 2.0};
+  if (id == "dead_path") return {-10.0, 10.0};
+  return {-kUnlimited, kUnlimited};
+}
+
+std::vector<Term> library_of(const Setup& setup) {
+  std::set<std::string> senses;
+  std::set<char> axes;
+  bool both = false;
+  for (const Reading& reading : setup.readings) {
+    senses.insert(reading.sense);
+    axes.insert(reading.axis);
+    both = both || reading.approach < 0;
+  }
+  std::vector<Term> library;
+  const auto add = [&](const char* id, char axis, const std::string& sense, const std::string& code = "") -> Term& {
+    Term term;
+    term.id = id;
+    term.axis = axis;
+    term.sense = sense;
+    term.code = code;
+    library.push_back(term);
+    return library.back();
+  };
+  for (const char axis : axes) {
+    for (const std::string& sense : senses) {
+      const bool along = sense[1] == axis;
+      for (const char* id : {"offset", "scale", "progressive", "step", "sag", "warm_up", "time_drift"}) {
+        const bool once = id != std::string("offset") && id != std::string("time_drift");
+        if (once || axis == *axes.begin()) add(id, axis, sense);
+      }
+      for (const int approach : {0, 1, -1})
+        if (approach == 0 || both) add("cyclic", axis, sense).approach = approach;
+      if (both)
+        for (const char* id : {"backlash", "reversal_curve"}) add(id, axis, sense);
+      if (both && setup.travel) add("reversal_spike", axis, sense);
+      if (both && setup.feed) add("servo_lag", axis, sense);
+      if (setup.load) add("load", axis, sense);
+      if (setup.known && setup.known->code[2] == axis) add("measurement_line", axis, sense, setup.known->code);
+      for (const std::string& sensor : setup.sensors) add("thermal_drift", axis, sense).sensor = sensor;
+      if (along) {
+        add("cosine", axis, sense);
+        if (has_sensor(setup, "t_material_degC")) add("thermal_scale", axis, sense);
+        if (setup.air) add("air_refraction", axis, sense);
+        if (setup.air) add("dead_path", axis, sense);
+      } else {
+        for (std::size_t a = 0; a < setup.sensors.size(); ++a)
+          for (std::size_t b = a + 1; b < setup.sensors.size(); ++b) {
+            Term& bend = add("thermal_bend", axis, sense);
+            bend.sensor = setup.sensors[a];
+            bend.sensor2 = setup.sensors[b];
+          }
+      }
+      if (!setup.map.empty())
+        for (const char* id : {"map_polarity", "map_gain", "map_shift", "map_direction_swap"}) add(id, axis, sense);
+    }
+    for (const char* rotation : {"EA", "EB", "EC"}) add("set_up_rotation", axis, "", rotation);
+  }
+  for (const char axis : {'X', 'Y', 'Z'}) {
+    const auto [low, high] = span_of(setup, axis);
+    if (axes.contains(axis) || !(high > low)) continue;
+    for (const std::string& sense : senses) add("scale", axis, sense);  // by the coordinate, whichever axis moved
+  }
+  for (const char axis : {'X', 'Y', 'Z'})
+    for (const char* rotation : {"A", "B", "C"}) add("angular", axis, "", std::string("E") + rotation + axis);
+  for (const char* code : {"C0Y", "B0Z", "A0Z"}) add("squareness", code[2], "", code);
+  return library;
+}
+
+}  // namespace foreign

@@ -1,0 +1,309 @@
+// Runs the program on every case of a folder and counts what is right.
+#include "bench/foreign/score.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/clock.hpp"
+#include "base/file.hpp"
+#include "base/json.hpp"
+#include "bench/foreign/linear.hpp"
+
+namespace foreign {
+namespace {
+
+using ecs::Json;
+using Names = std::set<std::string>;
+
+struct Verdict {
+  std::string row;
+  std::string name;
+  bool right = false;
+  bool named = false;  // anything
+  double seconds = 0.0;
+  int parameters_right = 0;
+  int parameters = 0;
+  std::string line;  // truth → answer
+  std::string parameter_line;
+};
+
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return text;
+  std::array<char, 65536> block{};
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), pipe)) text.append(block.data(), got);
+  pclose(pipe);
+  return text;
+}
+
+std::string word(const Json& object, const char* key) {
+  const auto at = object.find(key);
+  return at != object.end() && at->is_string() ? at->get<std::string>() : "";
+}
+
+// A squareness and a rotation belong to no axis of the set alone, offsets of a sense neither.
+std::string comparable(const std::string& name) {
+  const std::size_t first = name.find(':');
+  const std::string id = name.substr(0, first);
+  if (id == "set_up_rotation" || id == "squareness" || id == "offset")
+    return id + name.substr(name.find(':', first + 1));
+  return name;
+}
+
+std::string name_in(const Json& candidate) {
+  const std::string code = word(candidate, "code");
+  const std::string id = word(candidate, "effect");
+  const bool by_code = id == "angular" || id == "squareness" || id == "set_up_rotation";
+  return comparable(id + ":" + word(candidate, "axis") + ":" + (by_code ? code : word(candidate, "sense")));
+}
+
+Names names_in(const Json& list) {
+  Names names;
+  for (const Json& name : list) names.insert(comparable(name.get<std::string>()));
+  return names;
+}
+
+bool same_details(const Json& hidden, const Json& candidate) {
+  const std::string id = word(hidden, "effect");
+  if (id == "cyclic") return word(hidden, "approach") == word(candidate, "approach");
+  const std::string sensor = word(candidate, "sensor");
+  if (id == "thermal_drift") return word(hidden, "sensor") == sensor;
+  return true;
+}
+
+struct Answer {
+  std::string verdict;
+  std::vector<Json> named;
+  Json first;
+  Names where;
+};
+
+Answer answer_in(const Json& json) {
+  Answer answer;
+  answer.verdict = word(json, "verdict");
+  for (const Json& candidate : json.value("candidates", Json::array())) {
+    if (answer.first.is_null()) answer.first = candidate;
+    if (candidate.value("named", false)) answer.named.push_back(candidate);
+  }
+  for (const Json& place : json.value("where", Json::array())) answer.where.insert(word(place, "variable"));
+  return answer;
+}
+
+Names group_of(const Json& candidate) {
+  Names group = names_in(candidate.value("indistinguishable_from", Json::array()));
+  group.insert(name_in(candidate));
+  return group;
+}
+
+// The named candidate that stands for a hidden effect, or null.
+const Json* stands_for(const Json& hidden, const std::vector<Json>& named, const Names& rivals) {
+  const std::string truth = comparable(word(hidden, "name"));
+  for (const Json& candidate : named)
+    if (name_in(candidate) == truth && same_details(hidden, candidate)) return &candidate;
+  for (const Json& candidate : named)
+    if (rivals.contains(name_in(candidate)) && group_of(candidate).contains(truth)) return &candidate;
+  return nullptr;
+}
+
+bool right_names(const Json& truth, const Answer& answer, const Names& rivals) {
+  const Json& hidden = truth.at("hidden");
+  if (answer.verdict == "adequate") return truth.at("oracle_p").get<double>() > 0.01;
+  if (answer.verdict != "missing_effect" && answer.verdict != "partly_explained") return false;
+  std::set<const Json*> found;
+  for (const Json& effect : hidden)
+    if (const Json* candidate = stands_for(effect, answer.named, rivals)) found.insert(candidate);
+  return found.size() == hidden.size() && answer.named.size() == hidden.size();
+}
+
+bool right_group(const Json& truth, const Answer& answer, const Names& required, const Names& allowed) {
+  if (answer.first.is_null() || (answer.verdict != "missing_effect" && answer.verdict != "partly_explained"))
+    return false;
+  Names must = required;
+  must.insert(comparable(word(truth.at("hidden").front(), "name")));
+  const Names group = group_of(answer.first);
+  return std::includes(group.begin(), group.end(), must.begin(), must.end()) &&
+         std::all_of(group.begin(), group.end(),
+                     [&](const std::string& name) { return must.contains(name) || allowed.contains(name); });
+}
+
+// One parameter: in the stated set, or near enough. Nothing where the answer does not state it.
+std::optional<bool> right_parameter(const Json& hidden, const std::string& name, const Json& truth,
+                                    const Json& candidate) {
+  const double value = truth.at("value").get<double>();
+  const Json stated = candidate.value("parameters", Json::object());
+  if (!stated.contains(name) || !stated[name].is_number()) return std::nullopt;
+  double answer = stated[name].get<double>();
+  if (name == "position_mm" && hidden.contains("interval_mm"))
+    return answer >= hidden["interval_mm"][0].get<double>() - 1e-6 &&
+           answer <= hidden["interval_mm"][1].get<double>() + 1e-6;
+  if (truth.at("sigma").is_null()) return std::nullopt;
+  if (word(hidden, "effect") == "thermal_bend" && word(hidden, "sensor") != word(candidate, "sensor")) answer = -answer;
+  const double reach = 3.0 * truth.at("sigma").get<double>();
+  const Json sets = candidate.value("parameters_set", Json::object());
+  if (sets.is_object() && sets.contains(name) && sets[name].is_array())
+    for (const Json& member : sets[name])
+      if (member.is_number() && std::abs(member.get<double>() - value) <= reach) return true;
+  if (name.starts_with("phase")) answer = value + std::remainder(answer - value, 2.0 * std::numbers::pi);
+  return std::abs(answer - value) <= reach;
+}
+
+void score_parameters(const Json& truth, const Answer& answer, Verdict& verdict) {
+  for (const Json& hidden : truth.at("hidden")) {
+    const Json* candidate = stands_for(hidden, answer.named, {});
+    if (candidate == nullptr) continue;
+    for (const auto& [name, value] : hidden.at("parameters").items()) {
+      if (name == "amplitude2_um" || name == "phase2_rad" || name == "phase_rad") continue;  // follow the period
+      const auto right = right_parameter(hidden, name, value, *candidate);
+      if (!right) continue;
+      ++verdict.parameters;
+      verdict.parameters_right += *right ? 1 : 0;
+      if (*right) continue;
+      verdict.parameter_line += fmt::format("  {} {} {}: {:.5g} ± {:.2g} → {}\n", verdict.name, word(hidden, "name"),
+                                            name, value.at("value").get<double>(),
+                                            value.at("sigma").is_null() ? 0.0 : value.at("sigma").get<double>(),
+                                            candidate->at("parameters").at(name).dump());
+    }
+  }
+}
+
+std::string in_words(const Json& truth) {
+  std::string text;
+  for (const Json& hidden : truth.at("hidden")) {
+    text += (text.empty() ? "" : " + ") + word(hidden, "name");
+    text += fmt::format(" (SNR {:.1f}", hidden.at("snr").get<double>());
+    if (word(hidden, "effect") == "cyclic")
+      text += fmt::format(", period {:.4g}, {}", hidden["parameters"]["period_mm"]["value"].get<double>(),
+                          word(hidden, "approach"));
+    text += ")";
+  }
+  if (text.empty()) text = word(truth, "structure").empty() ? "nothing" : word(truth, "structure");
+  for (const Json& rival : truth.at("required_rivals")) text += " = " + rival.get<std::string>();
+  return text + fmt::format(" [{}, {} readings, {} runs]", word(truth.at("noise"), "law"),
+                            truth.at("readings").get<int>(), truth.at("runs").get<int>());
+}
+
+std::string in_words(const Answer& answer) {
+  std::string text = answer.verdict.empty() ? "no answer" : answer.verdict;
+  for (const Json& candidate : answer.named) {
+    text += " " + name_in(candidate);
+    if (word(candidate, "effect") == "cyclic") text += " " + candidate.at("parameters").dump();
+  }
+  if (!answer.first.is_null()) {
+    if (answer.named.empty()) text += " (first " + name_in(answer.first) + ")";
+    for (const std::string& rival : names_in(answer.first.value("indistinguishable_from", Json::array())))
+      text += " = " + rival;
+  }
+  for (const std::string& place : answer.where) text += " @" + place;
+  return text;
+}
+
+Verdict score_case(const std::filesystem::path& folder, const std::string& program) {
+  Verdict verdict;
+  verdict.name = folder.filename().string();
+  const auto text = ecs::read_file(folder / "truth.json");
+  const Json truth = Json::parse(text.value_or("{}"), nullptr, false);
+  verdict.row = word(truth, "row");
+  const double start = ecs::steady_s();
+  const std::string output = output_of(fmt::format(
+      "cd {} && timeout 300 {} model diagnose model.toml data.csv --machine machine.toml --json 2>/dev/null",
+      quoted(folder.string()), quoted(program)));
+  verdict.seconds = ecs::steady_s() - start;
+  const Json json = Json::parse(output, nullptr, false);
+  if (truth.is_discarded() || verdict.row.empty() || !json.is_object() || !json.contains("verdict")) {
+    verdict.line = "no answer: " + output.substr(0, 200);
+    return verdict;
+  }
+  const Answer answer = answer_in(json);
+  verdict.named = !answer.named.empty();
+  Names required = names_in(truth.at("required_rivals"));
+  const Names allowed = names_in(truth.at("allowed_rivals"));
+  const bool structure = answer.verdict == "unexplained_structure";
+  if (verdict.row == "blank")
+    verdict.right = answer.verdict == "adequate" && answer.named.empty();
+  else if (verdict.row == "outside")
+    verdict.right = structure;
+  else if (verdict.row == "bad_run")
+    verdict.right = structure && answer.where.contains("run");
+  else if (verdict.row == "confounded")
+    verdict.right = right_group(truth, answer, required, allowed);
+  else {
+    required.insert(allowed.begin(), allowed.end());
+    verdict.right = right_names(truth, answer, required);
+  }
+  if (verdict.right) score_parameters(truth, answer, verdict);
+  const bool oracle = truth.at("oracle_right").get<bool>();
+  verdict.line = fmt::format("{}{} → {}", in_words(truth), oracle ? "" : " (oracle wrong too)", in_words(answer));
+  return verdict;
+}
+
+std::string report(std::vector<Verdict> verdicts) {
+  std::map<std::string, std::vector<Verdict>> by_row;
+  for (Verdict& verdict : verdicts) by_row[verdict.row].push_back(std::move(verdict));
+  std::string table = fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>14}{:>10}{:>9}\n", "row", "right", "%",
+                                  "95 % interval", "named", "parameters", "median s", "worst s");
+  std::string wrong;
+  for (const auto& [row, cases] : by_row) {
+    const auto count = [&](auto&& f) {
+      int sum = 0;
+      for (const Verdict& verdict : cases) sum += f(verdict);
+      return sum;
+    };
+    const int total = static_cast<int>(cases.size());
+    const int right = count([](const Verdict& v) { return v.right ? 1 : 0; });
+    const auto [low, high] = clopper_pearson(right, total);
+    std::vector<double> seconds;
+    for (const Verdict& verdict : cases) seconds.push_back(verdict.seconds);
+    std::sort(seconds.begin(), seconds.end());
+    table +=
+        fmt::format("{:<18}{:>12}{:>8.1f}{:>18}{:>8}{:>14}{:>10.2f}{:>9.2f}\n", row, fmt::format("{}/{}", right, total),
+                    100.0 * right / total, fmt::format("{:.1f} to {:.1f}", 100.0 * low, 100.0 * high),
+                    count([](const Verdict& v) { return v.named ? 1 : 0; }),
+                    fmt::format("{}/{}", count([](const Verdict& v) { return v.parameters_right; }),
+                                count([](const Verdict& v) { return v.parameters; })),
+                    seconds[seconds.size() / 2], seconds.back());
+    for (const Verdict& verdict : cases)
+      if (!verdict.right) wrong += fmt::format("{}: {}\n", verdict.name, verdict.line);
+    for (const Verdict& verdict : cases) wrong += verdict.parameter_line;
+  }
+  return table + "\nWrong:\n" + wrong;
+}
+
+}  // namespace
+
+ecs::Result<std::string> score_folder(const std::filesystem::path& folder, const std::string& ecs_program, int jobs) {
+  std::error_code failed;
+  std::vector<std::filesystem::path> cases;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, failed))
+    if (std::filesystem::exists(entry.path() / "truth.json")) cases.push_back(entry.path());
+  if (failed || cases.empty()) return ecs::problem(ecs::ProblemKind::bad_input, "No cases in " + folder.string() + ".");
+  std::sort(cases.begin(), cases.end());
+  const std::string program = std::filesystem::absolute(ecs_program).string();
+  std::vector<Verdict> verdicts(cases.size());
+  std::atomic<std::size_t> next{0};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < std::max(1, jobs); ++k)
+    threads.emplace_back([&] {
+      for (std::size_t at = next++; at < cases.size(); at = next++) verdicts[at] = score_case(cases[at], program);
+    });
+  for (std::thread& thread : threads) thread.join();
+  return report(std::move(verdicts));
+}
+
+}  // namespace foreign
