@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 namespace ecs {
 
 std::optional<const char*> utf16_order(std::string_view bytes) {

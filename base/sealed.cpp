@@ -1,6 +1,5 @@
 #include "base/sealed.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 #include "controllers/linuxcnc.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>

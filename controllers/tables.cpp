@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "base/text.hpp"
-
 namespace ecs::controllers {
 namespace {
 

@@ -1,7 +1,6 @@
 // TwinCAT CNC and ISG kernels, writing. Does not live here: reading (twincat_reader.cpp).
 #include "controllers/twincat.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

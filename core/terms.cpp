@@ -1,7 +1,5 @@
 #include "core/terms.hpp"
 
-#include <cmath>
-
 namespace ecs {
 namespace {
 

@@ -1,7 +1,5 @@
 #include "devices/builtin.hpp"
 
-#include <algorithm>
-
 namespace ecs::devices {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "devices/capture_plan.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 #include "params/check_rules.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

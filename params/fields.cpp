@@ -1,6 +1,5 @@
 #include "params/fields.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
 

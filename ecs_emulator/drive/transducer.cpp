@@ -1,7 +1,6 @@
 #include "ecs_emulator/drive/transducer.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/units.hpp"
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "core/parameters.hpp"
 #include "ecs_emulator/random/random.hpp"

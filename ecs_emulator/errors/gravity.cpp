@@ -1,7 +1,5 @@
 #include "ecs_emulator/errors/gravity.hpp"
 
-#include <cmath>
-
 namespace ecs::emulator {
 namespace {
 

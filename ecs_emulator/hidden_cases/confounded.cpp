@@ -1,6 +1,5 @@
 // Designs on which different effects do exactly the same: the group of a confounded case.
 #include <algorithm>
-#include <cmath>
 
 #include "ecs_emulator/effects/places.hpp"
 #include "ecs_emulator/effects/registry.hpp"

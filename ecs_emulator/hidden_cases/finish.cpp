@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "ecs_emulator/effects/places.hpp"
 #include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"

@@ -1,6 +1,5 @@
 #include "ecs_emulator/hidden_cases/measure.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "ecs_emulator/effects/definition.hpp"

@@ -3,7 +3,6 @@
 #include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/effects/shape.hpp"
 #include "ecs_emulator/hidden_cases/compose.hpp"
-#include "ecs_emulator/random/draw.hpp"
 #include "ecs_emulator/scene/design.hpp"
 
 namespace ecs::emulator {

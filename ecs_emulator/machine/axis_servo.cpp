@@ -1,6 +1,5 @@
 #include "ecs_emulator/machine/axis_servo.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -1,6 +1,5 @@
 #include "ecs_emulator/machine/machine_tool.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "ecs_emulator/random/random.hpp"

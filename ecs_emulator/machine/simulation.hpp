@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 
-#include "base/result.hpp"
 #include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/errors/true_errors.hpp"
 #include "ecs_emulator/machine/machine_tool.hpp"

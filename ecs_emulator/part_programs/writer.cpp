@@ -1,7 +1,6 @@
 #include "ecs_emulator/part_programs/writer.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

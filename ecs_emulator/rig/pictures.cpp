@@ -1,6 +1,5 @@
 #include "ecs_emulator/rig/pictures.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>

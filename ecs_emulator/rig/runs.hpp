@@ -2,8 +2,6 @@
 // tables from it. Does not live here: the rig (rig.hpp), the figures (figures.hpp).
 #pragma once
 
-#include <string>
-
 #include "ecs_emulator/rig/rig.hpp"
 #include "laser/measurement_set.hpp"
 

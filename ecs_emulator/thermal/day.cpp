@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/units.hpp"
 #include "ecs_emulator/random/random.hpp"

@@ -1,8 +1,6 @@
 // RECORD DATUM SEQUENCE: ten seconds of one axis into system RAM (thesis 5.3; bytes in core/datum_record.hpp).
 #pragma once
 
-#include <optional>
-
 #include "core/datum_record.hpp"
 #include "ecs_emulator/unit/axis_module.hpp"
 #include "ecs_emulator/unit/memory.hpp"

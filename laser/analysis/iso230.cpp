@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "laser/analysis/iso230_notes.hpp"
 
 namespace ecs::laser {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "base/text.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/registry.hpp"
 #include "laser/import/renishaw_file.hpp"

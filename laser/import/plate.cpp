@@ -9,7 +9,6 @@
 #include "laser/findings.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
-#include "laser/import/renishaw_file.hpp"
 
 namespace ecs::laser {
 namespace {

@@ -1,6 +1,5 @@
 // Renishaw .rtx dynamic captures as measurement sets. Does not live here: run files (renishaw_run.cpp).
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,4 @@
 // Renishaw error compensation tables: combined values by position, as readings of one axis.
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

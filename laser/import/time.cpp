@@ -1,7 +1,6 @@
 #include "laser/import/time.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <vector>
 
 #include "base/text.hpp"

@@ -1,7 +1,6 @@
 // What stands against sending a map: completeness, limits, extent.
 // Does not live here: how far tables reach (coverage.cpp).
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
