@@ -118,20 +118,20 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   const ModelCase one;
   ModelScreen screen = one.screen();
   CHECK(contains(picture(screen), "what the model leaves"));
-  (void)screen.on_key({Key::Name::letter, U'd'});
+  (void)letter(screen, 'd');
   CHECK(contains(picture(screen), "looking for what is missing"));
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
-  (void)screen.on_key({Key::Name::letter, U'a'});
+  (void)letter(screen, 'a');
   finish(screen);
   const std::string ladder = picture(screen);
   CHECK(contains(ladder, "+ cyclic:X:EX"));
   CHECK(contains(ladder, "noise of one reading"));
   CHECK_FALSE(screen.unsaved().empty());
-  (void)screen.on_key({Key::Name::letter, U's'});
+  (void)letter(screen, 's');
   CHECK(screen.unsaved().empty());
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
-  (void)screen.on_key({Key::Name::letter, U'u'});
+  (void)letter(screen, 'u');
   finish(screen);
   CHECK(contains(picture(screen), "taken back: cyclic:X:EX"));
 }
@@ -139,35 +139,35 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
 TEST_CASE("leaving with unsaved work asks once") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)screen.on_key({Key::Name::letter, U'd'});
+  (void)letter(screen, 'd');
   finish(screen);
-  (void)screen.on_key({Key::Name::letter, U'a'});
+  (void)letter(screen, 'a');
   finish(screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(contains(picture(screen), "Leave without saving the model?"));
   CHECK(press(screen, Key::Name::enter).kind == Step::Kind::stay);
-  CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
+  CHECK(letter(screen, 'y').kind == Step::Kind::back);
 }
 
 TEST_CASE("a model that was not saved when the program ended is offered again") {
   const ModelCase one;
   {
     ModelScreen screen = one.screen();
-    (void)screen.on_key({Key::Name::letter, U'd'});
+    (void)letter(screen, 'd');
     finish(screen);
-    (void)screen.on_key({Key::Name::letter, U'a'});
+    (void)letter(screen, 'a');
     finish(screen);
   }
   {
     ModelScreen later = one.screen();
-    CHECK(later.on_key({Key::Name::letter, U'n'}).kind == Step::Kind::back);  // not now: it stays
+    CHECK(letter(later, 'n').kind == Step::Kind::back);  // not now: it stays
   }
   ModelScreen again = one.screen();
   CHECK(contains(picture(again), "Unsaved work on this model was found"));
-  (void)again.on_key({Key::Name::letter, U'y'});
+  (void)letter(again, 'y');
   finish(again);
   CHECK_FALSE(again.unsaved().empty());
-  (void)again.on_key({Key::Name::letter, U's'});
+  (void)letter(again, 's');
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
   CHECK_FALSE(contains(picture(one.screen()), "Unsaved work"));
 }
@@ -175,7 +175,7 @@ TEST_CASE("a model that was not saved when the program ended is offered again") 
 TEST_CASE("a cancelled diagnosis ends soon and leaves nothing behind") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)screen.on_key({Key::Name::letter, U'd'});
+  (void)letter(screen, 'd');
   (void)press(screen, Key::Name::escape);
   finish(screen);
   CHECK(contains(picture(screen), "given up"));
@@ -185,9 +185,9 @@ TEST_CASE("a cancelled diagnosis ends soon and leaves nothing behind") {
 TEST_CASE("the error left after compensation is given, and one run is shown alone") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)screen.on_key({Key::Name::letter, U'r'});
+  (void)letter(screen, 'r');
   CHECK(contains(picture(screen), "run 1"));
-  (void)screen.on_key({Key::Name::letter, U'w'});
+  (void)letter(screen, 'w');
   finish(screen);
   CHECK(contains(picture(screen), "would bring the rms from"));
 }
@@ -228,7 +228,7 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
   (void)press(form, Key::Name::enter);
   CHECK(contains(picture(form), "Begin a new model?"));
   CHECK_FALSE(fs::exists(fresh));
-  (void)form.on_key({Key::Name::letter, U'y'});
+  (void)letter(form, 'y');
   finish(form);
   const auto screen = form.opens_by_itself();
   REQUIRE(screen);
@@ -252,7 +252,7 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
   CHECK(contains(picture(form), "data.model.toml"));
-  (void)form.on_key({Key::Name::letter, U'n'});
+  (void)letter(form, 'n');
   CHECK_FALSE(contains(picture(form), "Begin a new model?"));
   CHECK_FALSE(fs::exists(one.path / "data.model.toml"));
   CHECK(form.typing());
@@ -267,7 +267,7 @@ TEST_CASE("measurements that cannot be read leave no new model file") {
   type(form, "no_data.csv");
   (void)press(form, Key::Name::enter);
   (void)press(form, Key::Name::enter);
-  (void)form.on_key({Key::Name::letter, U'y'});
+  (void)letter(form, 'y');
   finish(form);
   CHECK(contains(picture(form), "no_data.csv"));
   CHECK_FALSE(fs::exists(fresh));
@@ -312,7 +312,7 @@ TEST_CASE("saving a model for the first time keeps the file as it was beside it"
   const std::string by_hand = "# my own note\n" + ecs::read_file(one.files.model).value();
   REQUIRE(ecs::write_file(one.files.model, by_hand));
   ModelScreen screen = one.screen();
-  (void)screen.on_key({Key::Name::letter, U's'});
+  (void)letter(screen, 's');
   CHECK(ecs::read_file(one.files.model + ".before").value() == by_hand);
 }
 
@@ -346,7 +346,7 @@ TEST_CASE("a click in a menu chooses, a click on what is chosen opens it, the wh
 TEST_CASE("a file can be typed on the model screen where the terminal is narrow") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  (void)screen.on_key({Key::Name::letter, U'o'});
+  (void)letter(screen, 'o');
   type(screen, "again.csv");
   const std::string text = picture_of(screen, "MODEL", {}, Canvas(12, 40), false).plain_text();
   CHECK(contains(text, "measured again with compensation,"));

@@ -30,4 +30,11 @@ inline void open_file(Screen& screen, const ParametersCase& one) {
   replace_line(screen, one.file());
 }
 
+/// The screen with the file of the case open, without a unit.
+struct OpenedParameters {
+  OpenedParameters() { open_file(screen, one); }
+  ParametersCase one;
+  ParametersScreen screen{no_link()};
+};
+
 }  // namespace ecs::app::screen_test

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/file.hpp"
 #include "tests/support/parameters_screen.hpp"
 
 namespace ecs::app {
@@ -41,9 +42,8 @@ TEST_CASE("the three groups of thesis 5.3 are pages, and the fields of an absent
 }
 
 TEST_CASE("the field under the cursor is explained: range, default, help and its name in the thesis") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "deadband");
   const std::string text = picture(screen);
   CHECK(reads(text, "> "));
@@ -56,9 +56,8 @@ TEST_CASE("the field under the cursor is explained: range, default, help and its
 }
 
 TEST_CASE("a wrong value is refused with the reason, and the typed text stays for correction") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "loop_period");
   edit(screen, "50");
   std::string text = picture(screen);
@@ -80,9 +79,8 @@ TEST_CASE("a wrong value is refused with the reason, and the typed text stays fo
 }
 
 TEST_CASE("choices cycle on Space, left and right, and Enter chooses one among them") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "compensation.scope");
   type(screen, " ");
   CHECK(screen.controller().set().parameters.scope == Scope::planar);
@@ -101,9 +99,8 @@ TEST_CASE("choices cycle on Space, left and right, and Enter chooses one among t
 }
 
 TEST_CASE("every edit is undone by u and redone by y, the default by d among them") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   const ParameterSet before = screen.controller().set();
   find(screen, "deadband");
   edit(screen, "7.5");
@@ -122,9 +119,8 @@ TEST_CASE("every edit is undone by u and redone by y, the default by d among the
 }
 
 TEST_CASE("the cross-check follows every edit; a finding leads to its field, and errors keep from sending") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  auto& [one, screen] = opened;
   type(screen, "4");
   CHECK(reads(picture(screen), "No findings for these parameters"));
   find(screen, "X.deadband");
@@ -142,9 +138,8 @@ TEST_CASE("the cross-check follows every edit; a finding leads to its field, and
 }
 
 TEST_CASE("a machine file adds what it knows to the cross-check, and m with nothing takes it away") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "X.transducer");
   type(screen, " ");
   const std::size_t alone = screen.controller().findings().size();
@@ -173,9 +168,8 @@ TEST_CASE("new parameters from a machine file fit it") {
 }
 
 TEST_CASE("screen and file are compared; a value is taken from the file by f, undoable") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "deadband");
   edit(screen, "7.5");
   find(screen, "identity.machine");
@@ -241,9 +235,8 @@ TEST_CASE("saving writes what the screen holds, asks before another file, and ke
 }
 
 TEST_CASE("saving asks where another program has changed the file meanwhile") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  auto& [one, screen] = opened;
   REQUIRE(write_file(one.file(), "[compensation]\nscope = \"planar\"\n"));
   type(screen, "s");
   (void)press(screen, Key::Name::enter);
@@ -298,9 +291,8 @@ TEST_CASE("unsaved work of another time is dropped only after a yes") {
 }
 
 TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "deadband");
   edit(screen, "7.5");
   CHECK(screen.on_key({Key::Name::escape}).kind == Step::Kind::stay);
@@ -313,14 +305,13 @@ TEST_CASE("leaving, opening and starting anew ask where edits would be lost") {
   }
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   (void)screen.on_key({Key::Name::escape});
-  CHECK(screen.on_key({Key::Name::letter, U'y'}).kind == Step::Kind::back);
+  CHECK(letter(screen, 'y').kind == Step::Kind::back);
   CHECK(draft_of("parameters"));
 }
 
 TEST_CASE("a field is found by a part of its name or of its help; Esc returns to the former field") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   type(screen, "/rapid");
   CHECK(reads(picture(screen), "no parameter has that"));
   (void)press(screen, Key::Name::escape);
@@ -335,9 +326,8 @@ TEST_CASE("a field is found by a part of its name or of its help; Esc returns to
 }
 
 TEST_CASE("sending without a link says why and loses nothing") {
-  const ParametersCase one;
-  ParametersScreen screen(no_link());
-  open_file(screen, one);
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
   find(screen, "deadband");
   edit(screen, "7.5");
   type(screen, "t");

@@ -6,6 +6,18 @@ using namespace ecs;
 using namespace ecs::app;
 using namespace ecs::app::screen_test;
 
+namespace {
+
+/// Nothing is put out yet.
+void close_relay(OutputScreen& screen) {
+  REQUIRE(shows(screen, "MCM-0107, integration"));
+  (void)letter(screen, 'r');
+  (void)letter(screen, 'y');
+  REQUIRE(shows(screen, "RELAY CLOSED"));
+}
+
+}  // namespace
+
 TEST_CASE("the output scale follows from what was put out and what a gauge showed") {
   AxisParameters axis;
   axis.output_scale_counts_per_um = 10.0;
@@ -79,10 +91,7 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, 'r');
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "RELAY CLOSED"));
+  close_relay(screen);
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
   REQUIRE(shows(screen, "The unit has opened the relay by itself"));
   CHECK(contains(picture(screen), "RELAY OPEN       nothing is put out"));
@@ -92,10 +101,7 @@ TEST_CASE("what another host puts out is shown, and steps go on from there") {
   const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, 'r');
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "RELAY CLOSED"));
+  close_relay(screen);
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
   REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
   CHECK(contains(picture(screen), "axis X is moved by +30 um"));
@@ -126,10 +132,7 @@ TEST_CASE("leaving by any way opens the relay") {
   bench.wait_for_unit();
   {
     OutputScreen screen(bench.controller);
-    REQUIRE(shows(screen, "MCM-0107, integration"));
-    (void)letter(screen, 'r');
-    (void)letter(screen, 'y');
-    REQUIRE(shows(screen, "RELAY CLOSED"));
+    close_relay(screen);
   }
   const auto after = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
   REQUIRE(after);
@@ -140,10 +143,7 @@ TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everyt
   const UnitBench bench;
   bench.wait_for_unit();
   OutputScreen screen(bench.controller);
-  REQUIRE(shows(screen, "MCM-0107, integration"));
-  (void)letter(screen, 'r');
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "RELAY CLOSED"));
+  close_relay(screen);
   bench.wait_until_it_ran(std::chrono::seconds(1));
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "The link is lost"));

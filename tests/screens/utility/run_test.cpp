@@ -17,6 +17,15 @@ void write(const UnitBench& bench, Address address, const std::vector<std::uint8
   REQUIRE(bench.on_line([&](UnitLink& line) { return line.client().write_memory(address, code); }));
 }
 
+/// Loads the program that never ends and starts it.
+void run_forever(const UnitBench& bench, RunScreen& screen) {
+  write(bench, 0x041000, kForever);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(shows(screen, "It begins with 60FE"));
+  (void)letter(screen, 'y');
+  REQUIRE(shows(screen, "running 0x041000"));
+}
+
 }  // namespace
 
 TEST_CASE("every field that is wrong is named at once") {
@@ -62,12 +71,8 @@ TEST_CASE("empty memory is called empty before it is run; its end is reported wi
 TEST_CASE("a program that never ends is stopped by Esc") {
   const UnitBench bench;
   bench.wait_for_unit();
-  write(bench, 0x041000, kForever);
   RunScreen screen(bench.controller);
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "It begins with 60FE"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "running 0x041000"));
+  run_forever(bench, screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(shows(screen, "Given up."));
   CHECK_FALSE(contains(picture(screen), "running 0x"));
@@ -84,12 +89,8 @@ TEST_CASE("a region gives its address, to the program or to the argument") {
 TEST_CASE("kill -9 of the emulator under a running program: it is said, and the screen goes on when it is back") {
   const UnitBench bench;
   bench.wait_for_unit();
-  write(bench, 0x041000, kForever);
   RunScreen screen(bench.controller);
-  (void)press(screen, Key::Name::enter);
-  REQUIRE(shows(screen, "It begins with 60FE"));
-  (void)letter(screen, 'y');
-  REQUIRE(shows(screen, "running 0x041000"));
+  run_forever(bench, screen);
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "A program ends with RTS"));
   REQUIRE(shows(screen, "MCM-0107, integration"));
