@@ -1,4 +1,4 @@
-// The Etalon exchange format, writing. Does not live here: reading (etalon_reader.cpp).
+// The Etalon exchange format, writing.
 #include "controllers/etalon.hpp"
 
 #include <algorithm>

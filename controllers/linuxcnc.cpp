@@ -1,4 +1,4 @@
-// LinuxCNC, writing. Does not live here: reading (linuxcnc_reader.cpp).
+// LinuxCNC, writing.
 #include "controllers/linuxcnc.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// SINUMERIK 840D: what a map becomes within the tables that the control has. Does not live here: the tables
+// SINUMERIK 840D: what a map becomes within the tables that the control has.
 // (siemens_groups.cpp), their text (siemens_text.cpp), reading (siemens_reader.cpp).
 #include <algorithm>
 

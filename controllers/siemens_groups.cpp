@@ -1,4 +1,4 @@
-// SINUMERIK 840D: the tables of positioning, straightness and squareness. Does not live here: which of them fit
+// SINUMERIK 840D: the tables of positioning, straightness and squareness.
 // (siemens.cpp).
 #include <algorithm>
 #include <array>

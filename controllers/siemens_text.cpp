@@ -1,4 +1,4 @@
-// SINUMERIK 840D, the text of the tables. Does not live here: which tables (siemens.cpp).
+// SINUMERIK 840D, the text of the tables.
 #include <fmt/format.h>
 
 #include "base/units.hpp"

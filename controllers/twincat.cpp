@@ -1,4 +1,4 @@
-// TwinCAT CNC and ISG kernels, writing. Does not live here: reading (twincat_reader.cpp).
+// TwinCAT CNC and ISG kernels, writing.
 #include "controllers/twincat.hpp"
 
 #include <cmath>

@@ -1,5 +1,4 @@
 // [[effect]] of the errors file: ids, keys and parameters of docs/surroundings.md.
-// Does not live here: what the effects do (ecs_emulator/effects).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

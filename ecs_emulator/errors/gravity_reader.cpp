@@ -1,5 +1,4 @@
 // [gravity], [ram.Z], [bed.X], [table.X] of the errors file.
-// Does not live here: what they do (gravity.hpp).
 #include <fmt/format.h>
 
 #include "ecs_emulator/errors/reader.hpp"

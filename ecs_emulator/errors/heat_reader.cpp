@@ -1,6 +1,4 @@
 // [temperature], [air], [column], [material], [spindle], [screw.X] and [sensor.name] of the errors file.
-// Does not live here: what they do (ecs_emulator/thermal/heat.hpp, ecs_emulator/thermal/day.hpp,
-// ecs_emulator/thermal/screw_heat.hpp).
 #include <algorithm>
 #include <cmath>
 

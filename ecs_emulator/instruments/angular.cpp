@@ -1,4 +1,4 @@
-// Angular optics: pitch and yaw. Does not live here: roll (level.cpp).
+// Angular optics: pitch and yaw.
 #include <cmath>
 
 #include "base/units.hpp"

@@ -1,4 +1,4 @@
-// Electronic level: a damped pendulum, for roll. Does not live here: pitch and yaw by laser (angular.cpp).
+// Electronic level: a damped pendulum, for roll.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Linear optics: an interferometer along the moving axis. Does not live here: its light (interferometer.hpp).
+// Linear optics: an interferometer along the moving axis.
 #include <algorithm>
 #include <cmath>
 

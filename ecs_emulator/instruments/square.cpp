@@ -1,4 +1,4 @@
-// An indicator that runs along a square. Does not live here: how the square is laid (measuring_post.hpp).
+// An indicator that runs along a square.
 #include "ecs_emulator/instruments/instruments.hpp"
 #include "ecs_emulator/instruments/play.hpp"
 

@@ -1,5 +1,4 @@
-// Straightness optics: a Wollaston prism and a bisector mirror. Does not live here: positioning
-// (linear.cpp).
+// Straightness optics: a Wollaston prism and a bisector mirror.
 #include <cmath>
 
 #include "ecs_emulator/instruments/correlated_noise.hpp"

@@ -1,4 +1,4 @@
-// Curves on uniform grids. Does not live here: slopes, smoothing, angles.
+// Curves on uniform grids.
 #include <cmath>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Rotations from two translations. Does not live here: slopes, smoothing, grids.
+// Rotations from two translations.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Slopes and datums of curves, and squareness, which is a slope. Does not live here: smoothing, angles, grids.
+// Slopes and datums of curves, and squareness, which is a slope.
 #include <array>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Smoothing of curves and the judgement of what it took away. Does not live here: slopes, angles, grids.
+// Smoothing of curves and the judgement of what it took away.
 #include <algorithm>
 #include <cmath>
 

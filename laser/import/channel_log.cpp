@@ -1,5 +1,4 @@
 // Time-stamped logs of a control system's channels (EPICS camonitor), one channel at a time.
-// Does not live here: tables of several columns (columns_reader.cpp).
 #include <algorithm>
 #include <limits>
 #include <map>

@@ -1,4 +1,4 @@
-// The mapping of columns as users type it. Does not live here: reading a table with it (columns_reader.cpp).
+// The mapping of columns as users type it.
 #include "laser/import/columns.hpp"
 
 #include <algorithm>

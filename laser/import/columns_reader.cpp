@@ -1,5 +1,4 @@
-// Tables by a mapping of their columns. Does not live here: the mapping's own syntax (columns.cpp), the shape
-// of a table (table.cpp).
+// Tables by a mapping of their columns.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,5 +1,4 @@
 // Why a file is not read, in words that help: what it seems to be, the table found in it, the command that imports it.
-// Does not live here: the formats that are read (registry.hpp).
 #include <algorithm>
 #include <array>
 #include <optional>

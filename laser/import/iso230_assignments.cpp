@@ -1,4 +1,4 @@
-// ISO 230-2 inputs as shell-style assignments (ecmc FAT/SAT tests). Does not live here: other text formats.
+// ISO 230-2 inputs as shell-style assignments (ecmc FAT/SAT tests).
 #include <map>
 #include <optional>
 #include <utility>

@@ -1,5 +1,4 @@
 // Hole positions of a drilled plate from a coordinate measuring machine (SDSS plug plates).
-// Does not live here: the fit of a plate.
 #include <cmath>
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Renishaw .rtx dynamic captures as measurement sets. Does not live here: run files (renishaw_run.cpp).
+// Renishaw .rtx dynamic captures as measurement sets.
 #include <algorithm>
 #include <bit>
 #include <cmath>

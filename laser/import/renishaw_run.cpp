@@ -1,4 +1,4 @@
-// Renishaw run files as measurement sets. Does not live here: their syntax (renishaw_file.hpp).
+// Renishaw run files as measurement sets.
 #include <algorithm>
 #include <array>
 #include <cctype>

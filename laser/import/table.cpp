@@ -1,5 +1,4 @@
 // The shape of an unknown table: delimiter, columns, where its rows begin.
-// Does not live here: what the columns mean (columns_reader.cpp).
 #include <algorithm>
 #include <array>
 

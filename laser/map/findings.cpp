@@ -1,5 +1,4 @@
 // What stands against sending a map: completeness, limits, extent.
-// Does not live here: how far tables reach (coverage.cpp).
 #include <algorithm>
 #include <cmath>
 #include <utility>

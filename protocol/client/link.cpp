@@ -1,5 +1,4 @@
 // One request and its own reply: echo, retries, silence after errors, and the words for each failure.
-// Does not live here: the descriptor and the library calls that wait (protocol/line/modbus_link.cpp).
 #include "protocol/client/link.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // libmodbus on the client's side: connect, send, receive, close.
-// Does not live here: what to do about a failure (protocol/client/link.cpp).
 #include "protocol/line/modbus_link.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Blocks of a bulk write into the memory of a unit.
-// Does not live here: the registers around it (register_server.cpp), the sender (protocol/client/memory.cpp).
 #include "protocol/server/memory_window.hpp"
 
 #include <vector>

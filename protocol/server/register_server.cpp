@@ -1,5 +1,4 @@
 // Registers read and written, as the unit understands them.
-// Does not live here: what a command does (the unit behind UnitPort).
 #include "protocol/server/register_server.hpp"
 
 #include <algorithm>
