@@ -50,7 +50,7 @@ struct OptionAdder {
   CLI::Option* operator()(std::string* into) const {
     CLI::Option* option = app.add_option(argument.name, *into, argument.help)->type_name("");
     if (argument.choices.empty()) return option;
-    return option->type_name(fmt::format("{}", fmt::join(argument.choices, "|")))->check(one_of(argument.choices));
+    return option->type_name(fmt::format("{}", fmt::join(argument.choices, "|")))->transform(one_of(argument.choices));
   }
   CLI::Option* operator()(std::vector<std::string>* into) const {
     return app.add_option(argument.name, *into, argument.help)->type_name("");
