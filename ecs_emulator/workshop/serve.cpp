@@ -65,7 +65,7 @@ class RunningWorkshop {
         battery_(options.memory),
         real_time_(options.real_time),
         stop_(stop),
-        workshop_{&simulation_, &unit_, &line_.faults()} {
+        workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address())} {
     simulation_.attach(&unit_);
     simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
     unit_.on_commit([this] { keep_memory(); });

@@ -44,7 +44,9 @@ Json state_of(const Workshop& workshop) {
   Json state{{"command_mm", by_axis(machine, machine.command_mm())},
              {"position_mm", by_axis(machine, machine.state().position_mm)},
              {"time_s", machine.time_s()},
+             {"link", nullptr},
              {"unit", nullptr}};
+  if (!workshop.link.empty()) state["link"] = workshop.link;
   if (workshop.unit != nullptr)
     state["unit"] = {{"powered", workshop.unit->powered()},
                      {"mode", name_of(workshop.unit->mode())},

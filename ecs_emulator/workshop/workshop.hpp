@@ -16,6 +16,7 @@ struct Workshop {
   Simulation* simulation = nullptr;
   Unit* unit = nullptr;                  ///< null: there is no unit
   protocol::LinkFaults* line = nullptr;  ///< null: no line
+  std::string link{};                    ///< as the host's --link takes it; empty: no line
 };
 
 /// Carries out one request, `{"action": "jog", …}`.
