@@ -1,0 +1,134 @@
+#include "commissioning/investigation/first_look.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/planning/run.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using model::MeasurementProposal;
+
+constexpr double kProgrammeStep_mm = 50.0;
+constexpr double kFewestProgrammeTargets = 25.0;
+/// Targets of the first look, as a share of those of the programme, and its runs: half on moved places still show a
+/// period that is no pitch; the second run tells what repeats from noise.
+constexpr double kShareOfTargets = 0.52;
+constexpr int kLookRuns = 2;
+/// The targets are moved by at most this share of the step, twice what ISO 230-2 asks for.
+constexpr double kMoved = 0.2;
+constexpr double kGoldenRatio = 0.6180339887498949;  ///< multiples of it fill 0 … 1 evenly (Weyl 1916)
+constexpr double kMostOverrun = 0.02;                ///< of the travel, at either end
+
+const params::MachineAxis& facts_of(const params::Machine& machine, Axis axis) { return *machine.axes[index_of(axis)]; }
+
+std::size_t programme_targets(const params::Machine& machine, Axis axis) {
+  const auto [low_mm, high_mm] = facts_of(machine, axis).travel_mm;
+  return static_cast<std::size_t>(
+      std::max(kFewestProgrammeTargets, std::floor((high_mm - low_mm) / kProgrammeStep_mm) + 1.0));
+}
+
+/// @param moved  share of the step
+std::vector<double> targets_between(double low_mm, double high_mm, std::size_t count, double moved) {
+  std::vector<double> targets;
+  const double step_mm = (high_mm - low_mm) / (static_cast<double>(count) - 1.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double place = static_cast<double>(i) * kGoldenRatio;
+    const double shift = moved * (2.0 * (place - std::floor(place)) - 1.0);
+    targets.push_back(
+        std::clamp(model::to_micrometre(low_mm + step_mm * (static_cast<double>(i) + shift)), low_mm, high_mm));
+  }
+  return targets;
+}
+
+MeasurementProposal run_on(const InvestigatedLine& line, const params::Machine& machine, std::size_t targets, int runs,
+                           const model::MeasuringTimes& times) {
+  MeasurementProposal run;
+  run.axis = line.axis;
+  run.sense = line.sense;
+  run.runs = runs;
+  const params::MachineAxis& axis = facts_of(machine, line.axis);
+  const auto [low_mm, high_mm] = axis.travel_mm;
+  run.overrun_mm = std::min(run.overrun_mm, kMostOverrun * (high_mm - low_mm));
+  run.targets_mm = targets_between(low_mm + run.overrun_mm, high_mm - run.overrun_mm, targets, kMoved);
+  for (const Axis a : kAllAxes)
+    if (a != line.axis) run.parked_mm[index_of(a)] = axis.measurement_line_mm[index_of(a)].value_or(0.0);
+  run.set_up_minutes = times.line_minutes;
+  run.minutes = minutes_of(run, times);
+  return run;
+}
+
+void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, Axis axis, Sense sense) {
+  const InvestigatedLine line{axis, sense};
+  const bool known = std::find(lines.begin(), lines.end(), line) != lines.end();
+  if (!known && machine.axes[index_of(axis)]) lines.push_back(line);
+}
+
+Sense positioning_of(Axis axis) { return static_cast<Sense>(index_of(axis)); }
+
+}  // namespace
+
+std::vector<InvestigatedLine> lines_of_model(const model::Model& model, const params::Machine& machine) {
+  std::vector<InvestigatedLine> lines;
+  for (const model::EffectInstance& effect : model.effects)
+    if (effect.axis) add(lines, machine, *effect.axis, effect.sense.value_or(positioning_of(*effect.axis)));
+  if (lines.empty())
+    for (const Axis a : kAllAxes) add(lines, machine, a, positioning_of(a));
+  return lines;
+}
+
+std::vector<InvestigatedLine> other_lines(const std::vector<InvestigatedLine>& lines, const params::Machine& machine) {
+  std::vector<InvestigatedLine> all = lines;
+  for (const Axis a : kAllAxes) add(all, machine, a, positioning_of(a));
+  return {all.begin() + static_cast<std::ptrdiff_t>(lines.size()), all.end()};
+}
+
+model::MeasuringTimes workshop_times() {
+  constexpr double kNewRun = 1.0, kNewLine = 3.0, kAlign = 3.0, kLoad = 5.0;
+  model::MeasuringTimes times;
+  times.start_minutes = kNewRun;
+  times.line_minutes = kNewLine;
+  times.align_minutes = kAlign;
+  times.load_minutes = kLoad;
+  return times;
+}
+
+MeasurementProposal first_look(const InvestigatedLine& line, const params::Machine& machine,
+                               const model::MeasuringTimes& times) {
+  const double all = static_cast<double>(programme_targets(machine, line.axis));
+  MeasurementProposal look =
+      run_on(line, machine, static_cast<std::size_t>(std::ceil(kShareOfTargets * all)), kLookRuns, times);
+  look.condition = "first look";
+  std::string parked;
+  for (const Axis a : kAllAxes)
+    if (a != line.axis && machine.axes[index_of(a)])
+      parked += fmt::format(", {} {:g}", letter_of(a), look.parked_mm[index_of(a)]);
+  look.sentence = fmt::format(
+      "Measure {} along {}: {} targets from {:g} to {:g} mm, both ways, {} runs, feed {:g} mm/min, {:g} s dwell{}; "
+      "about "
+      "{:.0f} min.",
+      name_of(line.sense), letter_of(line.axis), look.targets_mm.size(), look.targets_mm.front(),
+      look.targets_mm.back(), look.runs, look.feed_mm_min, look.dwell_s,
+      parked.empty() ? "" : " (parked at" + parked.substr(1) + ")", look.minutes);
+  return look;
+}
+
+IsoProgramme iso_programme(const std::vector<InvestigatedLine>& lines, const params::Machine& machine,
+                           const model::MeasuringTimes& times) {
+  IsoProgramme programme;
+  for (const InvestigatedLine& line : lines) {
+    const MeasurementProposal run =
+        run_on(line, machine, programme_targets(machine, line.axis), IsoProgramme::kRuns, times);
+    programme.targets += run.targets_mm.size();
+    programme.lines += 1;
+    programme.dwell_s = run.dwell_s + run.trigger_s;
+    programme.set_up_minutes = run.set_up_minutes;
+    programme.minutes += run.minutes;
+  }
+  return programme;
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,282 @@
+// Sequential discrimination between rival models (Hunter and Reiner 1965; Box and Hill 1967): after each run the one
+// that separates best per minute among those still possible.
+#include "commissioning/investigation/investigation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "commissioning/investigation/readings.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "model/effects/definition.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using model::Candidate;
+using model::Diagnosis;
+using model::MeasurementProposal;
+using model::Model;
+using model::Verdict;
+
+/// Runs that look for causes not seen yet, once nothing is missing: a choice; each finds what the one before could not.
+constexpr int kMostSeeing = 2;
+/// Runs in all: a bound, not a plan.
+constexpr std::size_t kMostRuns = 30;
+
+tl::unexpected<Problem> stopped() { return problem(ProblemKind::refused, "the investigation was stopped"); }
+
+/// What makes a run the same as one that was made: asked again it would tell the same.
+using RunKey = std::tuple<std::string, Axis, Sense>;
+RunKey key_of(const MeasurementProposal& proposal) { return {proposal.condition, proposal.axis, proposal.sense}; }
+
+std::string short_text(const MeasurementProposal& proposal) {
+  return fmt::format("{} along {}, {}: {} targets, {} {}{}", name_of(proposal.sense), letter_of(proposal.axis),
+                     proposal.condition, proposal.targets_mm.size(), proposal.runs, proposal.runs == 1 ? "run" : "runs",
+                     proposal.bidirectional ? " both ways" : "");
+}
+
+model::AddRequest request_for(const model::EffectInstance& effect) {
+  model::AddRequest request;
+  request.id = effect.id;
+  request.axis = effect.axis;
+  request.sense = effect.sense;
+  request.code = effect.code;
+  request.approach = effect.approach;
+  request.sensor = effect.sensor;
+  request.sensor2 = effect.sensor2;
+  request.name = effect.name;
+  return request;
+}
+
+class Investigator {
+ public:
+  Investigator(const Model& model, const params::Machine& machine, Workshop& workshop,
+               const InvestigationOptions& options)
+      : base_(model), machine_(machine), workshop_(workshop), options_(options), readings_(model) {
+    lines_ = lines_of_model(model, machine);
+    waiting_ = lines_;
+  }
+
+  Result<Investigation> run() {
+    while (result_.steps.size() < kMostRuns) {
+      const auto next = next_run();
+      if (!next) break;
+      if (auto done = step(*next); !done) return tl::unexpected(done.error());
+    }
+    if (!diagnosis_) {
+      result_.notes.push_back(fmt::format("nothing was measured: no run fits into {:g} minutes", options_.minutes));
+      return std::move(result_);
+    }
+    result_.verdict = diagnosis_->verdict;
+    result_.programme = iso_programme(measured_lines_, machine_, options_.times);
+    if (auto added = add_causes(); !added) return tl::unexpected(added.error());
+    if (auto done = compensate(); !done) return tl::unexpected(done.error());
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool cancelled() const { return options_.cancelled != nullptr && *options_.cancelled; }
+  [[nodiscard]] double minutes_left() const { return options_.minutes - result_.minutes; }
+
+  /// Nothing: the investigation is over.
+  std::optional<MeasurementProposal> next_run() {
+    if (diagnosis_ && !waiting_.empty() && !settled() && diagnosis_->verdict != Verdict::adequate)
+      if (auto here = separating_run(true)) return here;
+    while (!waiting_.empty()) {
+      const InvestigatedLine line = waiting_.front();
+      waiting_.erase(waiting_.begin());
+      MeasurementProposal look = first_look(line, machine_, options_.times);
+      if (look.minutes <= minutes_left()) return look;
+      result_.notes.push_back(fmt::format("{} along {} was not measured: {:.0f} minutes were left, it takes {:.0f}",
+                                          name_of(line.sense), letter_of(line.axis), minutes_left(), look.minutes));
+    }
+    if (!diagnosis_ || settled()) return std::nullopt;
+    return separating_run(false);
+  }
+
+  [[nodiscard]] bool settled() const {
+    return diagnosis_->verdict == Verdict::missing_effect && causes_are_single(*diagnosis_);
+  }
+
+  /// @param here  only on the line measured last, without waiting, while other lines were not looked at
+  std::optional<MeasurementProposal> separating_run(bool here) {
+    const bool seeing = diagnosis_->verdict == Verdict::adequate;
+    if (seeing && ++seen_ > kMostSeeing) return line_not_modelled();
+    const model::NextMeasurement next = model::next_measurement(
+        readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, options_.times);
+    bool too_long = false;
+    for (const MeasurementProposal& proposal : next.proposals) {
+      if (made_.contains(key_of(proposal)) || switches_map(proposal)) continue;
+      if (here && (moves_optics(proposal) || proposal.wait_minutes > 0.0)) continue;
+      MeasurementProposal whole = with_set_up(proposal);
+      if (whole.minutes <= minutes_left()) return whole;
+      too_long = true;
+    }
+    if (here) return std::nullopt;
+    if (seeing) return line_not_modelled();
+    if (too_long)
+      result_.notes.push_back(
+          fmt::format("{:.0f} minutes are left, and every run that separates takes more", minutes_left()));
+    else
+      for (const std::string& note : next.notes) result_.notes.push_back(note);
+    return std::nullopt;
+  }
+
+  /// The optics are on another line than the one that was measured last.
+  [[nodiscard]] bool moves_optics(const MeasurementProposal& proposal) const {
+    return !last_ || proposal.axis != last_->axis || proposal.sense != last_->sense ||
+           proposal.parked_mm != last_->parked_mm;
+  }
+
+  /// A line that was measured before the last one has to be set up again.
+  [[nodiscard]] MeasurementProposal with_set_up(MeasurementProposal proposal) const {
+    if (!moves_optics(proposal) || proposal.other_line) return proposal;
+    const double more = options_.times.line_minutes - options_.times.start_minutes;
+    proposal.set_up_minutes += more;
+    proposal.minutes += more;
+    return proposal;
+  }
+
+  /// Where nothing is missing, the axes of which the model does not speak are looked at as well.
+  std::optional<MeasurementProposal> line_not_modelled() {
+    if (std::exchange(others_asked_, true)) return std::nullopt;
+    waiting_ = other_lines(lines_, machine_);
+    return next_run();
+  }
+
+  /// The map that was active cannot be switched on and off in the midst of an investigation.
+  [[nodiscard]] bool switches_map(const MeasurementProposal& proposal) const {
+    const auto& all = readings_.all().readings;
+    return proposal.compensated && !all.empty() && all.back().compensated &&
+           *proposal.compensated != *all.back().compensated;
+  }
+
+  Result<void> step(const MeasurementProposal& proposal) {
+    if (cancelled()) return stopped();
+    const bool first =
+        proposal.condition == first_look({proposal.axis, proposal.sense}, machine_, options_.times).condition;
+    auto run = workshop_.measure({static_cast<int>(result_.steps.size()) + 1, proposal, false});
+    made_.insert(key_of(proposal));
+    last_ = proposal;
+    if (!run) {
+      const bool another_may = run.error().kind == ProblemKind::usage || run.error().kind == ProblemKind::refused;
+      if (cancelled() || !another_may || (first && !diagnosis_)) return tl::unexpected(run.error());
+      result_.notes.push_back(fmt::format("{} could not be measured: {}", short_text(proposal), to_text(run.error())));
+      return {};
+    }
+    if (first) {
+      looks_.push_back({proposal, run->set});
+      measured_lines_.push_back({proposal.axis, proposal.sense});
+    }
+    InvestigationStep step;
+    step.minutes = run->minutes;
+    step.measured = short_text(proposal);
+    step.readings = run->set.readings.size();
+    readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes);
+    if (auto diagnosed = diagnose(); !diagnosed) return diagnosed;
+    step.verdict = diagnosis_->verdict;
+    step.set = members_left(*diagnosis_);
+    step.rms_um = diagnosis_->rms_um;
+    result_.minutes += step.minutes;
+    workshop_.keep(step);
+    result_.steps.push_back(std::move(step));
+    return {};
+  }
+
+  Result<void> diagnose() {
+    model::DiagnoseOptions options;
+    options.cancelled = options_.cancelled;
+    auto diagnosis = model::diagnose(readings_.model_with_zeros(), readings_.observations(machine_), options);
+    if (!diagnosis) return tl::unexpected(diagnosis.error());
+    diagnosis_ = std::move(*diagnosis);
+    return {};
+  }
+
+  Result<void> add_causes() {
+    const model::Observations data = readings_.observations(machine_);
+    Model whole = readings_.model_with_zeros();
+    std::vector<std::pair<model::EffectInstance, double>> added;  // with the probability
+    for (const Candidate& candidate : diagnosis_->candidates) {
+      if (!candidate.named) continue;
+      auto with = model::add_effect(whole, data, request_for(candidate.effect), "");
+      if (!with) return tl::unexpected(with.error());
+      whole = std::move(with->model);
+      added.emplace_back(whole.effects.back(), credible_set_of(candidate).front().probability);
+    }
+    const auto fit = model::fit(whole, data);
+    if (!fit) return tl::unexpected(fit.error());
+    for (const auto& [effect, probability] : added)
+      for (const model::EffectFit& one : fit->effects)
+        if (same_candidate(one.effect, effect))
+          result_.causes.push_back({to_text(effect), one.parameters, probability, one.rms_um});
+    std::stable_sort(result_.causes.begin(), result_.causes.end(),
+                     [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
+    result_.model = without_zeros(model::with_values(std::move(whole), *fit));
+    return {};
+  }
+
+  Result<void> compensate() {
+    result_.rms_before_um = rms_of_looks();
+    if (cancelled()) return stopped();
+    if (auto active = workshop_.activate(result_.model); !active) {
+      if (cancelled() || active.error().kind == ProblemKind::link) return tl::unexpected(active.error());
+      result_.notes.push_back("not compensated: " + to_text(active.error()));
+      return {};
+    }
+    int number = static_cast<int>(result_.steps.size());
+    for (Look& look : looks_) {
+      if (cancelled()) return stopped();
+      MeasurementProposal again = look.proposal;
+      again.condition = "with the new map";
+      auto run = workshop_.measure({++number, again, true});
+      if (!run) return tl::unexpected(run.error());
+      look.set = std::move(run->set);
+      result_.compensated_minutes += run->minutes;
+    }
+    result_.rms_compensated_um = rms_of_looks();
+    return {};
+  }
+
+  [[nodiscard]] double rms_of_looks() const {
+    double squares = 0.0, count = 0.0;
+    for (const Look& look : looks_)
+      for (const laser::Reading& reading : look.set.readings) {
+        squares += reading.error * reading.error;
+        count += 1.0;
+      }
+    return std::sqrt(squares / std::max(count, 1.0));
+  }
+
+  struct Look {
+    MeasurementProposal proposal;
+    laser::MeasurementSet set;
+  };
+
+  const Model& base_;
+  const params::Machine& machine_;
+  Workshop& workshop_;
+  const InvestigationOptions& options_;
+  InvestigationReadings readings_;
+  std::vector<InvestigatedLine> lines_, waiting_, measured_lines_;
+  std::vector<Look> looks_;
+  std::set<RunKey> made_;
+  std::optional<MeasurementProposal> last_;
+  std::optional<Diagnosis> diagnosis_;
+  int seen_ = 0;
+  bool others_asked_ = false;
+  Investigation result_;
+};
+
+}  // namespace
+
+Result<Investigation> investigate(const model::Model& model, const params::Machine& machine, Workshop& workshop,
+                                  const InvestigationOptions& options) {
+  return Investigator(model, machine, workshop, options).run();
+}
+
+}  // namespace ecs::commissioning

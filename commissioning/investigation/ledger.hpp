@@ -1,0 +1,61 @@
+// What an investigation has done and found: a step for each run, the causes, minutes and errors; as text and JSON.
+// Does not live here: the work itself (investigation.hpp). JSON for .cpp files only (heavy header).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "commissioning/investigation/credible_set.hpp"
+#include "commissioning/investigation/first_look.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/fit.hpp"
+
+namespace ecs::commissioning {
+
+/// One run, and what all readings so far say.
+struct InvestigationStep {
+  double minutes = 0.0;  ///< of this run: waiting, setting up, measuring
+  std::string measured;  ///< what was measured, in words
+  std::size_t readings = 0;
+  model::Verdict verdict = model::Verdict::adequate;
+  std::vector<SetMember> set;  ///< causes that are still possible; empty where nothing is named
+  double rms_um = 0.0;         ///< that the model leaves of all readings so far
+};
+
+struct InvestigatedCause {
+  std::string name;  ///< "cyclic:X:EX"
+  std::vector<model::ParameterEstimate> parameters;
+  double probability = 0.0;  ///< its share of the set that holds it
+  double rms_um = 0.0;       ///< of its contribution to the readings on which it acts
+};
+
+struct Investigation {
+  std::vector<InvestigationStep> steps;
+  std::optional<model::Verdict> verdict;  ///< absent: nothing was measured
+  std::vector<InvestigatedCause> causes;  ///< largest first
+  double minutes = 0.0;                   ///< of all steps
+  IsoProgramme programme;                 ///< the full programme of the same lines
+  std::optional<double> rms_before_um;    ///< of the readings of the first look
+  /// Of the same targets measured again with the new map active; absent: no map could be made or sent.
+  std::optional<double> rms_compensated_um;
+  double compensated_minutes = 0.0;  ///< of measuring again; not part of `minutes`
+  model::Model model;                ///< with the causes, fitted
+  std::vector<std::string> notes;    ///< what was left out, and why
+};
+
+/// The head of the table and the lines of each step, without the last line end.
+[[nodiscard]] std::string ledger_head();
+/// @param number  of the step, from 1 @param total_minutes  up to and with this step
+[[nodiscard]] std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes);
+/// Verdict, causes, minutes against the programme, errors before and after.
+[[nodiscard]] std::string summary_text(const Investigation& investigation);
+
+/// {"minutes", "measured", "readings", "verdict", "set", "rms_um"}
+[[nodiscard]] Json json_of(const InvestigationStep& step);
+/// docs/design.md 3.5, and `compensated_minutes`, `programme`, `notes`.
+[[nodiscard]] Json json_of(const Investigation& investigation);
+
+}  // namespace ecs::commissioning

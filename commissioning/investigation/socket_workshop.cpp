@@ -1,0 +1,217 @@
+#include "commissioning/investigation/socket_workshop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "commissioning/investigation/workshop_client.hpp"
+#include "commissioning/link/unit_link.hpp"
+#include "model/planning/part_program.hpp"
+#include "model/planning/run.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using model::MeasurementProposal;
+
+constexpr double kDatumWait_s = 30.0;       ///< for the unit, after the axes were referenced
+constexpr double kWarming_mm_min = 6000.0;  ///< of the axes that are moved to warm the machine
+constexpr double kWarming_rpm = 3000.0;
+constexpr double kWarmer_degC = 0.5;  ///< less is no other temperature
+
+std::string letter(Axis axis) { return std::string(1, letter_of(axis)); }
+
+/// Moves the axis to and fro with the spindle running, which warms screws and spindle.
+std::string warming_program(Axis axis, const params::MachineAxis& facts, double minutes) {
+  const auto [low_mm, high_mm] = facts.travel_mm;
+  const int times = std::max(1, static_cast<int>(minutes * kWarming_mm_min / (2.0 * (high_mm - low_mm))));
+  return fmt::format("> M03S{:g}\n> G90G01{}{:.3f}F{:g}\n$REP {}\n> G90G01{}{:.3f}\n> G90G01{}{:.3f}\n$END\n> M05\n",
+                     kWarming_rpm, letter_of(axis), low_mm, kWarming_mm_min, times, letter_of(axis), high_mm,
+                     letter_of(axis), low_mm);
+}
+
+/// A sensor is asked to show more than it does now.
+bool wants_warmth(const MeasurementProposal& proposal, const Json& state) {
+  const auto sensors = state.find("sensors_degC");
+  if (sensors == state.end()) return false;
+  for (const auto& sensor : sensors->items()) {
+    const auto asked = proposal.temperatures_degC.find(fmt::format("t_{}_degC", sensor.key()));
+    if (asked != proposal.temperatures_degC.end() && asked->second > sensor.value().get<double>() + kWarmer_degC)
+      return true;
+  }
+  return false;
+}
+
+/// What the instrument is asked for, for readings without a stop and for optics that were aligned anew.
+Json measuring_request(const MeasurementProposal& proposal, const params::Machine& machine, double feed_mm_min) {
+  std::vector<double> targets = proposal.targets_mm;
+  if (proposal.approach < 0) std::reverse(targets.begin(), targets.end());
+  Json parked = Json::object();
+  for (const Axis a : kAllAxes)
+    if (a != proposal.axis && machine.axes[index_of(a)]) parked[letter(a)] = proposal.parked_mm[index_of(a)];
+  Json request{{"action", "measure"},
+               {"axis", letter(proposal.axis)},
+               {"sense", name_of(proposal.sense)},
+               {"targets", targets},
+               {"runs", proposal.runs},
+               {"unidirectional", !proposal.bidirectional},
+               {"parked", std::move(parked)},
+               {"feed", feed_mm_min},
+               {"dwell", proposal.dwell_s},
+               {"overrun", proposal.overrun_mm},
+               {"on_the_fly", proposal.dwell_s <= 0.0}};
+  if (proposal.set_up > 1) {
+    request["misalignment"] = 0.0;
+    request["dead_path"] = 0.0;
+  }
+  return request;
+}
+
+Result<laser::MeasurementSet> set_in(const Json& answer) {
+  const auto csv = answer.find("csv");
+  if (csv == answer.end()) return problem(ProblemKind::link, "the workshop answered without readings");
+  return laser::parse_measurement_set(csv->get<std::string>(), "the workshop's readings");
+}
+
+}  // namespace
+
+/// What the workshop is asked to do, request by request.
+class SocketWorkshop::Hands {
+ public:
+  Hands(const std::filesystem::path& socket, const std::atomic<bool>& cancelled) : client_(socket, cancelled) {}
+
+  [[nodiscard]] Result<Json> state() const { return client_.ask({{"action", "state"}}); }
+  [[nodiscard]] Result<Json> ask(const Json& request) const { return client_.ask(request); }
+  [[nodiscard]] Result<void> wait(double minutes) const {
+    if (minutes <= 0.0) return {};
+    return done(client_.ask({{"action", "wait"}, {"seconds", model::kSecondsAMinute * minutes}}));
+  }
+  [[nodiscard]] Result<void> load(double kg) const { return done(client_.ask({{"action", "load"}, {"kg", kg}})); }
+  [[nodiscard]] Result<void> reference() const { return done(client_.ask({{"action", "reference"}})); }
+  [[nodiscard]] Result<Json> run(const std::filesystem::path& file, const std::string& program, Json request) const {
+    if (const auto written = write_file(file, program); !written) return tl::unexpected(written.error());
+    request["action"] = "run";
+    request["program"] = file.string();
+    return client_.ask(request);
+  }
+
+ private:
+  static Result<void> done(const Result<Json>& answer) {
+    if (!answer) return tl::unexpected(answer.error());
+    return {};
+  }
+  WorkshopClient client_;
+};
+
+SocketWorkshop::SocketWorkshop(MessageSink& messages, SocketWorkshopOptions options, const std::atomic<bool>& cancelled)
+    : messages_(messages),
+      options_(std::move(options)),
+      cancelled_(cancelled),
+      hands_(std::make_unique<Hands>(options_.socket, cancelled)) {}
+
+SocketWorkshop::~SocketWorkshop() {
+  std::error_code error;
+  if (!folder_.empty()) std::filesystem::remove_all(folder_, error);
+}
+
+Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messages, SocketWorkshopOptions options,
+                                                             const std::atomic<bool>& cancelled) {
+  std::unique_ptr<SocketWorkshop> workshop(new SocketWorkshop(messages, std::move(options), cancelled));
+  const auto state = workshop->hands_->state();
+  if (!state) return tl::unexpected(state.error());
+  if (workshop->options_.link.empty() && state->contains("link") && (*state)["link"].is_string())
+    workshop->options_.link = (*state)["link"].get<std::string>();
+  std::string name = (std::filesystem::temp_directory_path() / "ecs-investigation-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr)
+    return problem(ProblemKind::output, fmt::format("cannot make a temporary folder {}", name));
+  workshop->folder_ = name;
+  return workshop;
+}
+
+Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
+  const auto before = hands_->state();
+  if (!before) return tl::unexpected(before.error());
+  MeasurementProposal proposal = run.proposal;
+  int& set_up = set_ups_[{proposal.axis, proposal.sense}];
+  set_up = std::max(set_up, proposal.set_up);  // optics that were aligned stay so
+  proposal.set_up = set_up;
+  if (const auto waited = hands_->wait(proposal.set_up_minutes); !waited) return tl::unexpected(waited.error());
+  const double load_kg = proposal.load_kg.value_or(load_kg_);
+  if (load_kg != load_kg_)
+    if (const auto loaded = hands_->load(load_kg); !loaded) return tl::unexpected(loaded.error());
+  load_kg_ = load_kg;
+  const auto& facts = options_.machine.axes[index_of(proposal.axis)];
+  if (facts && proposal.wait_minutes > 0.0 && wants_warmth(proposal, *before)) {
+    const auto warmed =
+        hands_->run(folder_ / "warm.nc", warming_program(proposal.axis, *facts, proposal.wait_minutes), Json::object());
+    if (!warmed) return tl::unexpected(warmed.error());
+  } else if (const auto waited = hands_->wait(proposal.wait_minutes); !waited) {
+    return tl::unexpected(waited.error());
+  }
+  auto set = readings_of(proposal);
+  if (!set) return tl::unexpected(set.error());
+  complete(*set, proposal);
+  const auto after = hands_->state();
+  if (!after) return tl::unexpected(after.error());
+  return RunReadings{std::move(*set),
+                     (after->value("time_s", 0.0) - before->value("time_s", 0.0)) / model::kSecondsAMinute};
+}
+
+/// A part program where the machine stops for its readings, else the instrument's own request.
+Result<laser::MeasurementSet> SocketWorkshop::readings_of(const MeasurementProposal& proposal) {
+  if (proposal.dwell_s > 0.0 && proposal.set_up <= 1) {
+    const auto answer = hands_->run(folder_ / "run.nc", part_program(proposal, options_.machine),
+                                    {{"axis", letter(proposal.axis)}, {"sense", name_of(proposal.sense)}});
+    if (!answer) return tl::unexpected(answer.error());
+    return set_in(*answer);
+  }
+  if (proposal.short_overrun)
+    return problem(ProblemKind::refused,
+                   "steps back before each target need readings with a dwell, in the first set-up");
+  std::vector<double> feeds{proposal.feed_mm_min};
+  if (proposal.second_feed_mm_min) feeds.push_back(*proposal.second_feed_mm_min);
+  std::optional<laser::MeasurementSet> all;
+  for (const double feed : feeds) {
+    const auto answer = hands_->ask(measuring_request(proposal, options_.machine, feed));
+    if (!answer) return tl::unexpected(answer.error());
+    auto set = set_in(*answer);
+    if (!set) return set;
+    if (!all) {
+      all = std::move(*set);
+      continue;
+    }
+    for (laser::Reading& reading : set->readings) {
+      reading.run += proposal.runs;
+      all->readings.push_back(std::move(reading));
+    }
+  }
+  return std::move(*all);
+}
+
+/// What the person at the machine knows beside the readings.
+void SocketWorkshop::complete(laser::MeasurementSet& set, const MeasurementProposal& proposal) const {
+  for (laser::Reading& reading : set.readings) {
+    if (!reading.load_kg) reading.load_kg = load_kg_;
+    reading.extras["set_up"] = proposal.set_up;
+  }
+}
+
+Result<void> SocketWorkshop::activate(const model::Model& model) {
+  const auto files = write_map_files(messages_, model, options_.sources, folder_);
+  if (!files) return tl::unexpected(files.error());
+  if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
+  const auto choice = chosen_link(options_.link);
+  if (!choice) return tl::unexpected(choice.error());
+  auto unit = open_link(*choice, cancelled_);
+  if (!unit) return tl::unexpected(unit.error());
+  if (const auto sent = send_map_files(unit->client(), *files); !sent) return sent;
+  if (const auto referenced = hands_->reference(); !referenced) return referenced;
+  return wait_for_compensation(unit->client(), kDatumWait_s);
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,55 @@
+// A workshop that works by itself: part programs, virtual laser, waiting, warming up, load and realigned optics as
+// requests over its socket (docs/emulator.md). Only the requests are known here, nothing of the program behind them.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "commissioning/investigation/map_files.hpp"
+#include "commissioning/investigation/workshop.hpp"
+#include "commissioning/session/message.hpp"
+#include "params/machine.hpp"
+
+namespace ecs::commissioning {
+
+struct SocketWorkshopOptions {
+  std::filesystem::path socket;
+  std::string link;  ///< to the unit, as --link takes it; empty: the one that the workshop names
+  MapSources sources;
+  params::Machine machine;
+};
+
+class SocketWorkshop final : public Workshop {
+ public:
+  /// `link` problem where no workshop listens.
+  [[nodiscard]] static Result<std::unique_ptr<SocketWorkshop>> open(MessageSink& messages,
+                                                                    SocketWorkshopOptions options,
+                                                                    const std::atomic<bool>& cancelled);
+  ~SocketWorkshop() override;  ///< removes its temporary folder
+
+  [[nodiscard]] Result<RunReadings> measure(const RequestedRun& run) override;
+  [[nodiscard]] Result<void> activate(const model::Model& model) override;
+  void keep(const InvestigationStep&) override {}
+
+  [[nodiscard]] const std::string& link() const { return options_.link; }
+
+ private:
+  class Hands;
+  SocketWorkshop(MessageSink& messages, SocketWorkshopOptions options, const std::atomic<bool>& cancelled);
+  [[nodiscard]] Result<laser::MeasurementSet> readings_of(const model::MeasurementProposal& proposal);
+  void complete(laser::MeasurementSet& set, const model::MeasurementProposal& proposal) const;
+
+  MessageSink& messages_;
+  SocketWorkshopOptions options_;
+  const std::atomic<bool>& cancelled_;
+  std::unique_ptr<Hands> hands_;
+  std::filesystem::path folder_;
+  double load_kg_ = 0.0;
+  std::map<std::pair<Axis, Sense>, int> set_ups_;  ///< number of the last set-up of each line
+};
+
+}  // namespace ecs::commissioning
