@@ -12,7 +12,7 @@ extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtil
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
-    kModelNext, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
+    kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
 extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
 /// One for each controller format.
@@ -84,6 +84,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kModelCompare,
       &kModelDiagnose,
       &kModelNext,
+      &kModelInvestigate,
       &kModelAdd,
       &kModelUndo,
       &kModelHistory,
