@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "app/cli/verb_context.hpp"
-#include "base/cli/verb.hpp"
+#include "base/cli/verb_arguments.hpp"
 
 namespace ecs::app {
 
+using cli::Access;
 using cli::Need;
 using cli::Verb;
 using cli::VerbArgument;
+using cli::VerbArguments;
 using MenuDefinition = cli::Menu;
 using VerbDefinition = cli::VerbDefinition<VerbContext>;
 using VerbRegistry = cli::VerbRegistry<VerbContext>;
@@ -23,7 +25,7 @@ using Action = VerbDefinition::Action;
 inline constexpr const char* kProgramHelp =
     "ECS: parameters, error maps and tests of an error compensation system for machine tools";
 
-/// The definition of a verb with arguments of its own, which live as long as its action.
+/// The definition of a verb with the arguments of a library. @param declare  names them
 template <class Arguments>
 [[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example,
                                   void (*declare)(Verb&, Arguments&),
@@ -31,8 +33,11 @@ template <class Arguments>
   return cli::defined_verb<VerbContext, Arguments>(std::move(path), std::move(help), std::move(example), declare, run);
 }
 
-/// The same for a verb without arguments of its own.
-[[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example, void (*declare)(Verb&),
-                                  Result<Outcome> (*run)(VerbContext&));
+/// The same with arguments that are members of their struct.
+template <class Arguments>
+[[nodiscard]] VerbDefinition verb(std::string path, std::string help, std::string example,
+                                  Result<Outcome> (*run)(VerbContext&, const Arguments&)) {
+  return cli::defined_verb<VerbContext, Arguments>(std::move(path), std::move(help), std::move(example), run);
+}
 
 }  // namespace ecs::app

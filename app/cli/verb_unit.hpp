@@ -5,15 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include "app/cli/verb_context.hpp"
+#include "app/cli/verb.hpp"
 #include "commissioning/link/unit_link.hpp"
 
 namespace ecs::app {
-
-enum class Access {
-  reads,
-  writes,  ///< or moves, or runs: messages say EMULATOR where that is the unit
-};
 
 /// Sets the context's message prefix if the link that it names, or the default, is an emulator.
 void announce_writing(VerbContext& context);

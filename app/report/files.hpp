@@ -6,26 +6,32 @@
 #include <string>
 #include <vector>
 
+#include "app/cli/verb.hpp"
 #include "base/result.hpp"
 
 namespace ecs::app {
 
 /// As typed; empty: not given.
-struct ReportArguments {
-  std::vector<std::string> places;  ///< plan files and folders
-  std::string output;
-  std::string before;
-  std::string after;
-  std::string machine;
-  std::string map;
-  std::string params;
-  std::string model;
-  std::vector<std::string> data;
-  std::string diagnosis;
-  std::string status;
-  std::vector<std::string> header;  ///< "key=value"
-  std::string date;
-  int blanks = 400;
+struct ReportArguments : VerbArguments {
+  const std::vector<std::string>& places =
+      texts("PLACE",
+            "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+            "model.toml, diagnosis.json, status.json");
+  const std::string& output = text("-o,--output", "the page", Need::required);
+  const std::string& before = text("--before", "folder of NAME.csv, measured without compensation");
+  const std::string& after = text("--after", "folder of NAME.csv, measured with compensation");
+  const std::string& machine = text("--machine", "the machine (.toml)");
+  const std::string& map = text("--map", "the error map (.csv)");
+  const std::string& params = text("--params", "the unit's parameters (.toml)");
+  const std::string& model = text("--model", "error model (.toml): fitted, diagnosed, predicted against achieved");
+  const std::vector<std::string>& data =
+      texts("--data", "readings for the model; without: those of its senses in --before");
+  const std::string& diagnosis = text("--diagnosis", "answer of `ecs model diagnose --json`; without: diagnosed here");
+  const std::string& status = text("--status", "state of the unit, as `ecs utility status --save` keeps it");
+  const std::vector<std::string>& header =
+      texts("--header", "key=value of the head of the page, such as customer=…; wins over files");
+  const std::string& date = text("--date", "of the report; without: the last date in the files");
+  const int& blanks = integer("--blanks", "simulated data sets of noise alone for the diagnosis", 400, 50, 20'000);
 };
 
 /// Empty: there is none.

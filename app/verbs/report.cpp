@@ -153,28 +153,10 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kReport = verb<ReportArguments>(
-    "report", "one self-contained HTML page of a commissioning, to read, print and keep",
-    "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
-    "-o report.html\n  ecs report commissioning/ -o report.html",
-    [](Verb& verb, ReportArguments& arguments) {
-      verb.texts("PLACE", arguments.places,
-                 "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
-                 "model.toml, diagnosis.json, status.json")
-          .text("-o,--output", arguments.output, "the page", Need::required)
-          .text("--before", arguments.before, "folder of NAME.csv, measured without compensation")
-          .text("--after", arguments.after, "folder of NAME.csv, measured with compensation")
-          .text("--machine", arguments.machine, "the machine (.toml)")
-          .text("--map", arguments.map, "the error map (.csv)")
-          .text("--params", arguments.params, "the unit's parameters (.toml)")
-          .text("--model", arguments.model, "error model (.toml): fitted, diagnosed, predicted against achieved")
-          .texts("--data", arguments.data, "readings for the model; without: those of its senses in --before")
-          .text("--diagnosis", arguments.diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here")
-          .text("--status", arguments.status, "state of the unit, as `ecs utility status --save` keeps it")
-          .texts("--header", arguments.header, "key=value of the head of the page, such as customer=…; wins over files")
-          .text("--date", arguments.date, "of the report; without: the last date in the files")
-          .integer("--blanks", arguments.blanks, "simulated data sets of noise alone for the diagnosis", 50, 20'000);
-    },
-    report);
+extern const VerbDefinition kReport =
+    verb<ReportArguments>("report", "one self-contained HTML page of a commissioning, to read, print and keep",
+                          "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
+                          "-o report.html\n  ecs report commissioning/ -o report.html",
+                          report);
 
 }  // namespace ecs::app

@@ -66,12 +66,21 @@ Verb& Verb::add(VerbArgument argument) {
 }
 
 Verb& Verb::uses_link() {
-  return text("--link", *link_, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]");
+  return add({"--link", link_, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]"});
 }
 
 Verb& Verb::writes_to_unit() {
   writes_ = true;
   return uses_link();
+}
+
+Verb& Verb::add_all(const Verb& other) {
+  for (VerbArgument argument : other.arguments_) {
+    if (argument.name == "--link") argument.into = link_;
+    add(std::move(argument));
+  }
+  writes_ = writes_ || other.writes_;
+  return *this;
 }
 
 std::vector<std::string> words_of(const std::string& path) {

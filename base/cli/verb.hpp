@@ -72,6 +72,8 @@ class Verb {
                Need need = Need::optional);
   Verb& flag(const std::string& name, bool& into, const std::string& help);
   Verb& add(VerbArgument argument);
+  /// Those of another verb, except that the value of --link goes where this one takes it.
+  Verb& add_all(const Verb& other);
   /// The verb talks to a unit: it takes --link.
   Verb& uses_link();
   /// The same, and it writes, moves or runs: every message says EMULATOR where that is the unit, refusals included.

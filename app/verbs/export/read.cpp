@@ -22,13 +22,36 @@
 namespace ecs::app {
 namespace {
 
-struct ReadArguments {
-  std::vector<std::string> files;
-  std::string output;
-  std::string format = "auto";
-  FormatArguments options;
-  std::string params;
-  std::string params_out;
+std::vector<std::string> format_names() {
+  std::vector<std::string> names{"auto"};
+  for (const auto* format : controllers::controller_formats()) names.emplace_back(format->id);
+  return names;
+}
+
+/// Every read option once, with what it means for each format that has it.
+struct ReadOptions : FormatArguments {
+  explicit ReadOptions(Verb& verb);
+};
+
+ReadOptions::ReadOptions(Verb& verb) {
+  std::vector<const controllers::FormatOption*> options;
+  std::map<std::string_view, std::string> help;
+  for (const auto* format : controllers::controller_formats())
+    for (const controllers::FormatOption& option : format->read_options) {
+      std::string& words = help[option.name];
+      if (words.empty()) options.push_back(&option);
+      words += fmt::format("{}{}: {}", words.empty() ? "" : ". ", format->name, option.help);
+    }
+  for (const auto* option : options) take(verb, *option, help[option->name]);
+}
+
+struct ReadArguments : VerbArguments {
+  const std::vector<std::string>& files = texts("FILE", "files of one control", Need::required);
+  const std::string& output = text("-o,--output", "map CSV to write");
+  const std::string& format = choice("--format", format_names(), "default: by its content", Need::optional, "auto");
+  ReadOptions options{*this};
+  const std::string& params = text("--params", "parameters of the machine: identity, measurement lines");
+  const std::string& params_out = text("--params-out", "the same with the squareness that was read");
 };
 
 struct ReadFiles {
@@ -242,39 +265,12 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
                  one_line(read_json(arguments, *files, *made, *written)), kDone};
 }
 
-std::vector<std::string> format_names() {
-  std::vector<std::string> names{"auto"};
-  for (const auto* format : controllers::controller_formats()) names.emplace_back(format->id);
-  return names;
-}
-
-/// Every read option once, with what it means for each format that has it.
-void take_read_options(Verb& verb, FormatArguments& arguments) {
-  std::vector<const controllers::FormatOption*> options;
-  std::map<std::string_view, std::string> help;
-  for (const auto* format : controllers::controller_formats())
-    for (const controllers::FormatOption& option : format->read_options) {
-      std::string& words = help[option.name];
-      if (words.empty()) options.push_back(&option);
-      words += fmt::format("{}{}: {}", words.empty() ? "" : ". ", format->name, option.help);
-    }
-  for (const auto* option : options) arguments.take(verb, *option, help[option->name]);
-}
-
 }  // namespace
 
-extern const VerbDefinition kExportRead = verb<ReadArguments>(
-    "export read", "the compensation tables of a control as a map CSV",
-    "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
-    "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
-    [](Verb& verb, ReadArguments& arguments) {
-      verb.texts("FILE", arguments.files, "files of one control", Need::required)
-          .text("-o,--output", arguments.output, "map CSV to write")
-          .choice("--format", arguments.format, format_names(), "default: by its content");
-      take_read_options(verb, arguments.options);
-      verb.text("--params", arguments.params, "parameters of the machine: identity, measurement lines")
-          .text("--params-out", arguments.params_out, "the same with the squareness that was read");
-    },
-    read);
+extern const VerbDefinition kExportRead =
+    verb<ReadArguments>("export read", "the compensation tables of a control as a map CSV",
+                        "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
+                        "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
+                        read);
 
 }  // namespace ecs::app

@@ -23,16 +23,20 @@ namespace {
 
 constexpr std::chrono::milliseconds kWatchStep{20};
 
-struct DevicesArguments {
-  bool udev = false;
-  bool learn = false;
-  LearnChoice choice;
-  std::string output;
-  std::string trying;
-  int count = 1;
-  std::string describe;
-  std::vector<std::string> descriptions;
-  bool force = false;
+struct DevicesArguments : VerbArguments {
+  const std::vector<std::string>& descriptions =
+      texts("DESCRIPTION", "with --udev: device descriptions to make rules for as well");
+  const bool& learn = flag("--learn", "finds the bit that changes while a trigger is pressed");
+  const std::string& output = text("-o,--output", "with --learn: the description to write");
+  const std::string& device = text("--device", "with --learn: only this path, serial number or vendor:product");
+  const std::string& name = text("--name", "with --learn: what the device is called");
+  const int& presses = integer("--presses", "with --learn: presses to learn from", 3, 2, 20);
+  const std::string& trying = text("--try", "shows what a device sends: DEVICE.toml[@SERIAL], or temper");
+  const int& count = integer("--count", "with --try: values or presses", 1, 1, 1'000'000);
+  const double& timeout_s = number("--timeout", "with --learn and --try: seconds", 60.0, Need::optional, 0.1, 86400.0);
+  const std::string& describe = text("--describe", "a description that comes with the program, as TOML");
+  const bool& udev = flag("--udev", "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules");
+  const bool& force = flag("--force", "replaces an output file that is there");
 };
 
 std::string hex(std::uint16_t value) { return fmt::format("0x{:04x}", value); }
@@ -111,7 +115,8 @@ Result<Outcome> learn(VerbContext& context, const DevicesArguments& arguments) {
   if (std::filesystem::exists(arguments.output, error) && !arguments.force)
     return problem(ProblemKind::usage,
                    fmt::format("{} is there already: give another -o, or --force", arguments.output));
-  const auto found = learn_device(context.console, context.console.keyboard(), arguments.choice);
+  const auto found = learn_device(context.console, context.console.keyboard(),
+                                  {arguments.device, arguments.name, arguments.presses, arguments.timeout_s});
   if (!found) return tl::unexpected(found.error());
   const std::string toml = devices::to_toml(found->description);
   if (const auto written = write_file(arguments.output, toml); !written) return tl::unexpected(written.error());
@@ -134,7 +139,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& argume
                                    arguments.count == 1 ? "" : "s"));
   const double begin_s = steady_s();
   int seen = 0;
-  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
+  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.timeout_s) {
     if (trigger.pressed(kWatchStep, steady_s()))
       context.console.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
     if (trigger.look(steady_s()) == devices::PortChange::lost)
@@ -144,7 +149,7 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesArguments& argume
     return problem(
         ProblemKind::refused,
         fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
-                    seen, arguments.count, arguments.choice.timeout_s));
+                    seen, arguments.count, arguments.timeout_s));
   return Outcome{fmt::format("{} presses\n", seen), one_line(Json{{"presses", seen}}), kDone};
 }
 
@@ -161,7 +166,7 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& argumen
   int seen = 0;
   Json answers = Json::array();
   std::string text;
-  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.choice.timeout_s) {
+  while (seen < arguments.count && !interrupted() && steady_s() - begin_s < arguments.timeout_s) {
     sensor.attend(steady_s());
     if (sensor.look(steady_s()) == devices::PortChange::lost)
       return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(sensor.port())));
@@ -178,7 +183,7 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesArguments& argumen
     return problem(ProblemKind::refused,
                    fmt::format("{} answered {} times of {} with a value within {} s: is its description "
                                "right, is its probe plugged in?",
-                               name_of(sensor.port()), seen, arguments.count, arguments.choice.timeout_s));
+                               name_of(sensor.port()), seen, arguments.count, arguments.timeout_s));
   return Outcome{text, one_line(Json{{"answers", answers}}), kDone};
 }
 
@@ -225,21 +230,6 @@ extern const VerbDefinition kLaserDevices = verb<DevicesArguments>(
     "laser devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
     "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
     "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml",
-    [](Verb& verb, DevicesArguments& arguments) {
-      verb.texts("DESCRIPTION", arguments.descriptions, "with --udev: device descriptions to make rules for as well")
-          .flag("--learn", arguments.learn, "finds the bit that changes while a trigger is pressed")
-          .text("-o,--output", arguments.output, "with --learn: the description to write")
-          .text("--device", arguments.choice.device, "with --learn: only this path, serial number or vendor:product")
-          .text("--name", arguments.choice.name, "with --learn: what the device is called")
-          .integer("--presses", arguments.choice.presses, "with --learn: presses to learn from", 2, 20)
-          .text("--try", arguments.trying, "shows what a device sends: DEVICE.toml[@SERIAL], or temper")
-          .integer("--count", arguments.count, "with --try: values or presses", 1, 1'000'000)
-          .number("--timeout", arguments.choice.timeout_s, "with --learn and --try: seconds", Need::optional, 0.1,
-                  86400.0)
-          .text("--describe", arguments.describe, "a description that comes with the program, as TOML")
-          .flag("--udev", arguments.udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules")
-          .flag("--force", arguments.force, "replaces an output file that is there");
-    },
     devices);
 
 }  // namespace ecs::app

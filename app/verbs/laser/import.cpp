@@ -17,11 +17,19 @@
 namespace ecs::app {
 namespace {
 
-struct FileImportArguments {
-  std::vector<std::string> files;
-  std::string output;
-  std::string save_profile;
-  ImportArguments import;
+/// "the file to write: CSV, or .rtl .rta …"
+std::string output_help() {
+  std::vector<std::string_view> extensions;
+  for (const auto* format : laser::file_formats().subspan(1))  // the first is the CSV
+    extensions.insert(extensions.end(), format->written_extensions.begin(), format->written_extensions.end());
+  return fmt::format("the file to write: CSV, or {}", fmt::join(extensions, " "));
+}
+
+struct FileImportArguments : VerbArguments {
+  const std::vector<std::string>& files = texts("FILE", "measurement files; several are joined", Need::required);
+  const std::string& output = text("-o,--output", output_help());
+  const std::string& save_profile = text("--save-profile", "keep the import options given, under this name or path");
+  ImportOptions import{*this};
 };
 
 Json json_of_file(const std::string& file, const laser::Imported& imported) {
@@ -68,14 +76,6 @@ Result<void> write_set(const std::string& output, const laser::MeasurementSet& s
   return write_file(output, *content);
 }
 
-/// "the file to write: CSV, or .rtl .rta …"
-std::string output_help() {
-  std::vector<std::string_view> extensions;
-  for (const auto* format : laser::file_formats().subspan(1))  // the first is the CSV
-    extensions.insert(extensions.end(), format->written_extensions.begin(), format->written_extensions.end());
-  return fmt::format("the file to write: CSV, or {}", fmt::join(extensions, " "));
-}
-
 Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
   if (const auto spared = check_output_not_input(arguments.output, arguments.files); !spared)
     return tl::unexpected(spared.error());
@@ -115,12 +115,6 @@ extern const VerbDefinition kLaserImport = verb<FileImportArguments>(
     "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
     "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
     "--skip 3 --save-profile gauge -o table.csv",
-    [](Verb& verb, FileImportArguments& arguments) {
-      verb.texts("FILE", arguments.files, "measurement files; several are joined", Need::required)
-          .text("-o,--output", arguments.output, output_help())
-          .text("--save-profile", arguments.save_profile, "keep the import options given, under this name or path");
-      take_import_options(verb, arguments.import);
-    },
     import);
 
 }  // namespace ecs::app

@@ -13,16 +13,20 @@
 namespace ecs::app {
 namespace {
 
-struct NormaliseArguments {
-  std::string file;
-  std::string output;
-  std::optional<double> coefficient;
-  std::optional<double> instrument;
-  std::optional<double> material_degC;
-  std::string sensor = "t_material_degC";
-  double fixed_mm = 0.0;
-  bool back = false;
-  ImportArguments import;
+struct NormaliseArguments : VerbArguments {
+  const std::string& file = text("FILE", "measurement file", Need::required);
+  const std::optional<double>& coefficient =
+      optional_number("--coefficient", "expansion of the result [um per metre and degC]; 0: none");
+  const std::optional<double>& instrument = optional_number(
+      "--instrument", "what the instrument applied already; from the file if not given (Renishaw Exp coeff)");
+  const std::string& sensor =
+      text("--material-sensor", "column with the temperature of the material", Need::optional, "t_material_degC");
+  const std::optional<double>& material_degC =
+      optional_number("--material", "one material temperature for all readings [degC]");
+  const double& fixed_mm = number("--fixed", "position that expansion leaves where it is [mm]", 0.0);
+  const bool& back = flag("--back", "take it back, to the last digit");
+  const std::string& output = text("-o,--output", "the CSV to write");
+  ImportOptions import{*this};
 };
 
 Result<void> written(const std::string& output, const laser::MeasurementSet& set) {
@@ -83,16 +87,20 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& argume
   return Outcome{text, one_line(object), kDone};
 }
 
-struct AirArguments {
-  laser::BeamAir air;
-  double wavelength_nm = laser::kRedHeNe_nm;
+struct AirArguments : VerbArguments {
+  const double& temperature_degC = number("--temperature", "[degC]", laser::BeamAir{}.temperature_degC);
+  const double& pressure_hPa = number("--pressure", "[hPa]", laser::BeamAir{}.pressure_hPa);
+  const double& humidity_pct = number("--humidity", "relative [%]", laser::BeamAir{}.humidity_pct);
+  const double& co2_ppm = number("--co2", "carbon dioxide [ppm]", laser::BeamAir{}.co2_ppm);
+  const double& wavelength_nm = number("--wavelength", "in vacuum [nm]", laser::kRedHeNe_nm);
 };
 
-Result<Outcome> air(const AirArguments& arguments) {
-  const auto ciddor = laser::refractive_index(arguments.air, arguments.wavelength_nm);
+Result<Outcome> air(VerbContext&, const AirArguments& arguments) {
+  const laser::BeamAir beam{arguments.temperature_degC, arguments.pressure_hPa, arguments.humidity_pct,
+                            arguments.co2_ppm};
+  const auto ciddor = laser::refractive_index(beam, arguments.wavelength_nm);
   if (!ciddor) return tl::unexpected(Problem{ProblemKind::usage, ciddor.error().message, {}, 0, 0, {}});
-  const auto edlen =
-      laser::refractive_index(arguments.air, arguments.wavelength_nm, laser::AirEquation::modified_edlen);
+  const auto edlen = laser::refractive_index(beam, arguments.wavelength_nm, laser::AirEquation::modified_edlen);
   const auto standard = laser::refractive_index({}, arguments.wavelength_nm);
   if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
   const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
@@ -113,30 +121,10 @@ extern const VerbDefinition kLaserNormalise = verb<NormaliseArguments>(
     "laser normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
     "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
     "  ecs laser normalise exx20.csv --back -o exx.csv",
-    [](Verb& verb, NormaliseArguments& arguments) {
-      verb.text("FILE", arguments.file, "measurement file", Need::required)
-          .number("--coefficient", arguments.coefficient, "expansion of the result [um per metre and degC]; 0: none")
-          .number("--instrument", arguments.instrument,
-                  "what the instrument applied already; from the file if not given (Renishaw Exp coeff)")
-          .text("--material-sensor", arguments.sensor, "column with the temperature of the material")
-          .number("--material", arguments.material_degC, "one material temperature for all readings [degC]")
-          .number("--fixed", arguments.fixed_mm, "position that expansion leaves where it is [mm]")
-          .flag("--back", arguments.back, "take it back, to the last digit")
-          .text("-o,--output", arguments.output, "the CSV to write");
-      take_import_options(verb, arguments.import);
-    },
     normalise);
 
-extern const VerbDefinition kLaserAir = verb<AirArguments>(
-    "laser air", "refractive index of air by Ciddor and modified Edlen",
-    "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42",
-    [](Verb& verb, AirArguments& arguments) {
-      verb.number("--temperature", arguments.air.temperature_degC, "[degC]")
-          .number("--pressure", arguments.air.pressure_hPa, "[hPa]")
-          .number("--humidity", arguments.air.humidity_pct, "relative [%]")
-          .number("--co2", arguments.air.co2_ppm, "carbon dioxide [ppm]")
-          .number("--wavelength", arguments.wavelength_nm, "in vacuum [nm]");
-    },
-    [](VerbContext&, const AirArguments& arguments) { return air(arguments); });
+extern const VerbDefinition kLaserAir =
+    verb<AirArguments>("laser air", "refractive index of air by Ciddor and modified Edlen",
+                       "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42", air);
 
 }  // namespace ecs::app

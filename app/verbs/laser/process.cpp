@@ -18,15 +18,17 @@
 namespace ecs::app {
 namespace {
 
-struct ProcessArguments {
-  std::string file;
-  std::string slope;
-  double smooth_mm = 0.0;
-  std::vector<std::string> exclude_runs;
-  std::vector<std::string> exclude_rows;
-  std::string output;
-  std::string plot;
-  ImportArguments import;
+struct ProcessArguments : VerbArguments {
+  const std::string& file = text("FILE", "measurement file", Need::required);
+  const std::string& slope = choice("--slope", {"none", "end_points", "least_squares"},
+                                    "slope to remove; least_squares for straightness, else none");
+  const double& smooth_mm =
+      number("--smooth", "window of the local quadratic [mm]; 0: none", 0.0, Need::optional, 0.0, 1e6);
+  const std::vector<std::string>& exclude_runs = texts("--exclude-run", "runs to leave out: 3 or 3,5");
+  const std::vector<std::string>& exclude_rows = texts("--exclude-row", "data rows to leave out, from 1");
+  const std::string& output = text("-o,--output", "CSV of the processed means");
+  const std::string& plot = text("--plot", "before and after on the same scale: OUT.svg or OUT.png");
+  ImportOptions import{*this};
 };
 
 /// One measurement line, processed.
@@ -259,19 +261,6 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
 
 extern const VerbDefinition kLaserProcess = verb<ProcessArguments>(
     "laser process", "slope removal, smoothing and exclusion of runs; before and after",
-    "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg",
-    [](Verb& verb, ProcessArguments& arguments) {
-      verb.text("FILE", arguments.file, "measurement file", Need::required)
-          .choice("--slope", arguments.slope, {"none", "end_points", "least_squares"},
-                  "slope to remove; least_squares for straightness, else none")
-          .number("--smooth", arguments.smooth_mm, "window of the local quadratic [mm]; 0: none", Need::optional, 0.0,
-                  1e6)
-          .texts("--exclude-run", arguments.exclude_runs, "runs to leave out: 3 or 3,5")
-          .texts("--exclude-row", arguments.exclude_rows, "data rows to leave out, from 1")
-          .text("-o,--output", arguments.output, "CSV of the processed means")
-          .text("--plot", arguments.plot, "before and after on the same scale: OUT.svg or OUT.png");
-      take_import_options(verb, arguments.import);
-    },
-    process);
+    "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg", process);
 
 }  // namespace ecs::app

@@ -10,9 +10,9 @@
 namespace ecs::app {
 namespace {
 
-struct ShowArguments {
-  std::string file;
-  ImportArguments import;
+struct ShowArguments : VerbArguments {
+  const std::string& file = text("FILE", "measurement file", Need::required);
+  ImportOptions import{*this};
 };
 
 std::optional<double> reversal(const laser::TargetReadings& target) {
@@ -92,13 +92,8 @@ Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kLaserShow = verb<ShowArguments>(
-    "laser show", "conditions, lines, sensors and the means at every target of a measurement file",
-    "ecs laser show x_axis.csv",
-    [](Verb& verb, ShowArguments& arguments) {
-      verb.text("FILE", arguments.file, "measurement file", Need::required);
-      take_import_options(verb, arguments.import);
-    },
-    show);
+extern const VerbDefinition kLaserShow =
+    verb<ShowArguments>("laser show", "conditions, lines, sensors and the means at every target of a measurement file",
+                        "ecs laser show x_axis.csv", show);
 
 }  // namespace ecs::app

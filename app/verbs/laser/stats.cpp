@@ -12,9 +12,9 @@
 namespace ecs::app {
 namespace {
 
-struct StatsArguments {
-  std::vector<std::string> files;
-  ImportArguments import;
+struct StatsArguments : VerbArguments {
+  const std::vector<std::string>& files = texts("FILE", "measurement files", Need::required);
+  ImportOptions import{*this};
 };
 
 std::string iso230_text(const laser::Iso230& iso, const std::string& file) {
@@ -83,11 +83,6 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
 
 extern const VerbDefinition kLaserStats = verb<StatsArguments>(
     "laser stats", "accuracy and repeatability by ISO 230-2, the 3-sigma band, the conditions not met",
-    "ecs laser stats x_axis.csv y_axis.rtl --json",
-    [](Verb& verb, StatsArguments& arguments) {
-      verb.texts("FILE", arguments.files, "measurement files", Need::required);
-      take_import_options(verb, arguments.import);
-    },
-    stats);
+    "ecs laser stats x_axis.csv y_axis.rtl --json", stats);
 
 }  // namespace ecs::app

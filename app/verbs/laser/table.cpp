@@ -16,12 +16,12 @@ namespace {
 
 constexpr int kBadFile = 3;
 
-struct TableArguments {
-  std::string plan;
-  std::string before;
-  std::string after;
-  std::string plots;
-  bool png = false;
+struct TableArguments : VerbArguments {
+  const std::string& plan = text("PLAN", "plan with a [[measure]] for each measurement", Need::required);
+  const std::string& before = text("--before", "folder of NAME.csv, measured without compensation", Need::required);
+  const std::string& after = text("--after", "folder of NAME.csv, measured with compensation", Need::required);
+  const std::string& plots = text("--plots", "folder for a plot NAME.svg of each row");
+  const bool& png = flag("--png", "with --plots: NAME.png as well");
 };
 
 Json phase_json(const std::optional<MeasuredPhase>& phase) {
@@ -124,16 +124,8 @@ Result<Outcome> table(VerbContext&, const TableArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kLaserTable = verb<TableArguments>(
-    "laser table", "a commissioning: error bands before and after beside the published ones",
-    "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/",
-    [](Verb& verb, TableArguments& arguments) {
-      verb.text("PLAN", arguments.plan, "plan with a [[measure]] for each measurement", Need::required)
-          .text("--before", arguments.before, "folder of NAME.csv, measured without compensation", Need::required)
-          .text("--after", arguments.after, "folder of NAME.csv, measured with compensation", Need::required)
-          .text("--plots", arguments.plots, "folder for a plot NAME.svg of each row")
-          .flag("--png", arguments.png, "with --plots: NAME.png as well");
-    },
-    table);
+extern const VerbDefinition kLaserTable =
+    verb<TableArguments>("laser table", "a commissioning: error bands before and after beside the published ones",
+                         "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/", table);
 
 }  // namespace ecs::app

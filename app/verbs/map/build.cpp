@@ -23,18 +23,22 @@
 namespace ecs::app {
 namespace {
 
-struct BuildArguments {
-  std::vector<std::string> files;
-  std::string params;
-  std::string output;
-  std::string params_out;
-  std::vector<std::string> zero;
-  std::string customer;
-  std::string engineer;
-  std::string date;
-  std::string from_model;
-  std::string machine;
-  std::optional<double> increment_mm;
+struct BuildArguments : VerbArguments {
+  const std::vector<std::string>& files = texts("FILE", "a recipe (.toml), or measurement files");
+  const std::string& params =
+      text("--params", "parameters of the unit; with --from-model those of the machine by default");
+  const std::string& from_model = text("--from-model", "a fitted model (.toml) in place of measured files");
+  const std::string& machine = text("--machine",
+                                    "the machine (.toml): for --from-model, else for the travels to cover; "
+                                    "by default machine.toml beside the parameters");
+  const std::optional<double>& increment_mm =
+      optional_number("--increment", "of the tables of --from-model [mm]; fine enough if not given");
+  const std::string& output = text("-o,--output", "map CSV to write");
+  const std::string& params_out = text("--params-out", "parameters to write, with the squareness that was measured");
+  const std::vector<std::string>& zero = texts("--zero", "declare a component zero: EBY=\"too small to measure\"");
+  const std::string& customer = text("--customer", "for the header");
+  const std::string& engineer = text("--engineer", "for the header");
+  const std::string& date = text("--date", "for the header, as in 2026-03-12");
 };
 
 struct Recipe {
@@ -278,26 +282,10 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kMapBuild = verb<BuildArguments>(
-    "map build", "the error map from measured files, by a recipe or as the files suggest",
-    "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
-    "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv",
-    [](Verb& verb, BuildArguments& arguments) {
-      verb.texts("FILE", arguments.files, "a recipe (.toml), or measurement files")
-          .text("--params", arguments.params,
-                "parameters of the unit; with --from-model those of the machine by default")
-          .text("--from-model", arguments.from_model, "a fitted model (.toml) in place of measured files")
-          .text("--machine", arguments.machine,
-                "the machine (.toml): for --from-model, else for the travels to cover; "
-                "by default machine.toml beside the parameters")
-          .number("--increment", arguments.increment_mm, "of the tables of --from-model [mm]; fine enough if not given")
-          .text("-o,--output", arguments.output, "map CSV to write")
-          .text("--params-out", arguments.params_out, "parameters to write, with the squareness that was measured")
-          .texts("--zero", arguments.zero, "declare a component zero: EBY=\"too small to measure\"")
-          .text("--customer", arguments.customer, "for the header")
-          .text("--engineer", arguments.engineer, "for the header")
-          .text("--date", arguments.date, "for the header, as in 2026-03-12");
-    },
-    build);
+extern const VerbDefinition kMapBuild =
+    verb<BuildArguments>("map build", "the error map from measured files, by a recipe or as the files suggest",
+                         "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+                         "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv",
+                         build);
 
 }  // namespace ecs::app

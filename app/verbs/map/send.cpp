@@ -15,10 +15,11 @@ namespace {
 constexpr std::string_view kBeforeFirstCompensation =
     "check polarity and scale of every axis with `ecs utility output` before the first compensation";
 
-struct SendArguments {
-  std::string file;
-  std::string params;
-  bool other_machine = false;
+struct SendArguments : VerbArguments {
+  const std::string& file = text("FILE", "map CSV", Need::required);
+  const std::string& params = text("--params", "parameters of the unit, sent with the map", Need::required);
+  const bool& other_machine = flag("--other-machine", "send although map, parameters and unit name other machines");
+  const Access access = writes_to_unit();
 };
 
 Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
@@ -52,14 +53,6 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
 
 extern const VerbDefinition kMapSend = verb<SendArguments>(
     "map send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
-    "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200",
-    [](Verb& verb, SendArguments& arguments) {
-      verb.text("FILE", arguments.file, "map CSV", Need::required)
-          .text("--params", arguments.params, "parameters of the unit, sent with the map", Need::required)
-          .flag("--other-machine", arguments.other_machine,
-                "send although map, parameters and unit name other machines")
-          .writes_to_unit();
-    },
-    send);
+    "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send);
 
 }  // namespace ecs::app

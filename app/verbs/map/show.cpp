@@ -14,13 +14,15 @@
 namespace ecs::app {
 namespace {
 
-struct ShowArguments {
-  std::string file;
-  bool unit = false;
-  std::string component;
-  std::string params;
-  std::string machine;
-  std::string plot;
+struct ShowArguments : VerbArguments {
+  const std::string& file = text("FILE", "map CSV; or give --unit");
+  const bool& unit = flag("--unit", "the map in the unit");
+  const std::string& component = text("--component", "one of the 18 curves, with its values in --json");
+  const std::string& params = text("--params", "parameters to judge the map by; with --unit the unit's own");
+  const std::string& machine =
+      text("--machine", "the machine (.toml): the travels to cover; by default machine.toml beside the parameters");
+  const std::string& plot = text("--plot", "OUT.svg or OUT.png");
+  const Access access = uses_link();
 };
 
 Result<std::optional<Component>> chosen(const std::string& name) {
@@ -88,7 +90,13 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   return Outcome{text, one_line(object), kDone};
 }
 
-Result<Outcome> header(VerbContext& context, const ShowArguments& arguments) {
+struct HeaderArguments : VerbArguments {
+  const std::string& file = text("FILE", "map CSV; or give --unit");
+  const bool& unit = flag("--unit", "the map in the unit");
+  const Access access = uses_link();
+};
+
+Result<Outcome> header(VerbContext& context, const HeaderArguments& arguments) {
   const auto found = found_map(context, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
   Json object{{"map", found->name}};
@@ -98,28 +106,11 @@ Result<Outcome> header(VerbContext& context, const ShowArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kMapShow = verb<ShowArguments>(
-    "map show", "header, tables and findings of a map file or of the map in the unit",
-    "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg",
-    [](Verb& verb, ShowArguments& arguments) {
-      verb.text("FILE", arguments.file, "map CSV; or give --unit")
-          .flag("--unit", arguments.unit, "the map in the unit")
-          .text("--component", arguments.component, "one of the 18 curves, with its values in --json")
-          .text("--params", arguments.params, "parameters to judge the map by; with --unit the unit's own")
-          .text("--machine", arguments.machine,
-                "the machine (.toml): the travels to cover; by default machine.toml beside the parameters")
-          .text("--plot", arguments.plot, "OUT.svg or OUT.png")
-          .uses_link();
-    },
-    show);
+extern const VerbDefinition kMapShow =
+    verb<ShowArguments>("map show", "header, tables and findings of a map file or of the map in the unit",
+                        "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show);
 
-extern const VerbDefinition kMapHeader = verb<ShowArguments>(
-    "map header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit",
-    [](Verb& verb, ShowArguments& arguments) {
-      verb.text("FILE", arguments.file, "map CSV; or give --unit")
-          .flag("--unit", arguments.unit, "the map in the unit")
-          .uses_link();
-    },
-    header);
+extern const VerbDefinition kMapHeader = verb<HeaderArguments>(
+    "map header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit", header);
 
 }  // namespace ecs::app

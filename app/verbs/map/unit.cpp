@@ -16,8 +16,9 @@ namespace {
 
 constexpr std::size_t kMostShown = 20;
 
-struct ReceiveArguments {
-  std::string output;
+struct ReceiveArguments : VerbArguments {
+  const std::string& output = text("-o,--output", "file to write; without it the CSV goes to stdout");
+  const Access access = uses_link();
 };
 
 Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
@@ -36,9 +37,10 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
                  one_line(object), kDone};
 }
 
-struct VerifyArguments {
-  std::string file;
-  std::string params;
+struct VerifyArguments : VerbArguments {
+  const std::string& file = text("FILE", "map CSV", Need::required);
+  const std::string& params = text("--params", "parameter file to compare as well");
+  const Access access = uses_link();
 };
 
 Json difference_json(const MapDifference& d) {
@@ -79,21 +81,12 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kMapReceive = verb<ReceiveArguments>(
-    "map receive", "the map in the unit as a map CSV", "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502",
-    [](Verb& verb, ReceiveArguments& arguments) {
-      verb.text("-o,--output", arguments.output, "file to write; without it the CSV goes to stdout").uses_link();
-    },
-    receive);
+extern const VerbDefinition kMapReceive =
+    verb<ReceiveArguments>("map receive", "the map in the unit as a map CSV",
+                           "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502", receive);
 
-extern const VerbDefinition kMapVerify = verb<VerifyArguments>(
-    "map verify", "whether the unit holds this map, to the resolution of its memory",
-    "ecs map verify map.csv --params mill.toml",
-    [](Verb& verb, VerifyArguments& arguments) {
-      verb.text("FILE", arguments.file, "map CSV", Need::required)
-          .text("--params", arguments.params, "parameter file to compare as well")
-          .uses_link();
-    },
-    verify);
+extern const VerbDefinition kMapVerify =
+    verb<VerifyArguments>("map verify", "whether the unit holds this map, to the resolution of its memory",
+                          "ecs map verify map.csv --params mill.toml", verify);
 
 }  // namespace ecs::app

@@ -19,10 +19,11 @@ Result<MemoryDump> dump_of_unit(VerbContext& context, DumpScope scope) {
   return take_dump(unit->client(), unit->name(), scope, progress_bar(context, "memory"));
 }
 
-struct ShowArguments {
-  std::string file;
-  bool unit = false;
-  bool bytes = false;
+struct ShowArguments : VerbArguments {
+  const std::string& file = text("FILE", "dump or memory image");
+  const bool& unit = flag("--unit", "the active image of the unit");
+  const bool& bytes = flag("--bytes", "names and meaning beside the bytes");
+  const Access access = uses_link();
 };
 
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
@@ -33,9 +34,10 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   return outcome_of(memory_cell(*dump, decoded(*dump), arguments.bytes));
 }
 
-struct CompareArguments {
-  std::string a;
-  std::string b;
+struct CompareArguments : VerbArguments {
+  const std::string& a = text("A", "dump, memory image, or `unit`", Need::required);
+  const std::string& b = text("B", "dump, memory image, or `unit`", Need::required);
+  const Access access = uses_link();
 };
 
 Result<MemoryDump> dump_from(VerbContext& context, const std::string& file_or_unit) {
@@ -79,25 +81,12 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
 
 }  // namespace
 
-extern const VerbDefinition kMemoryShow = verb<ShowArguments>(
-    "memory show", "what a dump holds: parameters, tables, header, checks, faults",
-    "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit",
-    [](Verb& verb, ShowArguments& arguments) {
-      verb.text("FILE", arguments.file, "dump or memory image")
-          .flag("--unit", arguments.unit, "the active image of the unit")
-          .flag("--bytes", arguments.bytes, "names and meaning beside the bytes")
-          .uses_link();
-    },
-    show);
+extern const VerbDefinition kMemoryShow =
+    verb<ShowArguments>("memory show", "what a dump holds: parameters, tables, header, checks, faults",
+                        "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit", show);
 
 extern const VerbDefinition kMemoryCompare = verb<CompareArguments>(
     "memory compare", "the fields that differ between two dumps; `unit` means the connected unit",
-    "ecs memory compare before.ecsdump after.ecsdump",
-    [](Verb& verb, CompareArguments& arguments) {
-      verb.text("A", arguments.a, "dump, memory image, or `unit`", Need::required)
-          .text("B", arguments.b, "dump, memory image, or `unit`", Need::required)
-          .uses_link();
-    },
-    compare);
+    "ecs memory compare before.ecsdump after.ecsdump", compare);
 
 }  // namespace ecs::app

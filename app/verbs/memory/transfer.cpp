@@ -18,11 +18,12 @@ namespace ecs::app {
 namespace {
 
 // --- read
-struct ReadArguments {
-  std::string address;
-  std::string length;
-  std::string output;
-  bool hex = false;
+struct ReadArguments : VerbArguments {
+  const std::string& address = text("ADDRESS", "first address, decimal or 0x…", Need::required);
+  const std::string& length = text("LENGTH", "bytes, decimal or 0x…", Need::required);
+  const std::string& output = text("-o,--output", "file for the bytes as they are");
+  const bool& hex = flag("--hex", "hexadecimal digits only");
+  const Access access = uses_link();
 };
 
 /// 16 bytes a line with address and characters.
@@ -70,11 +71,12 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadArguments& arguments)
 }
 
 // --- write
-struct WriteArguments {
-  std::string address;
-  std::vector<std::string> words;
-  std::string file;
-  bool yes = false;
+struct WriteArguments : VerbArguments {
+  const std::string& address = text("ADDRESS", "first address, decimal or 0x…", Need::required);
+  const std::vector<std::string>& words = texts("BYTES", "hexadecimal digits, two a byte");
+  const std::string& file = text("--file", "write the bytes of this file");
+  const bool& yes = flag("--yes", "overwrite");
+  const Access access = writes_to_unit();
 };
 
 Result<std::vector<std::uint8_t>> bytes_to_write(const WriteArguments& arguments) {
@@ -112,9 +114,10 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
 }
 
 // --- dump
-struct DumpArguments {
-  std::string output;
-  bool active = false;
+struct DumpArguments : VerbArguments {
+  const std::string& output = text("-o,--output", "file to write", Need::required);
+  const bool& active = flag("--active", "only the commit records and the active image");
+  const Access access = uses_link();
 };
 
 Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments) {
@@ -137,10 +140,11 @@ Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments
 }
 
 // --- load
-struct LoadArguments {
-  std::string file;
-  bool yes = false;
-  bool other_machine = false;
+struct LoadArguments : VerbArguments {
+  const std::string& file = text("FILE", "dump or memory image", Need::required);
+  const bool& yes = flag("--yes", "replace what the unit holds");
+  const bool& other_machine = flag("--other-machine", "load although dump or map name another unit");
+  const Access access = writes_to_unit();
 };
 
 /// The bytes of the dump's main image, if it is one that a unit may have.
@@ -184,46 +188,19 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kMemoryRead = verb<ReadArguments>(
-    "memory read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64",
-    [](Verb& verb, ReadArguments& arguments) {
-      verb.text("ADDRESS", arguments.address, "first address, decimal or 0x…", Need::required)
-          .text("LENGTH", arguments.length, "bytes, decimal or 0x…", Need::required)
-          .text("-o,--output", arguments.output, "file for the bytes as they are")
-          .flag("--hex", arguments.hex, "hexadecimal digits only")
-          .uses_link();
-    },
-    read_bytes);
+extern const VerbDefinition kMemoryRead = verb<ReadArguments>("memory read", "show or store bytes of the unit's memory",
+                                                              "ecs memory read 0x100000 64", read_bytes);
 
-extern const VerbDefinition kMemoryWrite = verb<WriteArguments>(
-    "memory write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes",
-    [](Verb& verb, WriteArguments& arguments) {
-      verb.text("ADDRESS", arguments.address, "first address, decimal or 0x…", Need::required)
-          .texts("BYTES", arguments.words, "hexadecimal digits, two a byte")
-          .text("--file", arguments.file, "write the bytes of this file")
-          .flag("--yes", arguments.yes, "overwrite")
-          .writes_to_unit();
-    },
-    write_bytes);
+extern const VerbDefinition kMemoryWrite =
+    verb<WriteArguments>("memory write", "write bytes into the unit's memory (needs --yes)",
+                         "ecs memory write 0x048000 4E75 --yes", write_bytes);
 
-extern const VerbDefinition kMemoryDump = verb<DumpArguments>(
-    "memory dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump",
-    [](Verb& verb, DumpArguments& arguments) {
-      verb.text("-o,--output", arguments.output, "file to write", Need::required)
-          .flag("--active", arguments.active, "only the commit records and the active image")
-          .uses_link();
-    },
-    dump_memory);
+extern const VerbDefinition kMemoryDump =
+    verb<DumpArguments>("memory dump", "all memory of the unit with its status, as one file",
+                        "ecs memory dump -o unit.ecsdump", dump_memory);
 
-extern const VerbDefinition kMemoryLoad = verb<LoadArguments>(
-    "memory load", "restore parameters and map of a dump into the unit (needs --yes)",
-    "ecs memory load unit.ecsdump --yes",
-    [](Verb& verb, LoadArguments& arguments) {
-      verb.text("FILE", arguments.file, "dump or memory image", Need::required)
-          .flag("--yes", arguments.yes, "replace what the unit holds")
-          .flag("--other-machine", arguments.other_machine, "load although dump or map name another unit")
-          .writes_to_unit();
-    },
-    load);
+extern const VerbDefinition kMemoryLoad =
+    verb<LoadArguments>("memory load", "restore parameters and map of a dump into the unit (needs --yes)",
+                        "ecs memory load unit.ecsdump --yes", load);
 
 }  // namespace ecs::app

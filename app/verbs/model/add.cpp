@@ -13,15 +13,18 @@
 namespace ecs::app {
 namespace {
 
-struct AddArguments {
-  ModelArguments common;
-  std::string effect;
-  std::string approach;
-  std::string sensor;
-  std::string sensor2;
-  std::string sense;
-  std::string code;
-  std::string output;
+struct AddArguments : VerbArguments {
+  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
+  const std::string& effect = text(
+      "EFFECT", "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required);
+  const std::vector<std::string>& data = texts("--data", "measurement files to fit to", Need::required);
+  const std::string& output = text("-o,--output", "the model with the effect; may be MODEL itself");
+  const std::string& approach = choice("--approach", {"both", "forward", "reverse"}, "on which approach it acts");
+  const std::string& sensor = text("--sensor", "column of the sensor that it follows");
+  const std::string& sensor2 = text("--sensor2", "column of the second sensor, where it follows the difference of two");
+  const std::string& sense = choice("--sense", {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect");
+  const std::string& code = text("--code", "component of angular, squareness or map faults, such as ECX");
+  const std::string& machine = text("--machine", kMachineHelp);
 };
 
 Result<model::AddRequest> request_of(const AddArguments& arguments) {
@@ -69,20 +72,20 @@ Cell added_cell(const model::Added& added, const std::string& output) {
 Result<Outcome> add(VerbContext& context, const AddArguments& arguments) {
   const auto request = request_of(arguments);
   if (!request) return tl::unexpected(request.error());
-  const auto work = model_work(context.console, arguments.common);
+  const auto work = model_work(context.console, {arguments.model, arguments.data, arguments.machine, {}});
   if (!work) return tl::unexpected(with_hint(work.error()));
   const auto added = model::add_effect(work->model, work->data, *request, work->data_name);
-  if (!added) return tl::unexpected(in_file(added.error(), arguments.common.model));
+  if (!added) return tl::unexpected(in_file(added.error(), arguments.model));
   if (!arguments.output.empty())
-    if (const auto kept = keep_model(arguments.output, added->model, arguments.common.model); !kept)
+    if (const auto kept = keep_model(arguments.output, added->model, arguments.model); !kept)
       return tl::unexpected(kept.error());
   return outcome_of(added_cell(*added, arguments.output));
 }
 
-struct UndoArguments {
-  std::string model;
-  std::string machine;
-  std::string output;
+struct UndoArguments : VerbArguments {
+  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
+  const std::string& output = text("-o,--output", "the model to write; MODEL itself if not given");
+  const std::string& machine = text("--machine", kMachineHelp);
 };
 
 /// A ladder that holds nothing but its beginning has nothing to take back.
@@ -91,7 +94,7 @@ bool nothing_added(const model::Model& model) {
                      [](const model::LadderStep& step) { return step.effect.empty(); });
 }
 
-Result<Outcome> undo(const UndoArguments& arguments) {
+Result<Outcome> undo(VerbContext&, const UndoArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   if (nothing_added(*model))
@@ -111,29 +114,9 @@ Result<Outcome> undo(const UndoArguments& arguments) {
 
 extern const VerbDefinition kModelAdd = verb<AddArguments>(
     "model add", "an effect more, in the place that fits best; shows how far the error falls",
-    "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml",
-    [](Verb& verb, AddArguments& arguments) {
-      verb.text("MODEL", arguments.common.model, "model file (.toml)", Need::required)
-          .text("EFFECT", arguments.effect,
-                "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them", Need::required)
-          .texts("--data", arguments.common.data, "measurement files to fit to", Need::required)
-          .text("-o,--output", arguments.output, "the model with the effect; may be MODEL itself")
-          .choice("--approach", arguments.approach, {"both", "forward", "reverse"}, "on which approach it acts")
-          .text("--sensor", arguments.sensor, "column of the sensor that it follows")
-          .text("--sensor2", arguments.sensor2, "column of the second sensor, where it follows the difference of two")
-          .choice("--sense", arguments.sense, {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect")
-          .text("--code", arguments.code, "component of angular, squareness or map faults, such as ECX");
-      take_machine(verb, arguments.common.machine);
-    },
-    add);
+    "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml", add);
 
 extern const VerbDefinition kModelUndo = verb<UndoArguments>(
-    "model undo", "a model without the effect that was added last", "ecs model undo model.toml",
-    [](Verb& verb, UndoArguments& arguments) {
-      verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
-          .text("-o,--output", arguments.output, "the model to write; MODEL itself if not given");
-      take_machine(verb, arguments.machine);
-    },
-    [](VerbContext&, const UndoArguments& arguments) { return undo(arguments); });
+    "model undo", "a model without the effect that was added last", "ecs model undo model.toml", undo);
 
 }  // namespace ecs::app

@@ -15,13 +15,13 @@
 namespace ecs::app {
 namespace {
 
-struct CompareArguments {
-  ModelArguments common;
-  int worst = 10;
-  std::string at;
-  int volume = 0;
-  std::string output;
-  std::string plot;
+struct CompareArguments : VerbArguments {
+  ModelOptions common{*this};
+  const int& worst = integer("--worst", "so many of the worst places", 10, 0, 10'000);
+  const std::string& at = text("--at", "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1");
+  const int& volume = integer("--volume", "predicted error over the volume, so many places along each axis", 0, 2, 60);
+  const std::string& output = text("-o,--output", "CSV of the volume to write");
+  const std::string& plot = text("--plot", "measured against model, as .svg or .png");
 };
 
 Result<void> sound(const CompareArguments& arguments) {
@@ -106,19 +106,10 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
 
 }  // namespace
 
-extern const VerbDefinition kModelCompare = verb<CompareArguments>(
-    "model compare", "where a model fails: residuals by direction and by every variable",
-    "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
-    "ecs model compare drive_as_printed.toml step_recorded.csv",
-    [](Verb& verb, CompareArguments& arguments) {
-      take_model_and_data(verb, arguments.common);
-      verb.integer("--worst", arguments.worst, "so many of the worst places", 0, 10'000)
-          .text("--at", arguments.at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1")
-          .integer("--volume", arguments.volume, "predicted error over the volume, so many places along each axis", 2,
-                   60)
-          .text("-o,--output", arguments.output, "CSV of the volume to write")
-          .text("--plot", arguments.plot, "measured against model, as .svg or .png");
-    },
-    compare);
+extern const VerbDefinition kModelCompare =
+    verb<CompareArguments>("model compare", "where a model fails: residuals by direction and by every variable",
+                           "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
+                           "ecs model compare drive_as_printed.toml step_recorded.csv",
+                           compare);
 
 }  // namespace ecs::app

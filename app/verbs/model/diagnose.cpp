@@ -11,11 +11,12 @@
 namespace ecs::app {
 namespace {
 
-struct DiagnoseArguments {
-  ModelArguments common;
-  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
-  bool plain = false;
-  std::string plot;
+struct DiagnoseArguments : VerbArguments {
+  ModelOptions common{*this};
+  const int& blanks = integer("--blanks", "simulated data sets of noise alone that a finding must beat",
+                              static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
+  const bool& plain = flag("--plain", "ordinary least squares: no reading counts as an outlier");
+  const std::string& plot = text("--plot", "measured against model, and what is left, as .svg or .png");
 };
 
 Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, const DiagnoseArguments& arguments) {
@@ -47,14 +48,6 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
 
 extern const VerbDefinition kModelDiagnose = verb<DiagnoseArguments>(
     "model diagnose", "which effect is missing from a model, with proof, rivals and doubts",
-    "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg",
-    [](Verb& verb, DiagnoseArguments& arguments) {
-      take_model_and_data(verb, arguments.common);
-      verb.integer("--blanks", arguments.blanks, "simulated data sets of noise alone that a finding must beat", 50,
-                   20'000)
-          .flag("--plain", arguments.plain, "ordinary least squares: no reading counts as an outlier")
-          .text("--plot", arguments.plot, "measured against model, and what is left, as .svg or .png");
-    },
-    diagnose);
+    "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg", diagnose);
 
 }  // namespace ecs::app

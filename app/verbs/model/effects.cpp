@@ -77,8 +77,13 @@ Result<Outcome> one_effect(const std::string& name) {
                              like.empty() ? "" : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", ")));
 }
 
-Result<Outcome> effects(const std::string& name) {
-  if (!name.empty()) return one_effect(name);
+struct EffectsArguments : VerbArguments {
+  const std::string& name = text("EFFECT", "explain this one");
+  const std::string& machine = text("--machine", "taken as by every verb of MODEL; the library is the same for all");
+};
+
+Result<Outcome> effects(VerbContext&, const EffectsArguments& arguments) {
+  if (!arguments.name.empty()) return one_effect(arguments.name);
   Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)),
@@ -86,20 +91,10 @@ Result<Outcome> effects(const std::string& name) {
   return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", {{"effects", std::move(all)}}));
 }
 
-struct EffectsArguments {
-  std::string name;
-  std::string machine;
-};
-
 }  // namespace
 
 extern const VerbDefinition kModelEffects = verb<EffectsArguments>(
     "model effects", "the library of effects: cause, formula, how to distinguish each from similar ones",
-    "ecs model effects cyclic",
-    [](Verb& verb, EffectsArguments& arguments) {
-      verb.text("EFFECT", arguments.name, "explain this one")
-          .text("--machine", arguments.machine, "taken as by every verb of MODEL; the library is the same for all");
-    },
-    [](VerbContext&, const EffectsArguments& arguments) { return effects(arguments.name); });
+    "ecs model effects cyclic", effects);
 
 }  // namespace ecs::app

@@ -19,11 +19,11 @@ using model::Fit;
 
 constexpr double kStrongCorrelation = 0.9;
 
-struct FitArguments {
-  ModelArguments common;
-  bool plain = false;
-  std::string output;
-  std::string plot;
+struct FitArguments : VerbArguments {
+  ModelOptions common{*this};
+  const bool& plain = flag("--plain", "ordinary least squares: every reading counts the same");
+  const std::string& output = text("-o,--output", "the model with its values; may be MODEL itself");
+  const std::string& plot = text("--plot", "measured against model, as .svg or .png");
 };
 
 Cell effect_cell(const EffectFit& effect) {
@@ -146,15 +146,8 @@ Result<Outcome> fit(VerbContext& context, const FitArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kModelFit = verb<FitArguments>(
-    "model fit", "the parameters of a model from measured data, with sigmas and correlations",
-    "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml",
-    [](Verb& verb, FitArguments& arguments) {
-      take_model_and_data(verb, arguments.common);
-      verb.flag("--plain", arguments.plain, "ordinary least squares: every reading counts the same")
-          .text("-o,--output", arguments.output, "the model with its values; may be MODEL itself")
-          .text("--plot", arguments.plot, "measured against model, as .svg or .png");
-    },
-    fit);
+extern const VerbDefinition kModelFit =
+    verb<FitArguments>("model fit", "the parameters of a model from measured data, with sigmas and correlations",
+                       "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml", fit);
 
 }  // namespace ecs::app

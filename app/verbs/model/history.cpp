@@ -10,13 +10,13 @@
 namespace ecs::app {
 namespace {
 
-struct HistoryArguments {
-  std::string model;
-  std::string machine;
-  std::string plot;
+struct HistoryArguments : VerbArguments {
+  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
+  const std::string& plot = text("--plot", "bars falling towards the noise, as .svg or .png");
+  const std::string& machine = text("--machine", kMachineHelp);
 };
 
-Result<Outcome> history(const HistoryArguments& arguments) {
+Result<Outcome> history(VerbContext&, const HistoryArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   Cell ladder = ladder_cell(model->history);
@@ -30,14 +30,8 @@ Result<Outcome> history(const HistoryArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kModelHistory = verb<HistoryArguments>(
-    "model history", "the ladder: how far the error fell with every effect",
-    "ecs model history model.toml --plot ladder.svg",
-    [](Verb& verb, HistoryArguments& arguments) {
-      verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
-          .text("--plot", arguments.plot, "bars falling towards the noise, as .svg or .png");
-      take_machine(verb, arguments.machine);
-    },
-    [](VerbContext&, const HistoryArguments& arguments) { return history(arguments); });
+extern const VerbDefinition kModelHistory =
+    verb<HistoryArguments>("model history", "the ladder: how far the error fell with every effect",
+                           "ecs model history model.toml --plot ladder.svg", history);
 
 }  // namespace ecs::app

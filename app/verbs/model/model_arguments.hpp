@@ -10,8 +10,9 @@
 namespace ecs::app {
 
 /// Adds MODEL, DATA, --machine and the options of `laser import`.
-void take_model_and_data(Verb& verb, ModelArguments& arguments, Need data = Need::required);
-/// Adds --machine alone.
-void take_machine(Verb& verb, std::string& machine);
+struct ModelOptions : ModelArguments {
+  explicit ModelOptions(Verb& verb, Need data_need = Need::required);
+};
+inline constexpr const char* kMachineHelp = "the machine (.toml): datum, travels, lever arms, pitches";
 
 }  // namespace ecs::app

@@ -11,7 +11,12 @@
 namespace ecs::app {
 namespace {
 
-Result<Outcome> begin(VerbContext& context, const ModelArguments& arguments) {
+struct NewArguments : VerbArguments {
+  ModelOptions common{*this};
+};
+
+Result<Outcome> begin(VerbContext& context, const NewArguments& given) {
+  const ModelArguments& arguments = given.common;
   const auto work = begun_model(context.console, arguments);
   if (!work) return tl::unexpected(work.error());
   std::string text = fmt::format("begun in {}: offset, slope and backlash of what was measured\n", arguments.model);
@@ -26,9 +31,8 @@ Result<Outcome> begin(VerbContext& context, const ModelArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kModelNew = verb<ModelArguments>(
-    "model new", "a model to begin with: offset, slope and backlash of what was measured",
-    "ecs model new model.toml data.csv --machine machine.toml",
-    [](Verb& verb, ModelArguments& arguments) { take_model_and_data(verb, arguments); }, begin);
+extern const VerbDefinition kModelNew =
+    verb<NewArguments>("model new", "a model to begin with: offset, slope and backlash of what was measured",
+                       "ecs model new model.toml data.csv --machine machine.toml", begin);
 
 }  // namespace ecs::app

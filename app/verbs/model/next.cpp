@@ -20,13 +20,16 @@ namespace {
 using model::MeasurementProposal;
 using model::PlanCheck;
 
-struct NextArguments {
-  ModelArguments common;
-  std::string check;
-  double noise_um = 0.5;
-  int proposal = 1;
-  std::string program;
-  std::string targets;
+struct NextArguments : VerbArguments {
+  ModelOptions common{*this, Need::optional};
+  const std::string& check =
+      text("--check", "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL");
+  const int& proposal = integer("--proposal", "which of the proposals --program and --targets are for", 1, 1, 100);
+  const std::string& program = text("--program", "part program of the proposal to write");
+  const std::string& targets =
+      text("--targets", "target list of the proposal to write, a measurement set without readings");
+  const double& noise_um =
+      number("--noise", "of one reading, for --check without DATA [um]", 0.5, Need::optional, 1e-6, 1e6);
 };
 
 // --- proposals
@@ -181,23 +184,12 @@ Result<Outcome> check(VerbContext& context, const NextArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kModelNext = verb<NextArguments>(
-    "model next", "the measurement that separates rivals best per minute; --check judges a plan",
-    "ecs model next model.toml data.csv --machine machine.toml\n"
-    "  ecs model next model.toml --check plan.csv --machine machine.toml",
-    [](Verb& verb, NextArguments& arguments) {
-      take_model_and_data(verb, arguments.common, Need::optional);
-      verb.text("--check", arguments.check,
-                "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL")
-          .integer("--proposal", arguments.proposal, "which of the proposals --program and --targets are for", 1, 100)
-          .text("--program", arguments.program, "part program of the proposal to write")
-          .text("--targets", arguments.targets,
-                "target list of the proposal to write, a measurement set without readings")
-          .number("--noise", arguments.noise_um, "of one reading, for --check without DATA [um]", Need::optional, 1e-6,
-                  1e6);
-    },
-    [](VerbContext& context, const NextArguments& arguments) {
-      return arguments.check.empty() ? propose(context, arguments) : check(context, arguments);
-    });
+extern const VerbDefinition kModelNext =
+    verb<NextArguments>("model next", "the measurement that separates rivals best per minute; --check judges a plan",
+                        "ecs model next model.toml data.csv --machine machine.toml\n"
+                        "  ecs model next model.toml --check plan.csv --machine machine.toml",
+                        [](VerbContext& context, const NextArguments& arguments) {
+                          return arguments.check.empty() ? propose(context, arguments) : check(context, arguments);
+                        });
 
 }  // namespace ecs::app

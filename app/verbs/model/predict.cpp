@@ -17,12 +17,14 @@
 namespace ecs::app {
 namespace {
 
-struct PredictArguments {
-  std::string model;
-  std::string points;
-  std::string machine;
-  std::string output;
-  ImportArguments import;
+struct PredictArguments : VerbArguments {
+  const std::string& model =
+      text("MODEL", "model file (.toml) with values: given, or from `model fit -o`", Need::required);
+  const std::string& points =
+      text("POINTS", "measurement set; the column reading does not count and may be absent", Need::required);
+  const std::string& output = text("-o,--output", "measurement set to write, predictions in the column reading");
+  const std::string& machine = text("--machine", kMachineHelp);
+  ImportOptions import{*this};
 };
 
 /// The rows with the prediction as reading; what the file had there goes into the column `measured`.
@@ -115,18 +117,8 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
 
 }  // namespace
 
-extern const VerbDefinition kModelPredict = verb<PredictArguments>(
-    "model predict", "the predictions of a fitted model at given places",
-    "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv",
-    [](Verb& verb, PredictArguments& arguments) {
-      verb.text("MODEL", arguments.model, "model file (.toml) with values: given, or from `model fit -o`",
-                Need::required)
-          .text("POINTS", arguments.points, "measurement set; the column reading does not count and may be absent",
-                Need::required)
-          .text("-o,--output", arguments.output, "measurement set to write, predictions in the column reading");
-      take_machine(verb, arguments.machine);
-      take_import_options(verb, arguments.import);
-    },
-    predict);
+extern const VerbDefinition kModelPredict =
+    verb<PredictArguments>("model predict", "the predictions of a fitted model at given places",
+                           "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv", predict);
 
 }  // namespace ecs::app

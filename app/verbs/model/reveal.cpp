@@ -19,11 +19,13 @@
 namespace ecs::app {
 namespace {
 
-struct RevealArguments {
-  std::string folder;
-  std::string diagnosis;
-  std::string machine;
-  int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
+struct RevealArguments : VerbArguments {
+  const std::string& folder = text("DIR", "a case of `ecs-emulator hide`, or a folder of such cases", Need::required);
+  const std::string& diagnosis =
+      text("--diagnosis", "saved JSON of `ecs model diagnose --json`; without it, one is made now");
+  const int& blanks = integer("--blanks", "as for `ecs model diagnose`",
+                              static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
+  const std::string& machine = text("--machine", "another machine than machine.toml of the case");
 };
 
 struct Revealed {
@@ -243,16 +245,8 @@ Result<Outcome> reveal(VerbContext& context, const RevealArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kModelReveal = verb<RevealArguments>(
-    "model reveal", "what was hidden in a case, and whether the diagnosis found it",
-    "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json",
-    [](Verb& verb, RevealArguments& arguments) {
-      verb.text("DIR", arguments.folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required)
-          .text("--diagnosis", arguments.diagnosis,
-                "saved JSON of `ecs model diagnose --json`; without it, one is made now")
-          .integer("--blanks", arguments.blanks, "as for `ecs model diagnose`", 50, 20'000)
-          .text("--machine", arguments.machine, "another machine than machine.toml of the case");
-    },
-    reveal);
+extern const VerbDefinition kModelReveal =
+    verb<RevealArguments>("model reveal", "what was hidden in a case, and whether the diagnosis found it",
+                          "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json", reveal);
 
 }  // namespace ecs::app

@@ -8,9 +8,9 @@
 namespace ecs::app {
 namespace {
 
-struct WhatIfArguments {
-  ModelArguments common;
-  std::vector<std::string> after;
+struct WhatIfArguments : VerbArguments {
+  ModelOptions common{*this};
+  const std::vector<std::string>& after = texts("--after", "the same measured again with the unit compensating");
 };
 
 Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) {
@@ -26,11 +26,6 @@ Result<Outcome> what_if(VerbContext& context, const WhatIfArguments& arguments) 
 
 extern const VerbDefinition kModelWhatIf = verb<WhatIfArguments>(
     "model what-if", "the error that compensation would leave; predicted against achieved",
-    "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv",
-    [](Verb& verb, WhatIfArguments& arguments) {
-      take_model_and_data(verb, arguments.common);
-      verb.texts("--after", arguments.after, "the same measured again with the unit compensating");
-    },
-    what_if);
+    "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv", what_if);
 
 }  // namespace ecs::app

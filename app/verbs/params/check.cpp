@@ -10,9 +10,9 @@
 namespace ecs::app {
 namespace {
 
-struct CheckArguments {
-  std::string file;
-  std::string machine;
+struct CheckArguments : VerbArguments {
+  const std::string& file = text("FILE", "parameter file", Need::required);
+  const std::string& machine = text("--machine", "machine file to compare with");
 };
 
 Json findings_json(const std::vector<params::Finding>& findings) {
@@ -46,13 +46,8 @@ Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments
 
 }  // namespace
 
-extern const VerbDefinition kParamsCheck = verb<CheckArguments>(
-    "params check", "every finding against a parameter file, with what to do",
-    "ecs params check mill.toml --machine machine.toml",
-    [](Verb& verb, CheckArguments& arguments) {
-      verb.text("FILE", arguments.file, "parameter file", Need::required)
-          .text("--machine", arguments.machine, "machine file to compare with");
-    },
-    check_file);
+extern const VerbDefinition kParamsCheck =
+    verb<CheckArguments>("params check", "every finding against a parameter file, with what to do",
+                         "ecs params check mill.toml --machine machine.toml", check_file);
 
 }  // namespace ecs::app

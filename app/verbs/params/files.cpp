@@ -31,9 +31,10 @@ Result<UnitParameters> parameters_from(VerbContext& context, const std::string& 
 }
 
 // --- show
-struct ShowArguments {
-  std::string file;
-  bool unit = false;
+struct ShowArguments : VerbArguments {
+  const std::string& file = text("FILE", "parameter file");
+  const bool& unit = flag("--unit", "those in the unit");
+  const Access access = uses_link();
 };
 
 Result<Outcome> show_unit(VerbContext& context) {
@@ -62,10 +63,11 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
 }
 
 // --- set
-struct SetArguments {
-  std::string file;
-  std::vector<std::string> words;
-  std::string output;
+struct SetArguments : VerbArguments {
+  const std::string& file = text("FILE", "parameter file", Need::required);
+  const std::vector<std::string>& words =
+      texts("KEY=VALUE", "KEY=VALUE or KEY VALUE, as many as wanted", Need::required);
+  const std::string& output = text("-o,--output", "write here in place of FILE");
 };
 
 struct Assignment {
@@ -119,9 +121,10 @@ Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) 
 }
 
 // --- diff
-struct DiffArguments {
-  std::string a;
-  std::string b;
+struct DiffArguments : VerbArguments {
+  const std::string& a = text("A", "parameter file, or `unit`", Need::required);
+  const std::string& b = text("B", "parameter file, or `unit`", Need::required);
+  const Access access = uses_link();
 };
 
 Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
@@ -141,9 +144,9 @@ Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
 }
 
 // --- new
-struct NewArguments {
-  std::string machine;
-  std::string output;
+struct NewArguments : VerbArguments {
+  const std::string& machine = text("--machine", "machine file", Need::required);
+  const std::string& output = text("-o,--output", "parameter file to write", Need::required);
 };
 
 Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
@@ -161,42 +164,19 @@ Result<Outcome> new_file(VerbContext& context, const NewArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kParamsShow = verb<ShowArguments>(
-    "params show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml",
-    [](Verb& verb, ShowArguments& arguments) {
-      verb.text("FILE", arguments.file, "parameter file")
-          .flag("--unit", arguments.unit, "those in the unit")
-          .uses_link();
-    },
-    show);
+extern const VerbDefinition kParamsShow = verb<ShowArguments>("params show", "the parameters of a file or of the unit",
+                                                              "ecs params show mill-parameters.toml", show);
 
 extern const VerbDefinition kParamsSet = verb<SetArguments>(
     "params set", "change values in a parameter file",
-    "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml",
-    [](Verb& verb, SetArguments& arguments) {
-      verb.text("FILE", arguments.file, "parameter file", Need::required)
-          .texts("KEY=VALUE", arguments.words, "KEY=VALUE or KEY VALUE, as many as wanted", Need::required)
-          .text("-o,--output", arguments.output, "write here in place of FILE");
-    },
-    set_values);
+    "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml", set_values);
 
-extern const VerbDefinition kParamsDiff = verb<DiffArguments>(
-    "params diff", "what differs between two parameter sets; `unit` means the connected unit",
-    "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200",
-    [](Verb& verb, DiffArguments& arguments) {
-      verb.text("A", arguments.a, "parameter file, or `unit`", Need::required)
-          .text("B", arguments.b, "parameter file, or `unit`", Need::required)
-          .uses_link();
-    },
-    diff_two);
+extern const VerbDefinition kParamsDiff =
+    verb<DiffArguments>("params diff", "what differs between two parameter sets; `unit` means the connected unit",
+                        "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200", diff_two);
 
-extern const VerbDefinition kParamsNew = verb<NewArguments>(
-    "params new", "parameters to start from, for a machine file",
-    "ecs params new --machine machine.toml -o mill-parameters.toml",
-    [](Verb& verb, NewArguments& arguments) {
-      verb.text("--machine", arguments.machine, "machine file", Need::required)
-          .text("-o,--output", arguments.output, "parameter file to write", Need::required);
-    },
-    new_file);
+extern const VerbDefinition kParamsNew =
+    verb<NewArguments>("params new", "parameters to start from, for a machine file",
+                       "ecs params new --machine machine.toml -o mill-parameters.toml", new_file);
 
 }  // namespace ecs::app

@@ -13,10 +13,11 @@
 namespace ecs::app {
 namespace {
 
-struct SendArguments {
-  std::string file;
-  bool force = false;
-  bool other_machine = false;
+struct SendArguments : VerbArguments {
+  const std::string& file = text("FILE", "parameter file", Need::required);
+  const bool& force = flag("--force", "drop a map in the unit that does not fit, in place of refusing");
+  const bool& other_machine = flag("--other-machine", "send although [identity] names another machine");
+  const Access access = writes_to_unit();
 };
 
 Outcome sent(const SendArguments& arguments, const SendReport& report) {
@@ -55,8 +56,9 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   return sent(arguments, *report);
 }
 
-struct ReceiveArguments {
-  std::string output;
+struct ReceiveArguments : VerbArguments {
+  const std::string& output = text("-o,--output", "file to write; without it the text goes to stdout");
+  const Access access = uses_link();
 };
 
 Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
@@ -79,23 +81,12 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
 
 }  // namespace
 
-extern const VerbDefinition kParamsSend = verb<SendArguments>(
-    "params send", "check a parameter file and send it to the unit; its map stays",
-    "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200",
-    [](Verb& verb, SendArguments& arguments) {
-      verb.text("FILE", arguments.file, "parameter file", Need::required)
-          .flag("--force", arguments.force, "drop a map in the unit that does not fit, in place of refusing")
-          .flag("--other-machine", arguments.other_machine, "send although [identity] names another machine")
-          .writes_to_unit();
-    },
-    send);
+extern const VerbDefinition kParamsSend =
+    verb<SendArguments>("params send", "check a parameter file and send it to the unit; its map stays",
+                        "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200", send);
 
-extern const VerbDefinition kParamsReceive = verb<ReceiveArguments>(
-    "params receive", "the unit's parameters as a file",
-    "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200",
-    [](Verb& verb, ReceiveArguments& arguments) {
-      verb.text("-o,--output", arguments.output, "file to write; without it the text goes to stdout").uses_link();
-    },
-    receive);
+extern const VerbDefinition kParamsReceive =
+    verb<ReceiveArguments>("params receive", "the unit's parameters as a file",
+                           "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200", receive);
 
 }  // namespace ecs::app

@@ -22,9 +22,10 @@ Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(pr
   return Outcome{text, one_line(object), kDone};
 }
 
-struct PositionArguments {
-  std::string axis;
-  double position_mm = 0.0;
+struct PositionArguments : VerbArguments {
+  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis", Need::required);
+  const double& position_mm = number("MM", "position, mm", 0.0, Need::required);
+  const Access access = writes_to_unit();
 };
 
 Result<Outcome> set_position(VerbContext& context, const PositionArguments& arguments) {
@@ -36,12 +37,13 @@ Result<Outcome> set_position(VerbContext& context, const PositionArguments& argu
       Json{{"axis", arguments.axis}, {"position_mm", arguments.position_mm}});
 }
 
-struct OutputArguments {
-  std::string axis;
-  std::optional<double> output_um;
-  bool relay = false;
-  bool off = false;
-  bool yes = false;
+struct OutputArguments : VerbArguments {
+  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis");
+  const std::optional<double>& output_um = optional_number("UM", "compensation, um");
+  const bool& relay = flag("--relay", "close the relay: the machine axis moves (needs --yes)");
+  const bool& off = flag("--off", "every output 0, every relay open");
+  const bool& yes = flag("--yes", "the axis may move");
+  const Access access = writes_to_unit();
 };
 
 Result<Outcome> output_value(VerbContext& context, const OutputArguments& arguments) {
@@ -68,11 +70,12 @@ Result<Outcome> output_value(VerbContext& context, const OutputArguments& argume
       Json{{"axis", arguments.axis}, {"output_um", *arguments.output_um}, {"relay_closed", arguments.relay}});
 }
 
-struct RunArguments {
-  std::string address;
-  std::string argument = "0";
-  double wait_s = 60.0;
-  bool yes = false;
+struct RunArguments : VerbArguments {
+  const std::string& address = text("ADDRESS", "start address, decimal or 0x…", Need::required);
+  const std::string& argument = text("--argument", "a number that the program is given", Need::optional, "0");
+  const double& wait_s = number("--wait", "seconds to wait for its end", 60.0, Need::optional, 0.0, 86400.0);
+  const bool& yes = flag("--yes", "run it");
+  const Access access = writes_to_unit();
 };
 
 Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& arguments) {
@@ -101,7 +104,11 @@ Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& ar
       kDone};
 }
 
-Result<Outcome> ram_test(VerbContext& context) {
+struct UnitWriter : VerbArguments {
+  const Access access = writes_to_unit();
+};
+
+Result<Outcome> ram_test(VerbContext& context, const UnitWriter&) {
   auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   const auto result = unit->client().run_ram_test([&context](const protocol::CommandResult& busy) {
@@ -116,60 +123,39 @@ Result<Outcome> ram_test(VerbContext& context) {
       passed ? kDone : kDoesNotHold};
 }
 
+Result<Outcome> reset(VerbContext& context, const UnitWriter&) {
+  return simple(
+      context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
+      Json{{"reset", true}});
+}
+
+Result<Outcome> clear(VerbContext& context, const UnitWriter&) {
+  return simple(
+      context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
+      Json{{"cleared", true}});
+}
+
 }  // namespace
 
-extern const VerbDefinition kUtilityPosition = verb<PositionArguments>(
-    "utility position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5",
-    [](Verb& verb, PositionArguments& arguments) {
-      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis", Need::required)
-          .number("MM", arguments.position_mm, "position, mm", Need::required)
-          .writes_to_unit();
-    },
-    set_position);
+extern const VerbDefinition kUtilityPosition =
+    verb<PositionArguments>("utility position", "preset the position that the unit shows for an axis",
+                            "ecs utility position X -100.5", set_position);
 
 extern const VerbDefinition kUtilityOutput = verb<OutputArguments>(
     "utility output", "put a compensation value on the D/A converter of one axis",
-    "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off",
-    [](Verb& verb, OutputArguments& arguments) {
-      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis")
-          .number("UM", arguments.output_um, "compensation, um")
-          .flag("--relay", arguments.relay, "close the relay: the machine axis moves (needs --yes)")
-          .flag("--off", arguments.off, "every output 0, every relay open")
-          .flag("--yes", arguments.yes, "the axis may move")
-          .writes_to_unit();
-    },
-    output_value);
+    "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off", output_value);
 
-extern const VerbDefinition kUtilityRun = verb<RunArguments>(
-    "utility run", "run machine code in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes",
-    [](Verb& verb, RunArguments& arguments) {
-      verb.text("ADDRESS", arguments.address, "start address, decimal or 0x…", Need::required)
-          .text("--argument", arguments.argument, "a number that the program is given")
-          .number("--wait", arguments.wait_s, "seconds to wait for its end", Need::optional, 0.0, 86400.0)
-          .flag("--yes", arguments.yes, "run it")
-          .writes_to_unit();
-    },
-    run_program_in_unit);
+extern const VerbDefinition kUtilityRun =
+    verb<RunArguments>("utility run", "run machine code in the unit's memory",
+                       "ecs utility run 0x041000 --argument 7 --yes", run_program_in_unit);
 
-extern const VerbDefinition kUtilityRamtest = verb(
-    "utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest",
-    [](Verb& verb) { verb.writes_to_unit(); }, ram_test);
+extern const VerbDefinition kUtilityRamtest = verb<UnitWriter>(
+    "utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest", ram_test);
 
-extern const VerbDefinition kUtilityReset = verb(
-    "utility reset", "restart the unit", "ecs utility reset", [](Verb& verb) { verb.writes_to_unit(); },
-    [](VerbContext& context) {
-      return simple(
-          context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
-          Json{{"reset", true}});
-    });
+extern const VerbDefinition kUtilityReset =
+    verb<UnitWriter>("utility reset", "restart the unit", "ecs utility reset", reset);
 
-extern const VerbDefinition kUtilityClear = verb(
-    "utility clear", "clear the fault that the unit keeps", "ecs utility clear",
-    [](Verb& verb) { verb.writes_to_unit(); },
-    [](VerbContext& context) {
-      return simple(
-          context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
-          Json{{"cleared", true}});
-    });
+extern const VerbDefinition kUtilityClear =
+    verb<UnitWriter>("utility clear", "clear the fault that the unit keeps", "ecs utility clear", clear);
 
 }  // namespace ecs::app

@@ -60,9 +60,10 @@ std::string recording_text(const DatumRecording& recording) {
 }
 
 // --- record
-struct RecordArguments {
-  std::string axis;
-  std::string output;
+struct RecordArguments : VerbArguments {
+  const std::string& axis = choice("AXIS", {"X", "Y", "Z"}, "axis", Need::required);
+  const std::string& output = text("-o,--output", "CSV file to write");
+  const Access access = writes_to_unit();
 };
 
 Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
@@ -93,16 +94,21 @@ Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
 }
 
 // --- show
-Result<Outcome> show(const std::string& file) {
-  const auto recording = read_recording_file(file);
+struct ShowArguments : VerbArguments {
+  const std::string& file = text("FILE", "CSV file of `datum record`", Need::required);
+};
+
+Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
+  const auto recording = read_recording_file(arguments.file);
   if (!recording) return tl::unexpected(recording.error());
   return Outcome{recording_text(*recording), one_line(recording_json(*recording)), kDone};
 }
 
 // --- test
-struct TestArguments {
-  std::vector<std::string> axes;
-  double wait_s = 60.0;
+struct TestArguments : VerbArguments {
+  const std::vector<std::string>& axes = texts("AXIS", "axes; none: all that the unit has");
+  const double& wait_s = number("--wait", "seconds to wait for each axis", 60.0, Need::optional, 0.1, 86400.0);
+  const Access access = writes_to_unit();
 };
 
 Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, const protocol::Identity& identity) {
@@ -141,30 +147,15 @@ Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
 
 }  // namespace
 
-extern const VerbDefinition kUtilityDatumRecord = verb<RecordArguments>(
-    "utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
-    "ecs utility datum record X -o x_datum.csv",
-    [](Verb& verb, RecordArguments& arguments) {
-      verb.choice("AXIS", arguments.axis, {"X", "Y", "Z"}, "axis", Need::required)
-          .text("-o,--output", arguments.output, "CSV file to write")
-          .writes_to_unit();
-    },
-    record);
+extern const VerbDefinition kUtilityDatumRecord =
+    verb<RecordArguments>("utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
+                          "ecs utility datum record X -o x_datum.csv", record);
 
-extern const VerbDefinition kUtilityDatumShow = verb<std::string>(
-    "utility datum show", "a recorded sequence as velocity-time graph and events", "ecs utility datum show x_datum.csv",
-    [](Verb& verb, std::string& arguments) {
-      verb.text("FILE", arguments, "CSV file of `datum record`", Need::required);
-    },
-    [](VerbContext&, const std::string& arguments) { return show(arguments); });
+extern const VerbDefinition kUtilityDatumShow =
+    verb<ShowArguments>("utility datum show", "a recorded sequence as velocity-time graph and events",
+                        "ecs utility datum show x_datum.csv", show);
 
 extern const VerbDefinition kUtilityDatumTest = verb<TestArguments>(
-    "utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
-    [](Verb& verb, TestArguments& arguments) {
-      verb.texts("AXIS", arguments.axes, "axes; none: all that the unit has")
-          .number("--wait", arguments.wait_s, "seconds to wait for each axis", Need::optional, 0.1, 86400.0)
-          .writes_to_unit();
-    },
-    test);
+    "utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120", test);
 
 }  // namespace ecs::app

@@ -16,9 +16,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPoll{250};
 
-struct ModeArguments {
-  std::string mode;
-  double wait_s = 60.0;
+struct ModeArguments : VerbArguments {
+  const std::string& mode = choice("MODE", {"compensate", "integrate"}, "mode", Need::required);
+  const double& wait_s =
+      number("--wait", "seconds to follow the datuming; 0 returns at once", 60.0, Need::optional, 0.0, 86400.0);
+  const Access access = writes_to_unit();
 };
 
 std::string stages_of(const StatusSnapshot& snapshot) {
@@ -89,13 +91,6 @@ Result<Outcome> change_mode(VerbContext& context, const ModeArguments& arguments
 
 extern const VerbDefinition kUtilityMode = verb<ModeArguments>(
     "utility mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
-    "ecs utility mode compensate --wait 120\n  ecs utility mode integrate",
-    [](Verb& verb, ModeArguments& arguments) {
-      verb.choice("MODE", arguments.mode, {"compensate", "integrate"}, "mode", Need::required)
-          .number("--wait", arguments.wait_s, "seconds to follow the datuming; 0 returns at once", Need::optional, 0.0,
-                  86400.0)
-          .writes_to_unit();
-    },
-    change_mode);
+    "ecs utility mode compensate --wait 120\n  ecs utility mode integrate", change_mode);
 
 }  // namespace ecs::app

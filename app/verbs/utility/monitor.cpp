@@ -20,11 +20,14 @@ using protocol::MonitorSample;
 
 constexpr double kEnvironment_s = 1.0;  ///< between two readings of the surroundings
 
-struct MonitorArguments {
-  int count = 0;  ///< 0: until stopped
-  int interval_ms = 500;
-  std::string record;
-  std::string environment;  ///< a device; empty: none
+struct MonitorArguments : VerbArguments {
+  const int& count = integer("--count", "samples to show; 0: until stopped", 0, 0, 100'000'000);  ///< 0: until stopped
+  const int& interval_ms = integer("--interval", "milliseconds between samples", 500, 1, 3'600'000);
+  const std::string& environment = text(
+      "--environment", "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes");  ///< a device; empty: none
+  const std::string& record =
+      text("--record", "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves");
+  const Access access = uses_link();
 };
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
@@ -135,16 +138,6 @@ Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments)
 
 extern const VerbDefinition kMonitor = verb<MonitorArguments>(
     "monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
-    "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1",
-    [](Verb& verb, MonitorArguments& arguments) {
-      verb.integer("--count", arguments.count, "samples to show; 0: until stopped", 0, 100'000'000)
-          .integer("--interval", arguments.interval_ms, "milliseconds between samples", 1, 3'600'000)
-          .text("--environment", arguments.environment,
-                "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes")
-          .text("--record", arguments.record,
-                "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves")
-          .uses_link();
-    },
-    monitor);
+    "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1", monitor);
 
 }  // namespace ecs::app

@@ -11,9 +11,10 @@
 namespace ecs::app {
 namespace {
 
-struct StatusArguments {
-  std::string save;
-  std::string from;
+struct StatusArguments : VerbArguments {
+  const std::string& save = text("--save", "write decoded values and raw registers to this file");
+  const std::string& from = text("--from", "decode such a file; no unit is asked");
+  const Access access = uses_link();
 };
 
 Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
@@ -36,12 +37,6 @@ Result<Outcome> show_status(VerbContext& context, const StatusArguments& argumen
 
 extern const VerbDefinition kUtilityStatus = verb<StatusArguments>(
     "utility status", "mode, fault and what to do, memory tests, address pointers, relays",
-    "ecs utility status --save status.json\n  ecs utility status --from status.json",
-    [](Verb& verb, StatusArguments& arguments) {
-      verb.text("--save", arguments.save, "write decoded values and raw registers to this file")
-          .text("--from", arguments.from, "decode such a file; no unit is asked")
-          .uses_link();
-    },
-    show_status);
+    "ecs utility status --save status.json\n  ecs utility status --from status.json", show_status);
 
 }  // namespace ecs::app
