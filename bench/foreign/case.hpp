@@ -23,6 +23,7 @@ struct Case {
   std::uint64_t seed = 0;
   Setup setup;
   std::vector<Term> base;    ///< true terms that the user's model has, linear parameters free
+  std::string free_base;     ///< id of the base term whose nonlinear or curve parameters are free; may be empty
   std::vector<Term> hidden;  ///< effects of the library
   std::string structure;     ///< of outside and bad_run: its kind
   Column hidden_um;          ///< what is hidden, all of it
@@ -42,6 +43,9 @@ struct Case {
 /// Standard deviations that the readings allow for the parameters of hidden[index] (Cramér 1946), under the names of
 /// parameters_of(); the place of a step has none.
 [[nodiscard]] std::map<std::string, double> parameter_sigmas(const Case& drawn, std::size_t index);
+
+/// Sets oracle_p and oracle_right: whether every hidden effect is the best beside the others, and how sure it is.
+void ask_oracle(Case& drawn);
 
 /// Readings of the noise law alone.
 [[nodiscard]] Noise draw_noise(Random& random);

@@ -152,6 +152,7 @@ Json truth_json(const Case& drawn) {
   truth["hidden"] = Json::array();
   for (std::size_t k = 0; k < drawn.hidden.size(); ++k) truth["hidden"].push_back(hidden_json(drawn, k));
   truth["structure"] = ecs::text_or_null(drawn.structure);
+  truth["free_base"] = ecs::text_or_null(drawn.free_base);
   truth["snr"] = drawn.snr;
   truth["required_rivals"] = drawn.required;
   truth["allowed_rivals"] = drawn.allowed;

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/foreign/linear.hpp"
@@ -31,6 +32,9 @@ inline constexpr int kCurveColumns = 8;  ///< of s(p): Legendre degrees 2 to 9, 
 [[nodiscard]] bool has_nonlinear(const std::string& id);
 /// Whether the contribution has no free size (map_shift, map_direction_swap) or one bound by nature (map_polarity).
 [[nodiscard]] bool has_fixed_size(const std::string& id);
+
+/// Lowest and highest coordinate of an axis in the set [mm].
+[[nodiscard]] std::pair<double, double> span_of(const Setup& setup, char axis);
 
 /// Columns of the term's linear coefficients; shape (coefficients × readings). A map_shift and a map_direction_swap
 /// have one column whose coefficient is 1.

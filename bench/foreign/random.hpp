@@ -22,6 +22,11 @@ class Random {
   [[nodiscard]] double between_log(double low, double high) { return low * std::pow(high / low, uniform()); }
   [[nodiscard]] int whole(int low, int high) { return low + static_cast<int>(uniform() * (high - low + 1)); }
   [[nodiscard]] bool chance(double probability) { return uniform() < probability; }
+  /// Either sign. Products of two draws are avoided: the order of their evaluation is the compiler's.
+  [[nodiscard]] double signed_between(double low, double high) {
+    const double side = sign();
+    return side * between(low, high);
+  }
   [[nodiscard]] double sign() { return chance(0.5) ? 1.0 : -1.0; }
   /// Box and Muller 1958.
   [[nodiscard]] double normal() {

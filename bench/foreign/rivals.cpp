@@ -10,6 +10,7 @@ namespace foreign {
 namespace {
 
 constexpr int kRefinements = 3;
+constexpr double kSameFreedom = 0.1;  // of a nonlinear parameter, in the logarithm
 
 }  // namespace
 
@@ -94,9 +95,10 @@ int Projector::parameters_of(const Term& term) const {
   return at(term, Column(setup_.readings.size(), 0.0)).parameters;
 }
 
-std::vector<Reproduction> Projector::ranked(const Column& rest) const {
+std::vector<Reproduction> Projector::ranked(const Column& rest, bool waves) const {
   std::map<std::string, Reproduction> best;
   for (const Term& candidate : library_) {
+    if (!waves && candidate.id == "cyclic") continue;
     const Reproduction now = of(candidate, rest);
     if (now.parameters == 0 || now.score >= 1e299) continue;
     const auto [at, fresh] = best.try_emplace(name_of(candidate), now);
@@ -133,6 +135,30 @@ Rivals rivals_of(const Projector& projector, const Term& truth, const Column& hi
       (other.parameters <= own && !curve ? rivals.required : rivals.allowed).push_back(name);
   }
   return rivals;
+}
+
+bool clear_of_free_base(const Setup& setup, const Noise& noise, const std::vector<Term>& base, const Term& truth,
+                        const Rivals& known, const Column& um) {
+  const Term& free_term = base.back();
+  if (free_term.id != "warm_up" && free_term.id != "reversal_spike") return true;
+  const int own = Projector(setup, noise, base).parameters_of(truth);
+  const double log_n = std::log(static_cast<double>(um.size()));
+  std::set<std::string> same(known.required.begin(), known.required.end());
+  same.insert(known.allowed.begin(), known.allowed.end());
+  same.insert(name_of(truth));
+  for (const double place : nonlinear_grid(setup, free_term)) {
+    if (std::abs(std::log(place / free_term.nonlinear)) < kSameFreedom) continue;
+    std::vector<Term> moved = base;
+    moved.back().nonlinear = place;
+    const Projector projector(setup, noise, moved);
+    const Column rest = projector.rest_of(um);
+    for (const Term& candidate : projector.library()) {
+      if (candidate.id == "cyclic" || same.contains(name_of(candidate))) continue;
+      const Reproduction other = projector.of(candidate, rest);
+      if (other.parameters > 0 && other.excess + (other.parameters - own) * log_n < kClearMargin) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace foreign

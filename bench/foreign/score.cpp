@@ -28,6 +28,7 @@ using Names = std::set<std::string>;
 struct Verdict {
   std::string row;
   std::string name;
+  std::string kind;  // of what is hidden, where one word says it
   bool right = false;
   bool named = false;  // anything
   double seconds = 0.0;
@@ -214,6 +215,16 @@ std::string in_words(const Answer& answer) {
   return text;
 }
 
+// The free term of the base, the structure, the hidden effect or, of a blank, the law of the noise.
+std::string kind_of(const Json& truth) {
+  const std::string free_base = word(truth, "free_base");
+  if (!free_base.empty()) return "base with " + free_base;
+  if (!word(truth, "structure").empty()) return word(truth, "structure");
+  const Json& hidden = truth.at("hidden");
+  if (hidden.empty()) return word(truth.at("noise"), "law") + " noise";
+  return hidden.size() == 1 ? word(hidden.front(), "effect") : "";
+}
+
 Verdict score_case(const std::filesystem::path& folder, const std::string& program) {
   Verdict verdict;
   verdict.name = folder.filename().string();
@@ -231,6 +242,7 @@ Verdict score_case(const std::filesystem::path& folder, const std::string& progr
     return verdict;
   }
   const Answer answer = answer_in(json);
+  verdict.kind = kind_of(truth);
   verdict.named = !answer.named.empty();
   Names required = names_in(truth.at("required_rivals"));
   const Names allowed = names_in(truth.at("allowed_rivals"));
@@ -253,12 +265,26 @@ Verdict score_case(const std::filesystem::path& folder, const std::string& progr
   return verdict;
 }
 
+std::string kinds_line(const std::string& row, const std::vector<Verdict>& cases) {
+  std::map<std::string, std::pair<int, int>> kinds;
+  for (const Verdict& verdict : cases) {
+    if (verdict.kind.empty()) continue;
+    kinds[verdict.kind].first += verdict.right ? 1 : 0;
+    ++kinds[verdict.kind].second;
+  }
+  std::string line;
+  for (const auto& [kind, counts] : kinds)
+    line += fmt::format("{}{} {}/{}", line.empty() ? "" : ", ", kind, counts.first, counts.second);
+  return line.empty() ? "" : fmt::format("{}: {}\n", row, line);
+}
+
 std::string report(std::vector<Verdict> verdicts) {
   std::map<std::string, std::vector<Verdict>> by_row;
   for (Verdict& verdict : verdicts) by_row[verdict.row].push_back(std::move(verdict));
   std::string table = fmt::format("{:<18}{:>12}{:>8}{:>18}{:>8}{:>14}{:>10}{:>9}\n", "row", "right", "%",
                                   "95 % interval", "named", "parameters", "median s", "worst s");
   std::string wrong;
+  std::string kinds;
   for (const auto& [row, cases] : by_row) {
     const auto count = [&](auto&& f) {
       int sum = 0;
@@ -278,11 +304,12 @@ std::string report(std::vector<Verdict> verdicts) {
                     fmt::format("{}/{}", count([](const Verdict& v) { return v.parameters_right; }),
                                 count([](const Verdict& v) { return v.parameters; })),
                     seconds[seconds.size() / 2], seconds.back());
+    kinds += kinds_line(row, cases);
     for (const Verdict& verdict : cases)
       if (!verdict.right) wrong += fmt::format("{}: {}\n", verdict.name, verdict.line);
     for (const Verdict& verdict : cases) wrong += verdict.parameter_line;
   }
-  return table + "\nWrong:\n" + wrong;
+  return table + "\nBy kind:\n" + kinds + "\nWrong:\n" + wrong;
 }
 
 }  // namespace

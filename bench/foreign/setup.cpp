@@ -67,7 +67,7 @@ struct Climate {
 Climate draw_climate(Random& random, std::size_t runs) {
   Climate climate;
   climate.start = random.between(17.5, 24.0);
-  climate.rise = random.sign() * random.between(0.2, 4.0);
+  climate.rise = random.signed_between(0.2, 4.0);
   climate.swing = random.between(0.1, 1.2);
   climate.phase = random.between(0.0, 2.0 * std::numbers::pi);
   climate.cycles = random.between(0.6, 2.5);
@@ -121,9 +121,8 @@ class Clock {
   double now_s_ = 0.0;
 };
 
-void measure(Setup& setup, Random& random, Clock& clock, const Pass& pass, int run, bool both, const RunFacts& facts,
+void measure(Setup& setup, Clock& clock, const Pass& pass, int run, bool both, const RunFacts& facts,
              double overrun_mm) {
-  (void)random;
   const std::size_t own = index_of(pass.axis);
   for (const int approach : both ? std::vector<int>{1, -1} : std::vector<int>{1}) {
     for (std::size_t k = 0; k < pass.targets_mm.size(); ++k) {
@@ -230,14 +229,14 @@ void add_climates(Random& random, Setup& setup, const Wishes& wishes, std::size_
   Climate material = draw_climate(random, runs);
   if (wishes.one_temperature) {
     material = {};
-    material.start = 20.0 + random.sign() * random.between(1.0, 4.0);
+    material.start = 20.0 + random.signed_between(1.0, 4.0);
   }
   if (wishes.material || wishes.one_temperature || random.chance(0.25)) add("t_material_degC", material);
   if (setup.air) {
     Climate air = draw_climate(random, runs);
     if (wishes.one_weather) {
       air = {};
-      air.start = 20.0 + random.sign() * random.between(2.0, 6.0);
+      air.start = 20.0 + random.signed_between(2.0, 6.0);
     }
     if (wishes.similar_air) air = material;
     add("t_air_degC", air);
@@ -280,7 +279,7 @@ void add_map(Random& random, Setup& setup) {
   const double waves = random.between(1.5, 6.0);
   const double phase = random.between(0.0, 6.28);
   const double slope = random.between(-1.0, 1.0);
-  const double lost_um = random.sign() * random.between(1.0, 8.0);
+  const double lost_um = random.signed_between(1.0, 8.0);
   MapTable table{first.axis, first.sense, both ? 1 : 0, {}, {}};
   MapTable reverse{first.axis, first.sense, -1, {}, {}};
   double wander = 0.0;
@@ -374,7 +373,7 @@ Setup draw_setup(Random& random, const Wishes& wishes) {
     for (int k = 0; k < runs; ++k) {
       const auto level = static_cast<std::size_t>((k + run / 3) % 3);
       const RunFacts facts{wishes.feeds ? feeds[level] : feed, wishes.loads ? loads[level] : load};
-      measure(setup, random, clock, pass, ++run, both, facts, overrun_mm);
+      measure(setup, clock, pass, ++run, both, facts, overrun_mm);
       clock.pause();
     }
   add_climates(random, setup, wishes, static_cast<std::size_t>(run));
