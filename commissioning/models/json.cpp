@@ -40,9 +40,9 @@ Json numbers_json(const std::vector<double>& values) {
 Json effect_json(const EffectInstance& effect) {
   Json out{{"effect", name_of(effect.id)},
            {"axis", effect.axis ? Json(axis_json(*effect.axis)) : Json(nullptr)},
-           {"sense", effect.sense ? Json(name_of(*effect.sense)) : Json(nullptr)},
+           {"sense", text_or_null(sense_text(effect))},
            {"approach", name_of(effect.approach)},
-           {"code", effect.code ? Json(name_of(*effect.code)) : Json(nullptr)},
+           {"code", text_or_null(code_text(effect))},
            {"sensor", text_or_null(effect.sensor)},
            {"name", to_text(effect)}};
   if (!effect.sensor2.empty()) out["sensor2"] = effect.sensor2;
@@ -56,7 +56,7 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   effect.id = id;
   if (const std::string axis = word_in(object, "axis"); axis.size() == 1) effect.axis = axis_of(axis[0]);
   effect.sense = sense_named(word_in(object, "sense"));
-  effect.code = component_of(word_in(object, "code"));
+  static_cast<void>(model::set_code(id, word_in(object, "code"), effect.sense, effect.code));
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
   effect.sensor = word_in(object, "sensor");
   effect.sensor2 = word_in(object, "sensor2");

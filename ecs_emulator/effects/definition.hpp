@@ -53,7 +53,12 @@ inline constexpr std::string_view kFaultOfTheMap =
     "a fault of the unit's map: give the unit such a map, or polarity and gain in its parameters";
 
 /// What says which component it sits in.
-enum class PlacedBy { sense, code_of_rotation, code_of_squareness };
+enum class PlacedBy {
+  sense,
+  code_of_rotation,
+  code_of_squareness,
+  code_of_set_up,  ///< EA, EB, EC: kept as the sense; no axis
+};
 
 /// A search for places of an effect on a scene.
 struct PlaceSearch {
@@ -85,6 +90,8 @@ struct EffectDefinition {
 
   /// Value of its component, or what the instrument adds [um or um/m].
   double (*value)(const PlacedEffect&, const Conditions&) = nullptr;
+  /// What it adds to each component that it acts in, where that is not one.
+  std::vector<PlacedEffect> (*parts)(const PlacedEffect&) = nullptr;
   /// What a fault of the unit makes of a map's reading.
   void (*spoil)(const PlacedEffect&, MapReading&) = nullptr;
 
@@ -98,7 +105,7 @@ struct EffectDefinition {
   bool natural_size = false;          ///< its size is a matter of nature: noise is made to fit it
   bool fixed_size = false;            ///< it fits as it is or not at all
   bool explains_two = false;          ///< a single one may do what two hidden effects do together
-  bool on_request = false;            ///< hidden only where asked for by name, and no rival of others
+  bool on_request = false;            ///< hidden only where asked for by name
   bool in_every_base = false;         ///< at every place it can have
   double base_probability = 0.0;      ///< how often an engineer's model holds it at a good place
   std::string_view line{};            ///< id of the effect that holds mean and slope of its curve

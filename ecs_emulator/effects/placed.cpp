@@ -14,7 +14,7 @@ double PlacedEffect::parameter(std::string_view name) const {
 std::string name_of(const PlacedEffect& effect) {
   std::string text(effect.kind->id);
   if (effect.axis) text += std::string(":") + letter_of(*effect.axis);
-  if (effect.kind->placed_by != PlacedBy::sense) return text + ":" + std::string(name_of(*effect.code));
+  if (effect.code && effect.kind->placed_by != PlacedBy::sense) return text + ":" + std::string(name_of(*effect.code));
   if (effect.sense) text += ":" + std::string(name_of(*effect.sense));
   return text;
 }
@@ -39,8 +39,14 @@ bool acts_on(const PlacedEffect& e, const Stop& stop) {
   return e.approach == Approach::unknown || static_cast<int>(e.approach) == stop.approach;
 }
 
+std::vector<PlacedEffect> parts_of(const PlacedEffect& effect) {
+  return effect.kind->parts == nullptr ? std::vector{effect} : effect.kind->parts(effect);
+}
+
 Component carrier_of(const PlacedEffect& effect) {
-  return effect.kind->placed_by == PlacedBy::sense ? curve_of(*effect.sense, *effect.axis) : *effect.code;
+  const PlacedBy by = effect.kind->placed_by;
+  const bool coded = by == PlacedBy::code_of_rotation || by == PlacedBy::code_of_squareness;
+  return coded ? *effect.code : curve_of(*effect.sense, *effect.axis);
 }
 
 }  // namespace ecs::emulator

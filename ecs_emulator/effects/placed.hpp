@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/axis.hpp"
 #include "core/component.hpp"
@@ -36,7 +37,9 @@ struct PlacedEffect {
 [[nodiscard]] PlacedEffect scaled(PlacedEffect effect, double factor);
 /// It acts on this reading at all.
 [[nodiscard]] bool acts_on(const PlacedEffect& effect, const Stop& stop);
-/// The component of the machine that carries it. @pre it has its seat in the machine
+/// The effects of one component each that it consists of; mostly itself alone.
+[[nodiscard]] std::vector<PlacedEffect> parts_of(const PlacedEffect& effect);
+/// The component of the machine that carries it. @pre it has its seat in the machine and is a part
 [[nodiscard]] Component carrier_of(const PlacedEffect& effect);
 
 }  // namespace ecs::emulator

@@ -30,7 +30,8 @@
   EFFECT(kMapGain)                   \
   EFFECT(kMapShift)                  \
   EFFECT(kMapDirectionSwap)          \
-  EFFECT(kThermalBend)
+  EFFECT(kThermalBend)               \
+  EFFECT(kSetUpRotation)
 
 namespace ecs::emulator {
 

@@ -1,4 +1,6 @@
 // [[effect]] of the errors file: ids, keys and parameters of docs/surroundings.md.
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -40,8 +42,10 @@ class EffectReader {
       read_parameters(*kind);
     }
     if (complaints_ != before) return;
-    demand(reading_, table_, what, *effect_.effect.axis);
-    reading_.parts.effects.push_back(std::move(effect_));
+    for (const PlacedEffect& part : parts_of(effect_.effect)) {
+      demand(reading_, table_, what, *part.axis);
+      reading_.parts.effects.push_back({part, carrier_of(part), std::exchange(effect_.curve, std::nullopt)});
+    }
   }
 
  private:
@@ -78,8 +82,9 @@ class EffectReader {
     if (axis && !effect.axis) return complain("axis", fmt::format("axis: expected X, Y or Z, got \"{}\"", *axis));
     if (sense && !effect.sense)
       return complain("sense", fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", *sense));
+    if (kind.placed_by == PlacedBy::code_of_set_up) return read_rotation(kind);
     if (kind.placed_by != PlacedBy::sense) return read_code(kind);
-    if (table_.contains("code")) return complain("code", "code: only angular and squareness have one");
+    if (table_.contains("code")) return complain("code", "code: only angular, squareness and set_up_rotation have one");
     if (kind.needs_axis && !effect.axis) return complain("axis", "axis: expected X, Y or Z");
     if (!effect.sense && effect.axis) effect.sense = static_cast<Sense>(index_of(*effect.axis));
     if (!effect.sense) return complain("sense", "sense: expected EX, EY, EZ, EA, EB or EC");
@@ -87,7 +92,15 @@ class EffectReader {
     if (kind.straightness && (is_rotation(*effect.sense) || direction_of(*effect.sense) == *effect.axis))
       return complain("sense", fmt::format("sense: {} acts across its axis: expected a translation other than along {}",
                                            kind.id, letter_of(*effect.axis)));
-    effect_.component = curve_of(*effect.sense, *effect.axis);
+  }
+
+  void read_rotation(const EffectDefinition& kind) {
+    for (const char* key : {"axis", "sense"})
+      if (table_.contains(key)) return complain(key, fmt::format("{}: {} has a code alone", key, kind.id));
+    const std::string word = reader_.word(table_, "code").value_or("");
+    effect_.effect.sense = sense_named(word);
+    if (!effect_.effect.sense || !is_rotation(*effect_.effect.sense))
+      complain("code", fmt::format("code: expected EA, EB or EC, got \"{}\"", word));
   }
 
   void read_code(const EffectDefinition& kind) {
@@ -104,7 +117,6 @@ class EffectReader {
       return complain("axis", fmt::format("axis: {} belongs to {}", word, letter_of(axis)));
     effect.axis = axis;
     effect.code = code;
-    effect_.component = *code;
   }
 
   void read_approach() {

@@ -97,11 +97,13 @@ double unit_compensation(const Scene& scene, const std::vector<PlacedEffect>& ef
 
 std::vector<double> contribution(const Scene& scene, const PlacedEffect& effect) {
   std::vector<double> sum(scene.stops.size());
+  const std::vector<PlacedEffect> parts = parts_of(effect);
   for (std::size_t k = 0; k < sum.size(); ++k) {
     const Stop& stop = scene.stops[k];
     switch (effect.kind->seat) {
       case Seat::machine:
-        sum[k] = amount(scene, effect, stop) * share_in(scene, carrier_of(effect), stop);
+        for (const PlacedEffect& part : parts)
+          sum[k] += amount(scene, part, stop) * share_in(scene, carrier_of(part), stop);
         break;
       case Seat::instrument:
         sum[k] = amount(scene, effect, stop);

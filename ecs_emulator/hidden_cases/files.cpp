@@ -54,13 +54,18 @@ std::string machine_file(const params::Machine& machine) {
   return text;
 }
 
+/// The sense of a set-up is its rotation, which files name by its code.
+std::string_view sense_key(const PlacedEffect& effect) {
+  return effect.kind->placed_by == PlacedBy::code_of_set_up ? "code" : "sense";
+}
+
 std::string model_file(const HiddenCase& c) {
   std::string text = "# What the engineer believes of this machine so far; sizes are fitted from the data.\n";
   if (!c.scene.map.empty()) text += "\n[map]\nfile = \"map.csv\"\n";
   for (const PlacedEffect& effect : c.base) {
     text += fmt::format("\n[[effect]]\nid = \"{}\"\n", effect.kind->id);
     if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
-    if (effect.sense) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
+    if (effect.sense) text += fmt::format("{} = \"{}\"\n", sense_key(effect), name_of(*effect.sense));
     if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
     if (effect.approach != Approach::unknown) text += fmt::format("approach = \"{}\"\n", word_for(effect.approach));
     if (!effect.sensor.empty()) text += fmt::format("sensor = \"{}\"\n", effect.sensor);
@@ -132,8 +137,9 @@ nlohmann::ordered_json json_of(const HiddenEffect& hidden) {
   nlohmann::ordered_json json;
   json["effect"] = e.kind->id;
   json["axis"] = e.axis ? nlohmann::ordered_json(std::string(1, letter_of(*e.axis))) : nlohmann::ordered_json();
-  json["sense"] = e.sense ? nlohmann::ordered_json(name_of(*e.sense)) : nlohmann::ordered_json();
+  json["sense"] = nullptr;
   json["code"] = e.code ? nlohmann::ordered_json(name_of(*e.code)) : nlohmann::ordered_json();
+  if (e.sense) json[std::string(sense_key(e))] = name_of(*e.sense);
   json["approach"] = word_for(e.approach);
   json["sensor"] = e.sensor;
   if (!e.sensor2.empty()) json["sensor2"] = e.sensor2;

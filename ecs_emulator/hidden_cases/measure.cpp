@@ -31,12 +31,15 @@ void add_mapped_errors(const Scene& scene, const Stop& stop, ComponentValues& er
 std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEffect>& effects,
                                  const std::vector<double>& extra) {
   const ChainGeometry geometry{scene.chain, scene.lines_mm, {}};
+  std::vector<PlacedEffect> parts;
+  for (const PlacedEffect& effect : effects)
+    for (PlacedEffect& part : parts_of(effect)) parts.push_back(std::move(part));
   std::vector<double> readings;
   readings.reserve(scene.stops.size());
   for (const Stop& stop : scene.stops) {
     ComponentValues errors{};
     double laser = 0.0;
-    for (const PlacedEffect& effect : effects) {
+    for (const PlacedEffect& effect : parts) {
       const Seat seat = effect.kind->seat;
       if (seat == Seat::machine) errors[index_of(carrier_of(effect))] += amount(scene, effect, stop);
       if (seat == Seat::instrument) laser += amount(scene, effect, stop);

@@ -73,7 +73,7 @@ std::vector<Rival> rivals_of(const Scene& scene, const Ground& ground, const Abs
                              const std::function<bool(const Rival&)>& enough) {
   const Eigen::VectorXd left = absorbed.left_of(hidden);
   std::vector<Rival> rivals;
-  for (const EffectDefinition* kind : drawn_effects()) {
+  for (const EffectDefinition* kind : effects()) {
     if (is_flexible(*kind) && !flexible) continue;
     for (const PlacedEffect& place : possible_places(scene, ground, *kind)) {
       Rival rival{place, left.norm() / sigma_um, 0.0, is_flexible(*kind)};

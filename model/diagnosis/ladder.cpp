@@ -39,7 +39,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
   for (const EffectInstance& effect : model.candidates)
     if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
   if (!list.empty() || request.id->place == Place::formulas) return list;
-  if (request.axis && (request.sense || request.code)) {
+  if ((request.axis && (request.sense || request.code)) || (request.id->place == Place::set_up && request.sense)) {
     EffectInstance effect;
     effect.id = request.id;
     effect.axis = request.axis;
@@ -115,7 +115,7 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     const auto code = component_of(part);
     if (part.size() == 1 && axis_of(part.front()))
       request.axis = axis_of(part.front());
-    else if (sense)
+    else if (sense && (id->place != Place::set_up || is_rotation(*sense)))
       request.sense = sense;
     else if (code)
       request.code = code;
@@ -123,6 +123,7 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       return problem(ProblemKind::usage,
                      fmt::format("expected EFFECT[:axis[:sense or code]], such as cyclic:X:EX, got \"{}\"", text));
   }
+  if (id->place == Place::set_up) request.axis = std::nullopt;  // it has none
   return request;
 }
 

@@ -69,6 +69,7 @@ enum class Place : std::uint8_t {
   known_component,  ///< as axis_and_sense; `code` names a rotation among [[known]]
   rotation,         ///< `code` EAX … ECZ: every direction in which the terms give it a lever
   squareness,       ///< `code` C0Y, B0Z, A0Z: likewise
+  set_up,           ///< `code` EA, EB, EC (kept as the sense): translations across that axis, whichever axis moved
   map,              ///< compensated readings, through the tables of the map: all, of one axis or of one component
   formulas,         ///< the senses of the user's formulas
 };

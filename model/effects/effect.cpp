@@ -26,11 +26,27 @@ std::string to_text(const EffectInstance& effect) {
   if (effect.is_user()) return fmt::format("user:{}", effect.name);
   std::string text(name_of(effect.id));
   if (!effect.axis && !effect.sense && !effect.code) return text;
-  text += effect.axis ? fmt::format(":{}", letter_of(*effect.axis)) : ":";
-  const bool by_sense = effect.definition().place == Place::known_component && effect.sense;
+  const EffectDefinition& definition = effect.definition();
+  if (definition.place != Place::set_up) text += effect.axis ? fmt::format(":{}", letter_of(*effect.axis)) : ":";
+  const bool by_sense = definition.place == Place::known_component && effect.sense;
   if (effect.code && !by_sense) return text + fmt::format(":{}", name_of(*effect.code));
   if (effect.sense) text += fmt::format(":{}", name_of(*effect.sense));
   return text;
+}
+
+std::string_view sense_text(const EffectInstance& effect) {
+  return effect.sense && effect.definition().place != Place::set_up ? name_of(*effect.sense) : "";
+}
+
+std::string_view code_text(const EffectInstance& effect) {
+  if (effect.sense && effect.definition().place == Place::set_up) return name_of(*effect.sense);
+  return effect.code ? name_of(*effect.code) : "";
+}
+
+bool set_code(EffectId id, std::string_view word, std::optional<Sense>& sense, std::optional<Component>& code) {
+  if (id->place != Place::set_up) return (code = component_of(word)).has_value();
+  sense = sense_named(word);
+  return sense && is_rotation(*sense);
 }
 
 std::string sensors_text(const EffectInstance& effect) {

@@ -62,7 +62,7 @@ struct FittedCurve {
 struct EffectInstance {
   EffectId id = nullptr;
   std::optional<Axis> axis;       ///< absent where the effect has none (the whole map)
-  std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map
+  std::optional<Sense> sense;     ///< absent for `angular`, `squareness` and the whole map; of a set-up its rotation
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   ApproachMode approach = ApproachMode::both;
   std::string sensor;                        ///< column of the sensor, where one is used
@@ -82,8 +82,15 @@ struct EffectInstance {
   friend bool operator==(const EffectInstance&, const EffectInstance&) = default;
 };
 
-/// "cyclic:X:EX", "angular:X:ECX", "map_polarity" (the whole map), "user:encoder tilt".
+/// "cyclic:X:EX", "angular:X:ECX", "set_up_rotation:EC", "map_polarity" (the whole map), "user:encoder tilt".
 [[nodiscard]] std::string to_text(const EffectInstance& effect);
+
+/// Sense and code as model files and JSON name them, "" where there is none; the rotation of a set-up is its code.
+[[nodiscard]] std::string_view sense_text(const EffectInstance& effect);
+[[nodiscard]] std::string_view code_text(const EffectInstance& effect);
+/// Sets what `code = "…"` says. False: no such component, or for a set-up no rotation EA, EB, EC.
+[[nodiscard]] bool set_code(EffectId id, std::string_view word, std::optional<Sense>& sense,
+                            std::optional<Component>& code);
 
 /// "t_spindle_degC", "t_front_degC and t_back_degC", "" where no sensor is used.
 [[nodiscard]] std::string sensors_text(const EffectInstance& effect);

@@ -20,6 +20,7 @@
   EFFECT(thermal_scale)      \
   EFFECT(thermal_drift)      \
   EFFECT(thermal_bend)       \
+  EFFECT(set_up_rotation)    \
   EFFECT(warm_up)            \
   EFFECT(time_drift)         \
   EFFECT(air_refraction)     \

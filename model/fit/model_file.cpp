@@ -193,6 +193,16 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
   take_numbers(reader, table, "fitted", effect.fitted, known);
 }
 
+/// The component of `code`; of a set-up its rotation.
+void take_code(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
+  const auto word = reader.word(table, "code");
+  if (!word || set_code(effect.id, *word, effect.sense, effect.code)) return;
+  const bool set_up = effect.definition().place == Place::set_up;
+  reader.complain(*table.get("code"),
+                  fmt::format("code: expected {}, got \"{}\"",
+                              set_up ? "EA, EB or EC" : "one of the 21 components, such as ECX or C0Y", *word));
+}
+
 /// What an effect must have besides its id, and what follows from what it has.
 void complete(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
@@ -209,6 +219,11 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
     if (effect.code) effect.axis = *effect.code == Component::C0Y ? Axis::Y : Axis::Z;
   }
   if (definition.has_lever()) effect.sense = std::nullopt;
+  if (definition.place == Place::set_up) {
+    want(table.contains("code"), "code = EA, EB or EC");
+    effect.axis = std::nullopt;
+    return;
+  }
   const bool needs_axis =
       definition.place != Place::sense && definition.place != Place::squareness && definition.place != Place::map;
   if (needs_axis) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\"");
@@ -251,8 +266,7 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
                       [](std::string_view w) { return w.size() == 1 ? axis_of(w.front()) : std::nullopt; });
   effect.sense =
       named(reader, table, "sense", "EX, EY, EZ, EA, EB or EC", [](std::string_view w) { return sense_named(w); });
-  effect.code = named(reader, table, "code", "one of the 21 components, such as ECX or C0Y",
-                      [](std::string_view w) { return component_of(w); });
+  take_code(reader, table, effect);
   effect.approach = named(reader, table, "approach", "both, forward or reverse", [](std::string_view w) {
                       return approach_mode_named(w);
                     }).value_or(ApproachMode::both);

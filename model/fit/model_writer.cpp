@@ -58,8 +58,11 @@ std::string user_text(const EffectInstance& effect) {
 std::string effect_text(const EffectInstance& effect, std::string_view table) {
   std::string text = fmt::format("\n[[{}]]\nid = \"{}\"\n", table, name_of(effect.id));
   if (effect.axis) text += fmt::format("axis = \"{}\"\n", letter_of(*effect.axis));
-  if (effect.sense && !effect.is_user()) text += fmt::format("sense = \"{}\"\n", name_of(*effect.sense));
-  if (effect.code) text += fmt::format("code = \"{}\"\n", name_of(*effect.code));
+  const auto word = [&](std::string_view key, std::string_view value) {
+    if (!value.empty()) text += fmt::format("{} = \"{}\"\n", key, value);
+  };
+  if (!effect.is_user()) word("sense", sense_text(effect));
+  word("code", code_text(effect));
   if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
   if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(effect.sensor));
   if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", toml_text(effect.sensor2));

@@ -169,7 +169,8 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
   std::vector<PresentLine> lines = present_lines(data, times);
   const auto concerns = [&](const PresentLine& line) {
     return std::any_of(rivals.begin(), rivals.end(), [&](const EffectInstance& e) {
-      return (!e.sense || *e.sense == line.sense) && (!e.axis || *e.axis == line.axis || !e.sense);
+      const bool in_sense = sense_text(e).empty() || *e.sense == line.sense;
+      return in_sense && (!e.axis || *e.axis == line.axis || !e.sense);
     });
   };
   std::stable_partition(lines.begin(), lines.end(), concerns);

@@ -22,6 +22,8 @@ bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance
   const EffectDefinition& definition = effect.definition();
   if (definition.traits.until_new_set_up && !first_set_up(data, k)) return false;
   if (definition.has_lever()) return effect.code && lever_m(data, k, *effect.code) != 0.0;
+  if (definition.place == Place::set_up)
+    return !is_rotation(data.sense[k]) && direction_of(data.sense[k]) != direction_of(*effect.sense);
   if (definition.place == Place::map)
     return data.compensated[k] && data.map && (!definition.traits.of_approach || data.approach[k] != 0);
   if (effect.sense && data.sense[k] != *effect.sense) return false;

@@ -23,7 +23,8 @@ struct AddArguments : VerbArguments {
   const std::string& sensor = text("--sensor", "column of the sensor that it follows");
   const std::string& sensor2 = text("--sensor2", "column of the second sensor, where it follows the difference of two");
   const std::string& sense = choice("--sense", {"EX", "EY", "EZ", "EA", "EB", "EC"}, "of the effect");
-  const std::string& code = text("--code", "component of angular, squareness or map faults, such as ECX");
+  const std::string& code =
+      text("--code", "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation");
   const std::string& machine = text("--machine", kMachineHelp);
 };
 
@@ -35,12 +36,11 @@ Result<model::AddRequest> request_of(const AddArguments& arguments) {
   if (!arguments.sensor2.empty()) request->sensor2 = arguments.sensor2;
   if (!arguments.sense.empty()) request->sense = sense_named(arguments.sense);
   if (arguments.code.empty()) return request;
-  request->code = component_of(arguments.code);
-  if (!request->code)
-    return problem(
-        ProblemKind::usage,
-        fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, got \"{}\"", arguments.code));
-  return request;
+  if (model::set_code(request->id, arguments.code, request->sense, request->code)) return request;
+  return problem(ProblemKind::usage,
+                 fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, or EA, "
+                             "EB, EC of set_up_rotation, got \"{}\"",
+                             arguments.code));
 }
 
 /// A measurement that does not say its axis or sense is made to with `laser import`: --sense means the effect's here.

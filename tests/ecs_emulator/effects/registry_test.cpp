@@ -53,6 +53,8 @@ std::string table_of(const PlacedEffect& effect) {
     text += "code = \"ECX\"\n";
   else if (kind.placed_by == PlacedBy::code_of_squareness)
     text += "code = \"B0Z\"\n";
+  else if (kind.placed_by == PlacedBy::code_of_set_up)
+    text += "code = \"EC\"\n";
   else
     text += "axis = \"X\"\nsense = \"EY\"\n";
   if (kind.sensors > 0) text += "sensor = \"first\"\n";

@@ -1,0 +1,139 @@
+// A plate set up turned: one angle for both senses, found with its size; beside the machine's own effects where one
+// sense alone was measured.
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/ladder.hpp"
+#include "model/fit/fit.hpp"
+#include "model/regression/candidates.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using doctest::Approx;
+
+namespace {
+
+constexpr double kTurn_um_per_m = -67.0;
+
+/// Holes of a plate in the plane XY, turned; EX by X and EY by Y.
+laser::MeasurementSet turned_plate(double noise_um) {
+  laser::MeasurementSet set;
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0.0, noise_um);
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 10; ++j)
+      for (const Axis axis : {Axis::X, Axis::Y}) {
+        laser::Reading r;
+        r.row = static_cast<int>(set.readings.size()) + 1;
+        r.axis = axis;
+        r.sense = static_cast<Sense>(axis);
+        r.position_mm = {-300.0 + 53.0 * i + 2.0 * std::sin(7.0 * j), -280.0 + 61.0 * j + 2.0 * std::sin(5.0 * i), 0.0};
+        const double turned = axis == Axis::X ? -r.position_mm[1] : r.position_mm[0];
+        r.error = 1.0 + kTurn_um_per_m * turned / 1000.0 + noise(random);
+        set.readings.push_back(r);
+      }
+  return set;
+}
+
+Model base_of_both() {
+  Model model = straight(Axis::X, Sense::EX);
+  for (const EffectInstance& effect : straight(Axis::Y, Sense::EY).effects) model.effects.push_back(effect);
+  return model;
+}
+
+EffectInstance rotation(Sense about) {
+  EffectInstance effect;
+  effect.id = effect_named("set_up_rotation");
+  effect.sense = about;
+  return effect;
+}
+
+std::vector<std::string> rotations_of(const laser::MeasurementSet& set) {
+  std::vector<std::string> names;
+  for (const EffectInstance& one : candidate_instances(observations_of(set, Model{}, mill())))
+    if (one.id == effect_named("set_up_rotation")) names.push_back(to_text(one));
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("a rotation acts across its axis, right-handed, in the translations of its plane") {
+  Model model;
+  model.effects = {rotation(Sense::EA)};
+  model.effects[0].parameters["um_per_m"] = 10.0;
+  laser::MeasurementSet set;
+  for (const Sense sense : {Sense::EX, Sense::EY, Sense::EZ, Sense::EA}) {
+    laser::Reading r;
+    r.row = static_cast<int>(set.readings.size()) + 1;
+    r.sense = sense;
+    r.position_mm = {100.0, 200.0, 300.0};
+    set.readings.push_back(r);
+  }
+  const Observations data = observations_of(set, model, std::nullopt);
+  const auto values = predicted(model, data);
+  REQUIRE(values);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double expected = data.sense[k] == Sense::EY ? -3.0 : data.sense[k] == Sense::EZ ? 2.0 : 0.0;
+    CHECK((*values)[k] == Approx(expected));
+  }
+}
+
+TEST_CASE("adding it to the model of a plate finds the angle by which the plate is turned") {
+  const Model model = base_of_both();
+  const auto request = parse_add_request("set_up_rotation");
+  REQUIRE(request);
+  const auto added = add_effect(model, observations_of(turned_plate(4.0), model, std::nullopt), *request, "plate.csv");
+  REQUIRE(added);
+  CHECK(to_text(added->effect.effect) == "set_up_rotation:EC");
+  CHECK(added->effect.parameters.at(0).value == Approx(kTurn_um_per_m).epsilon(0.03));
+  CHECK(added->rms_after_um < 4.5);
+}
+
+TEST_CASE("one rotation is named for a turned plate, not a slope in each sense") {
+  const auto set = turned_plate(1.0);
+  const Diagnosis diagnosis = diagnosed(base_of_both(), set);
+  CHECK(diagnosis.verdict == Verdict::missing_effect);
+  REQUIRE(!diagnosis.candidates.empty());
+  CHECK(to_text(diagnosis.candidates[0].effect) == "set_up_rotation:EC");
+  CHECK(std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
+                      [](const Candidate& one) { return one.named; }) == 1);
+}
+
+TEST_CASE("with one sense alone the machine's effect comes first and the rotation beside it") {
+  laser::MeasurementSet one_sense = turned_plate(1.0);
+  std::erase_if(one_sense.readings, [](const laser::Reading& r) { return r.sense != Sense::EX; });
+  const Diagnosis diagnosis = diagnosed(straight(Axis::X, Sense::EX), one_sense);
+  REQUIRE(!diagnosis.candidates.empty());
+  const Candidate& first = diagnosis.candidates[0];
+  CHECK(to_text(first.effect) != "set_up_rotation:EC");
+  const auto& group = first.indistinguishable_from;
+  CHECK(std::find(group.begin(), group.end(), "set_up_rotation:EC") != group.end());
+}
+
+TEST_CASE("a rotation is sought once for both senses, where a cross coordinate varies") {
+  CHECK(rotations_of(turned_plate(1.0)) == std::vector<std::string>{"set_up_rotation:EC"});
+  Plan along;
+  CHECK(rotations_of(measured(along, 0.5, nothing)).empty());
+  along.sense = Sense::EY;
+  CHECK(rotations_of(measured(along, 0.5, nothing)) == std::vector<std::string>{"set_up_rotation:EC"});
+  along.sense = Sense::EZ;
+  CHECK(rotations_of(measured(along, 0.5, nothing)) == std::vector<std::string>{"set_up_rotation:EB"});
+}
+
+TEST_CASE("a model file names the rotation by its code, and refuses another") {
+  const auto model = parse_model("[[effect]]\nid = \"set_up_rotation\"\ncode = \"EB\"\n", "model.toml", ".");
+  REQUIRE(model);
+  CHECK(model->effects.at(0) == rotation(Sense::EB));
+  const auto again = parse_model(to_toml(*model), "model.toml", ".");
+  REQUIRE(again);
+  CHECK(again->effects == model->effects);
+  for (const char* code : {"", "code = \"EX\"\n", "code = \"ECX\"\n"}) {
+    const auto bad = parse_model(std::string("[[effect]]\nid = \"set_up_rotation\"\n") + code, "model.toml", ".");
+    REQUIRE(!bad);
+    CHECK(to_text(bad.error()).find("EA, EB or EC") != std::string::npos);
+  }
+}
