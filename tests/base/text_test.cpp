@@ -15,6 +15,8 @@ TEST_CASE("trimming takes blanks, tabs and line ends from both ends only") {
   CHECK(trimmed(" \t a b \r\n") == "a b");
   CHECK(trimmed("") == "");
   CHECK(trimmed(" \n ") == "");
+  const std::string_view blanks = " \t ";
+  CHECK(trimmed(blanks).data() == blanks.data());
 }
 
 TEST_CASE("lower case is that of ASCII, other bytes stay") { CHECK(lower("ECX Ü_9") == "ecx Ü_9"); }

@@ -162,6 +162,13 @@ TEST_CASE("every bad row is named with line and column, and what to map is said"
   CHECK(contains(refused_table("x e\n", by_columns("x_mm=1,reading=2")), "expected rows"));
 }
 
+TEST_CASE("an empty cell is named with its line and column") {
+  const std::string what = refused_table("x,y\n,1\n2,\n3, \n", by_columns("x_mm=1[mm],reading=2[um]", 1));
+  CHECK(what.find("table.txt:2:1: x_mm: expected a finite number, found nothing") != std::string::npos);
+  CHECK(what.find("table.txt:3:3: reading: expected a finite number, found nothing") != std::string::npos);
+  CHECK(what.find("table.txt:4:3: reading: expected a finite number, found nothing") != std::string::npos);
+}
+
 TEST_CASE("a wrong mapping is refused rule by rule") {
   const auto wrong = column_mapping("x_mm=0,reading=2[furlong],reading=3,run=,approach=4*x,time_s");
   REQUIRE_FALSE(wrong.has_value());
