@@ -288,25 +288,39 @@ Model with_values(Model model, const Fit& fit) {
   return model;
 }
 
-Result<std::vector<double>> predicted(const Model& model, const Observations& at) {
-  const Regressors regressors(at);
-  std::vector<Problem> problems;
-  Model held = model;
-  for (EffectInstance& effect : held.effects) {
+Model with_values_held(Model model) {
+  for (EffectInstance& effect : model.effects) {
     if (effect.is_user()) {
       for (UserParameter& parameter : effect.user)
         if (const auto value = effect.fitted.find(parameter.name); !parameter.value && value != effect.fitted.end())
           parameter.value = value->second;
-      if (std::all_of(effect.user.begin(), effect.user.end(),
-                      [](const UserParameter& p) { return p.value.has_value(); }))
-        continue;
     } else if (effect.traits().is_curve) {
-      effect.parameters["rms_um"] = 0.0;
-      if (!effect.curve.empty()) continue;
+      if (!effect.curve.empty()) effect.parameters["rms_um"] = 0.0;
     } else {
       for (const auto& [name, value] : effect.fitted) effect.parameters.try_emplace(name, value);
-      if (!effect.parameters.empty() || effect.definition().parameters.empty()) continue;
     }
+  }
+  return model;
+}
+
+namespace {
+
+/// Nothing of it is left to be fitted, or some of it is given and the rest is nothing.
+bool has_values(const EffectInstance& held) {
+  if (held.is_user())
+    return std::all_of(held.user.begin(), held.user.end(), [](const UserParameter& p) { return p.value.has_value(); });
+  if (held.traits().is_curve) return !held.curve.empty();
+  return !held.parameters.empty() || held.definition().parameters.empty();
+}
+
+}  // namespace
+
+Result<std::vector<double>> predicted(const Model& model, const Observations& at) {
+  const Regressors regressors(at);
+  std::vector<Problem> problems;
+  const Model held = with_values_held(model);
+  for (const EffectInstance& effect : held.effects) {
+    if (has_values(effect)) continue;
     problems.push_back(
         {ProblemKind::bad_input,
          fmt::format("{}: has no values; fit the model to data first, or give its parameters", to_text(effect)),

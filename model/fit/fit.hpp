@@ -75,6 +75,9 @@ struct Fit {
 /// fewer readings than one.
 [[nodiscard]] Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options = {});
 
+/// The model with every fitted value held, as if it had been given; effects that were never fitted stay as they are.
+[[nodiscard]] Model with_values_held(Model model);
+
 /// The model with `fitted` and curves taken from a fit.
 [[nodiscard]] Model with_values(Model model, const Fit& fit);
 

@@ -1,6 +1,8 @@
 // `ecs model compare`: where a model fails, what it says at one place, and over the whole volume.
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/model/model_arguments.hpp"
@@ -11,12 +13,14 @@
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/trace.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
 namespace {
 
 struct CompareArguments : VerbArguments {
   ModelOptions common{*this};
+  const bool& refit = flag("--refit", "fit the model to these data first; otherwise its values are kept");
   const int& worst = integer("--worst", "so many of the worst places", 10, 0, 10'000);
   const std::string& at = text("--at", "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1");
   const int& volume = integer("--volume", "predicted error over the volume, so many places along each axis", 0, 2, 60);
@@ -86,12 +90,28 @@ Result<Outcome> compare_step(const CompareArguments& arguments) {
   return std::move(comparison->outcome);
 }
 
+/// At the values of the model; what was never fitted is fitted, and so is everything with --refit.
+Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
+  if (refit) return model::fit(work.model, work.data);
+  auto fit = model::fit(with_values_held(work.model), work.data);
+  if (!fit) return fit;
+  std::string fitted;
+  for (const model::EffectFit& effect : fit->effects) {
+    if (effect.effect.traits().fixed_size) continue;
+    if (const auto& all = effect.parameters; std::any_of(all.begin(), all.end(), [](const auto& p) { return !p.held; }))
+      fitted += (fitted.empty() ? "" : ", ") + to_text(effect.effect);
+  }
+  if (!fitted.empty())
+    fit->notes.push_back(fmt::format("fitted to these data, since the model has no values for it: {}", fitted));
+  return fit;
+}
+
 Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments) {
   if (const auto good = sound(arguments); !good) return tl::unexpected(good.error());
   if (any_trace(arguments.common.data)) return compare_step(arguments);
   const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
-  const auto fit = model::fit(work->model, work->data);
+  const auto fit = fit_of(*work, arguments.refit);
   if (!fit) return tl::unexpected(in_file(fit.error(), arguments.common.model));
   const model::Comparison comparison = model::compare(*fit, work->data, static_cast<std::size_t>(arguments.worst));
   Cell answer = comparison_cell(comparison, work->data.size());
