@@ -46,12 +46,20 @@ Cell effects_cell(const Fit& fit) {
   return list;
 }
 
+/// All strong correlations as JSON; the strongest as text, and how many more there are.
 Cell correlations_cell(const Fit& fit) {
+  constexpr std::size_t kMostLines = 5;
   Cell list{Json::array(), {}};
-  for (const model::Correlation& one : fit.correlations)
-    if (std::abs(one.value) >= kStrongCorrelation)
-      list.add({{{"first", one.first}, {"second", one.second}, {"value", number_or_null(one.value)}},
-                paragraph(fmt::format("correlated {:+.3f}: {} and {}", one.value, one.first, one.second), 0, 2)});
+  for (const model::Correlation& one : fit.correlations) {
+    if (std::abs(one.value) < kStrongCorrelation) continue;
+    const std::string text = fmt::format("correlated {:+.3f}: {} and {}", one.value, one.first, one.second);
+    list.add({{{"first", one.first}, {"second", one.second}, {"value", number_or_null(one.value)}},
+              list.json.size() < kMostLines ? paragraph(text, 0, 2) : ""});
+  }
+  if (list.json.size() > kMostLines)
+    list.text += paragraph(fmt::format("correlated: {} more pairs above {:g} (--json lists them)",
+                                       list.json.size() - kMostLines, kStrongCorrelation),
+                           0, 2);
   return list;
 }
 

@@ -171,6 +171,24 @@ TEST_CASE("fixed parameters are reported as fixed, terms with the same effect as
   CHECK_FALSE(t["undetermined"].empty());
 }
 
+TEST_CASE("fit prints the strongest correlations and counts the rest; JSON has all") {
+  const ModelWorkspace workspace;
+  std::string model;
+  for (int power = 1; power <= 6; ++power)
+    model += "[[effect]]\nid = \"user\"\nname = \"p" + std::to_string(power) + "\"\nformula = { EX = \"k*(x_mm/1000)^" +
+             std::to_string(power) + "\" }\n";
+  const std::string powers = workspace.folder.with("powers.toml", model);
+  const Ran text = ran({"model", "fit", powers, workspace.data});
+  const auto pairs = ran({"model", "fit", powers, workspace.data, "--json"}).json()["correlations"].size();
+  REQUIRE(pairs > 5);
+  std::size_t lines = 0;
+  for (std::size_t at = text.out.find("correlated "); at != std::string::npos;
+       at = text.out.find("correlated ", at + 1))
+    ++lines;
+  CHECK(lines == 5);
+  CHECK(text.out.find("correlated: " + std::to_string(pairs - 5) + " more pairs above 0.9") != std::string::npos);
+}
+
 TEST_CASE("fit keeps to plain least squares when asked, and lists no outliers then") {
   const ModelWorkspace workspace;
   CHECK(workspace.verb("fit", {"--plain", "--json"}).json()["outliers"].empty());
@@ -208,6 +226,30 @@ TEST_CASE("compare gives bias, rms, peak, lack of fit and count for every sense,
   for (const nlohmann::json& view : j["variables"]) variables.insert(view["variable"].get<std::string>());
   for (const char* name : {"x_mm", "approach", "run", "time_s"}) CHECK(variables.contains(name));
   CHECK(widest_line(workspace.verb("compare").out) <= 80);
+}
+
+TEST_CASE("compare keeps the values of the model unless it is to refit, and says what it fits") {
+  const ModelWorkspace workspace;
+  const std::string data = workspace.folder.with("line.csv", measured_x(straight_x));
+  const auto shifted = [](double x_mm, int d, int run) { return straight_x(x_mm, d, run) + 197.0; };
+  const std::string other = workspace.folder.with("shifted.csv", measured_x(shifted));
+  const std::string fitted = workspace.folder / "fitted.toml";
+  REQUIRE(ran({"model", "fit", workspace.model, data, "--machine", workspace.machine, "-o", fitted}).code == 0);
+  const auto compared = [&](const std::string& model, std::vector<std::string> more) {
+    std::vector<std::string> words{"model", "compare", model, other, "--machine", workspace.machine, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return ran(words).json();
+  };
+  const nlohmann::json kept = compared(fitted, {});
+  for (const nlohmann::json& one : kept["directions"])
+    CHECK(one["bias_um"].get<double>() == Approx(197.0).epsilon(0.01));
+  CHECK(kept["rms_um"].get<double>() == Approx(197.0).epsilon(0.01));
+  CHECK(kept["notes"].dump().find("no values") == std::string::npos);
+  for (const nlohmann::json& refitted : {compared(fitted, {"--refit"}), compared(workspace.model, {})})
+    for (const nlohmann::json& one : refitted["directions"]) CHECK(std::abs(one["bias_um"].get<double>()) < 0.5);
+  CHECK(compared(workspace.model, {})["notes"].dump().find(
+            "fitted to these data, since the model has no values for it: offset:X:EX, scale:X:EX") !=
+        std::string::npos);
 }
 
 TEST_CASE("compare breaks the model down by effect at one place") {
