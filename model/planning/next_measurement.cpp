@@ -228,10 +228,46 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
       names, apart, separating_measurement(group.rivals.front(), others));
 }
 
-Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+/// Whether the new readings can be computed for the effect; says what is assumed of the extra columns that it reads.
+bool can_be_foretold(const EffectInstance& effect, const WithProposals& all, NextMeasurement& next) {
+  bool known = true;
+  for (const std::string& column : extra_columns_of(effect, all.data)) {
+    const auto follows = all.extras_follow.find(column);
+    known = known && follows != all.extras_follow.end();
+    std::string note = fmt::format("{} reads column {}", to_text(effect), column);
+    if (follows == all.extras_follow.end())
+      note += ": what a new run would have in it is not known, so no run is weighed by it";
+    else if (follows->second.empty())
+      note += ", which is constant in these data: a new run is taken to have the same value";
+    else
+      note += fmt::format(", which follows {} in these data: a new run is taken to do so too", follows->second);
+    if (std::find(next.notes.begin(), next.notes.end(), note) == next.notes.end())
+      next.notes.push_back(std::move(note));
+  }
+  return known;
+}
+
+void note_model(NextMeasurement& next, const Setting& in, const WithProposals& all) {
+  for (const EffectInstance& effect : in.model.effects) static_cast<void>(can_be_foretold(effect, all, next));
+}
+
+/// Leaves the rivals whose new readings can be computed. False: too few are left for the question.
+bool keep_foretold(OpenGroup& group, const WithProposals& all, NextMeasurement& next) {
+  const std::size_t before = group.rivals.size();
+  for (std::size_t i = group.rivals.size(); i-- > 0;) {
+    if (can_be_foretold(group.rivals[i], all, next)) continue;
+    group.rivals.erase(group.rivals.begin() + static_cast<std::ptrdiff_t>(i));
+    group.names.erase(group.names.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return group.rivals.size() >= std::min<std::size_t>(2, before);
+}
+
+Result<void> ask_group(NextMeasurement& next, const Setting& in, OpenGroup group) {
   next.rivals = group.names;
   const auto options = all_options(in.data, group.rivals, in.times);
   const WithProposals all = with_proposals(in.data, options);
+  note_model(next, in, all);
+  if (!keep_foretold(group, all, next)) return {};
   const Regressors regressors(all.data);
   const auto belief = belief_of(in.model, group.settled, {group.rivals.front()}, in.data, regressors);
   if (!belief) return tl::unexpected(belief.error());
@@ -267,6 +303,7 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
   constexpr std::size_t kMostVariables = 3;
   const auto options = all_options(in.data, {}, in.times);
   const WithProposals all = with_proposals(in.data, options);
+  note_model(next, in, all);
   const Regressors regressors(all.data);
   const auto belief = belief_of(in.model, {}, {}, in.data, regressors);
   if (!belief) return tl::unexpected(belief.error());
@@ -299,6 +336,7 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in) {
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
   const WithProposals all = with_proposals(part, options);
+  note_model(next, in, all);
   const Regressors regressors(all.data);
   const auto belief = belief_of(in.model, {}, {}, part, regressors);
   if (!belief) return tl::unexpected(belief.error());

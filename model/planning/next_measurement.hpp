@@ -41,12 +41,12 @@ struct MeasurementProposal {
   bool other_line = false;                                       ///< the other axes stand elsewhere than now
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
   std::optional<double> pressure_hPa, humidity_pct, load_kg;
-  std::optional<bool> compensated;  ///< absent: no map is known
-  double wait_minutes = 0.0;        ///< until the condition holds
-  double set_up_minutes = 5.0;      ///< work before the first reading
-  double minutes = 0.0;             ///< everything
-  double separation_sigma = 0.0;    ///< that the group is sure to lose a member by, from the best mimicking
-  std::vector<PairSeparation> pairs;
+  std::optional<bool> compensated;    ///< absent: no map is known
+  double wait_minutes = 0.0;          ///< until the condition holds
+  double set_up_minutes = 5.0;        ///< work before the first reading
+  double minutes = 0.0;               ///< everything
+  double separation_sigma = 0.0;      ///< that the group is sure to lose a member by, from the best mimicking
+  std::vector<PairSeparation> pairs;  ///< none where the run is a repetition, which separates nothing by itself
   std::string sentence;
 };
 

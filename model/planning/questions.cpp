@@ -12,6 +12,7 @@
 #include "model/fit/search.hpp"
 #include "model/planning/sentences.hpp"
 #include "model/regression/candidates.hpp"
+#include "model/regression/user_formula.hpp"
 
 namespace ecs::model {
 namespace {
@@ -66,6 +67,15 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
   }
   for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
   return group;
+}
+
+std::vector<std::string> extra_columns_of(const EffectInstance& effect, const Observations& data) {
+  if (!effect.is_user()) return {};
+  const auto formulas = UserFormulas::compile(effect, data);
+  if (!formulas) return {};
+  std::vector<std::string> names = formulas->optional_columns();
+  std::erase_if(names, [&](const std::string& name) { return name == "set_up" || !data.extras.contains(name); });
+  return names;
 }
 
 bool says_what_comes(const std::string& variable) { return variable != "run" && variable != "time_s"; }

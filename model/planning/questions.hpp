@@ -21,6 +21,9 @@ struct OpenGroup {
 /// "thermal_drift:X:EX (t_spindle_degC)"
 [[nodiscard]] std::string name_with_sensor(const EffectInstance& effect);
 
+/// Extra columns that the formulas of a user effect read; none for effects of the library.
+[[nodiscard]] std::vector<std::string> extra_columns_of(const EffectInstance& effect, const Observations& data);
+
 /// Whether a dependence on the variable says what a new run shows: not where each run is another, or each hour.
 [[nodiscard]] bool says_what_comes(const std::string& variable);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "model/fit/compare.hpp"
+
 namespace ecs::model {
 namespace {
 
@@ -39,6 +41,57 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
   if (const auto set_up = data.extras.find("set_up"); set_up != data.extras.end()) set_up->second[k] = proposal.set_up;
 }
 
+/// An extra column as a straight line over another one; over none it is constant.
+struct Follows {
+  std::string column;
+  double at_zero = 0.0;
+  double slope = 0.0;
+  [[nodiscard]] double at(const Observations& data, std::size_t k) const {
+    return column.empty() ? at_zero : at_zero + slope * variable_of(data, k, column);
+  }
+};
+
+/// The line through the readings with the least and the greatest value of `column`, if all others lie on it.
+std::optional<Follows> line_over(const Observations& present, const Column& extra, const std::string& column) {
+  constexpr double kSame = 1e-5;  // of the range: the last digit of a cell
+  std::size_t least = 0, greatest = 0;
+  std::vector<double> x;
+  for (std::size_t k = 0; k < present.size(); ++k) {
+    x.push_back(column.empty() ? 0.0 : variable_of(present, k, column));
+    if (std::isnan(x[k]) || std::isnan(extra[k])) return std::nullopt;
+    if (x[k] < x[least]) least = k;
+    if (x[k] > x[greatest]) greatest = k;
+  }
+  Follows line{column, extra[least], 0.0};
+  if (x[greatest] > x[least]) line.slope = (extra[greatest] - extra[least]) / (x[greatest] - x[least]);
+  line.at_zero -= line.slope * x[least];
+  const auto [low, high] = std::minmax_element(extra.begin(), extra.end());
+  for (std::size_t k = 0; k < present.size(); ++k)
+    if (std::abs(line.at(present, k) - extra[k]) > kSame * (*high - *low)) return std::nullopt;
+  return line;
+}
+
+/// What a column without a meaning of its own depends on; places before conditions, since a run chooses them first.
+std::optional<Follows> follows(const Observations& present, const Column& extra) {
+  std::vector<std::string> columns{"", "x_mm", "y_mm", "z_mm", "approach", "feed_mm_min", "load_kg", "pressure_hPa"};
+  columns.insert(columns.end(), {"humidity_pct", "travel_since_reversal_mm"});
+  for (const auto& [sensor, degC] : present.sensors_degC) columns.push_back(sensor);
+  columns.emplace_back("time_s");
+  for (const std::string& column : columns)
+    if (auto line = line_over(present, extra, column)) return line;
+  return std::nullopt;
+}
+
+/// Cells of the extra columns in the new rows, which are otherwise whole.
+void fill_extras(WithProposals& all, const Observations& present) {
+  for (auto& [name, column] : all.data.extras) {
+    if (name == "set_up") continue;
+    const auto line = follows(present, present.extras.find(name)->second);
+    if (line) all.extras_follow[name] = line->column;
+    for (std::size_t k = all.present; k < column.size(); ++k) column[k] = line ? line->at(all.data, k) : kNotMeasured;
+  }
+}
+
 }  // namespace
 
 Observations present_of(const WithProposals& all) {
@@ -71,6 +124,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }
+  fill_extras(all, present);
   return all;
 }
 

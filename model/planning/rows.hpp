@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "model/data/observations.hpp"
@@ -17,6 +19,9 @@ struct WithProposals {
   std::size_t present = 0;         ///< the first readings
   std::vector<std::size_t> first;  ///< of each proposal
   std::vector<std::size_t> count;  ///< of each proposal
+  /// What each extra column is taken to follow in the new readings: another column of which it is a straight line in
+  /// the present ones, "" where it is constant. Of one that is missing here nothing is known: kNotMeasured.
+  std::map<std::string, std::string, std::less<>> extras_follow;
 };
 /// The present readings alone.
 [[nodiscard]] Observations present_of(const WithProposals& all);

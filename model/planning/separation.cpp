@@ -9,6 +9,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/regression/user_formula.hpp"
 
 namespace ecs::model {
 namespace {
@@ -53,6 +54,30 @@ MatrixXd slopes_of(Assembly& assembly, const Assembly& fitted_assembly, const Ve
   }
   return slopes;
 }
+
+/// The effect with its fitted values as the starting values of its formulas.
+EffectInstance started_at_fit(EffectInstance effect) {
+  for (UserParameter& parameter : effect.user)
+    if (const auto value = effect.fitted.find(parameter.name); value != effect.fitted.end())
+      parameter.start = value->second;
+  return effect;
+}
+
+/// Parameters of formulas that are fitted but no factors.
+std::vector<std::size_t> user_nonlinear(const EffectInstance& effect, const Observations& data) {
+  std::vector<std::size_t> places;
+  const auto formulas = UserFormulas::compile(effect, data);
+  if (!formulas) return places;
+  std::vector<double> start;
+  for (const UserParameter& parameter : effect.user) start.push_back(start_of(parameter));
+  const std::vector<bool> linear = formulas->linear_parameters(start);
+  for (std::size_t i = 0; i < linear.size(); ++i)
+    if (!linear[i] && !effect.user[i].value) places.push_back(i);
+  return places;
+}
+
+/// Change of a nonlinear parameter for its slope.
+double slope_step(double value) { return std::max(std::abs(value) * kSlopeStep, kLeastSlopeStep); }
 
 /// Columns of an effect that are fitted, what it holds as its fixed part.
 Columns free_columns(const Regressors& regressors, const EffectInstance& effect, double nonlinear) {
@@ -178,8 +203,9 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
   return belief;
 }
 
-Explanation explained_by(const std::string& name, const EffectInstance& effect, const Belief& belief,
+Explanation explained_by(const std::string& name, const EffectInstance& believed, const Belief& belief,
                          const WithProposals& all, const Regressors& regressors) {
+  const EffectInstance effect = started_at_fit(believed);
   const auto present = static_cast<Index>(all.present);
   const std::string parameter(effect.definition().searched_parameter());
   const auto value = effect.fitted.find(parameter);
@@ -197,10 +223,17 @@ Explanation explained_by(const std::string& name, const EffectInstance& effect, 
       sizes_beside(whitener(base), whitener(MatrixXd(columns.of.topRows(present).leftCols(used))), whitener(target));
   one.truth = one.fixed + columns.of.leftCols(used) * sizes;
   if (!parameter.empty() && effect.definition().search.has_slope && !effect.parameters.contains(parameter)) {
-    const double change = std::max(std::abs(nonlinear) * kSlopeStep, kLeastSlopeStep);
+    const double change = slope_step(nonlinear);
     const Columns moved = free_columns(regressors, effect, nonlinear + change);
     append(one.columns, (moved.of.leftCols(used) * sizes + moved.fixed - one.truth) / change);
   }
+  if (effect.is_user())
+    for (const std::size_t i : user_nonlinear(effect, all.data)) {
+      EffectInstance moved = effect;
+      const double change = slope_step(start_of(effect.user[i]));
+      moved.user[i].start = start_of(effect.user[i]) + change;
+      append(one.columns, (free_columns(regressors, moved, 0.0).of * sizes - columns.of * sizes) / change);
+    }
   return one;
 }
 

@@ -129,6 +129,18 @@ std::vector<double> UserFormulas::values(const std::vector<double>& parameters) 
   return values;
 }
 
+std::vector<std::string> UserFormulas::optional_columns() const {
+  std::vector<std::string> names;
+  for (const auto& [name, cell] : parts_->cells) {
+    const auto reads = [&cell = cell](const Parts::Compiled& formula) {
+      return std::any_of(formula.optional_columns.begin(), formula.optional_columns.end(),
+                         [&](const auto& column) { return column.first == &cell; });
+    };
+    if (std::any_of(parts_->formulas.begin(), parts_->formulas.end(), reads)) names.push_back(name);
+  }
+  return names;
+}
+
 std::vector<bool> UserFormulas::linear_parameters(const std::vector<double>& start) const {
   // affine in the parameter at two settings of the others, and its slope does not depend on other linear ones
   const auto at = [&](std::vector<double> parameters) { return values(parameters); };

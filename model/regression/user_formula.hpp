@@ -27,6 +27,9 @@ class UserFormulas {
   /// 0 where no formula is for that sense.
   [[nodiscard]] std::vector<double> values(const std::vector<double>& parameters) const;
 
+  /// Optional columns that the formulas read, each once.
+  [[nodiscard]] std::vector<std::string> optional_columns() const;
+
   /// For each parameter: whether the values are a straight line in it whatever the others are.
   [[nodiscard]] std::vector<bool> linear_parameters(const std::vector<double>& start) const;
 

@@ -39,7 +39,10 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   for (const model::PairSeparation& pair : one.pairs)
     pairs.push_back(
         {{"truth", pair.truth}, {"rival", text_or_null(pair.rival)}, {"sigma", number_or_null(pair.sigma)}});
-  return record_cell("\n{number}. {separation_sigma} sigma in {minutes} min\n{sentence}",
+  Cell separation{nullptr, ""};  // a repetition separates nothing by itself
+  if (!one.pairs.empty())
+    separation = {number_or_null(one.separation_sigma), fmt::format("{:.1f} sigma in ", one.separation_sigma)};
+  return record_cell("\n{number}. {separation_sigma}{minutes} min\n{sentence}",
                      {{"number", shown_cell(fmt::format("{}", number))},
                       {"axis", word_cell(axis_json(one.axis))},
                       {"sense", word_cell(name_of(one.sense))},
@@ -61,7 +64,7 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
                       {"wait_minutes", {number_or_null(one.wait_minutes), ""}},
                       {"set_up_minutes", {number_or_null(one.set_up_minutes), ""}},
                       {"minutes", number_cell(one.minutes, 0)},
-                      {"separation_sigma", number_cell(one.separation_sigma, 1)},
+                      {"separation_sigma", std::move(separation)},
                       {"pairs", {std::move(pairs), ""}},
                       {"sentence", {one.sentence, paragraph(one.sentence, 3)}}});
 }

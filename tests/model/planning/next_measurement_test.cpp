@@ -174,3 +174,74 @@ TEST_CASE("a target list is a plan to check") {
   REQUIRE(at_one_feed);
   CHECK_FALSE(at_one_feed->determines);
 }
+
+namespace {
+
+/// Two formulas that are the same in these data: one by the position, one by a column of the file's own.
+NextMeasurement next_of_two_formulas(const std::function<double(double p_mm)>& column) {
+  Model model = straight();
+  for (const char* formula : {"a*(x_mm/1000)^2", "a*u^2"}) {
+    EffectInstance one;
+    one.id = effect_named("user");
+    one.name = formula;
+    one.formulas = {{Sense::EX, formula}};
+    one.user = {{"a", "", {}, {}, {}, {}}};
+    model.candidates.push_back(one);
+  }
+  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 2); });
+  for (laser::Reading& r : set.readings) r.extras["u"] = column(p(r));
+  const Observations data = observations_of(set, model, mill());
+  Diagnosis found;
+  found.verdict = Verdict::missing_effect;
+  for (const EffectInstance& one : model.candidates) {
+    Candidate candidate;
+    candidate.effect = one;
+    candidate.effect.fitted["a"] = 40.0;
+    found.candidates.push_back(candidate);
+  }
+  found.candidates[0].named = true;
+  found.candidates[0].indistinguishable_from = {to_text(model.candidates[1])};
+  return next_measurement(model, data, found);
+}
+
+}  // namespace
+
+TEST_CASE("two formulas that are the same function are not separated by a column that follows the position") {
+  const NextMeasurement next = next_of_two_formulas([](double p_mm) { return p_mm / 1000.0; });
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 2);
+  CHECK(next.notes[0].find("column u, which follows x_mm in these data") != std::string::npos);
+  CHECK(next.notes[1].find("contribute alike") != std::string::npos);
+}
+
+TEST_CASE("a formula with a column of which a new run says nothing is not weighed, and named") {
+  const NextMeasurement next =
+      next_of_two_formulas([](double p_mm) { return p_mm / 1000.0 + 0.01 * std::sin(p_mm / 90.0); });
+  CHECK(next.rivals.size() == 2);
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 1);
+  CHECK(next.notes[0].find("user:a*u^2 reads column u: what a new run would have in it is not known") !=
+        std::string::npos);
+}
+
+TEST_CASE("formulas with a free period are weighed at the period that was found") {
+  Model model = straight();
+  auto set = measured({}, kNoise_um, [](const laser::Reading& r) { return 2.0 * std::sin(p(r) / 11.0); });
+  Diagnosis found;
+  found.verdict = Verdict::missing_effect;
+  for (const double start : {60.0, 80.0}) {  // two names and two starts for one function
+    Candidate candidate;
+    candidate.effect.id = effect_named("user");
+    candidate.effect.name = "from " + std::to_string(static_cast<int>(start));
+    candidate.effect.formulas = {{Sense::EX, "a*sin(2*pi*x_mm/P)"}};
+    candidate.effect.user = {{"a", "", {}, {}, {}, {}}, {"P", "mm", {}, start, {}, {}}};
+    candidate.effect.fitted = {{"a", 2.0}, {"P", 22.0 * 3.14159265358979}};
+    found.candidates.push_back(candidate);
+  }
+  found.candidates[0].named = true;
+  found.candidates[0].indistinguishable_from = {to_text(found.candidates[1].effect)};
+  const NextMeasurement next = next_measurement(model, observations_of(set, model, mill()), found);
+  CHECK(next.proposals.empty());
+  REQUIRE(next.notes.size() == 1);
+  CHECK(next.notes[0].find("contribute alike") != std::string::npos);
+}
