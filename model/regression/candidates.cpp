@@ -155,6 +155,9 @@ std::vector<EffectInstance> candidate_instances(const Observations& data) {
   }
   add_levered(data, out);
   add_map_faults(data, out);
+  // of effects that do the same the first is named: those of the machine before the set-up
+  std::stable_partition(out.begin(), out.end(),
+                        [](const EffectInstance& one) { return one.definition().place != Place::set_up; });
   return out;
 }
 
