@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/moved_targets.hpp"
+
 namespace ecs::devices {
 namespace {
 
@@ -17,7 +19,7 @@ std::vector<double> targets_of(const CaptureLine& line) {
   const auto whole = static_cast<long>(std::floor(way / step + 1e-9));
   for (long k = 0; k <= whole; ++k) targets.push_back(line.from_mm + sign * step * static_cast<double>(k));
   if (way - step * static_cast<double>(whole) > step * 1e-6) targets.push_back(line.to_mm);
-  return targets;
+  return line.moved ? moved_targets(std::move(targets)) : targets;
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct CaptureLine {
   double to_mm = 0.0;
   double step_mm = 0.0;  ///< its sign does not matter; a last short step ends at `to_mm`
   int runs = 3;
+  bool moved = false;    ///< targets moved off equal steps (base/moved_targets.hpp)
   bool one_way = false;  ///< back to the first target without readings
   Vector3 parked_mm{};   ///< where the other axes stand
   std::optional<double> feed_mm_min;

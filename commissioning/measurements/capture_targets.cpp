@@ -90,6 +90,7 @@ Result<void> override_line(const CaptureTargets& arguments, devices::CaptureLine
   if (arguments.step_mm) line.step_mm = *arguments.step_mm;
   if (arguments.runs > 0) line.runs = arguments.runs;
   if (arguments.feed_mm_min) line.feed_mm_min = arguments.feed_mm_min;
+  line.moved = arguments.moved;
   line.one_way = arguments.one_way;
   return {};
 }

@@ -20,6 +20,7 @@ struct CaptureTargets {
   std::optional<double> to_mm;
   std::optional<double> step_mm;
   int runs = 0;
+  bool moved = false;
   bool one_way = false;
   std::string parked;
   std::optional<double> feed_mm_min;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/moved_targets.hpp"
+
 namespace ecs::emulator {
 namespace {
 
@@ -59,6 +61,7 @@ std::optional<MeasurementPlan> plan_in(Arguments& arguments) {
   const auto to = arguments.number("to");
   const auto step = arguments.number("step");
   if (plan.targets_mm.empty() && from && to && step) plan.targets_mm = targets_between(*from, *to, *step);
+  if (arguments.flag("moved")) plan.targets_mm = moved_targets(std::move(plan.targets_mm));
   if (plan.targets_mm.empty()) arguments.complain("expected targets, or from, to and step (above 0)");
   plan.runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(plan.runs));
   plan.bidirectional = !arguments.flag("unidirectional");

@@ -83,6 +83,7 @@ class PlanReader {
       if (!fly->is_boolean()) reader_.complain(*fly, "on_the_fly: expected true or false");
       request["on_the_fly"] = fly->value_or(false);
     }
+    if (choice_.moved) request["moved"] = true;
     request["output"] = Json::array({(choice_.folder / (name + ".csv")).string()});
     if (phase == "both" || phase == choice_.phase || choice_.phase.empty()) requests.push_back(request.dump());
   }

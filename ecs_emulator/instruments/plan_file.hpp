@@ -15,6 +15,7 @@ struct PlanChoice {
   std::filesystem::path folder;  ///< each row is written to `<folder>/<name>.csv`
   std::string date;              ///< into the metadata; empty: none
   std::string engineer;
+  bool moved = false;  ///< targets moved off equal steps (base/moved_targets.hpp)
 };
 
 /// One `measure` request (docs/emulator.md) for each row, in file order. Every wrong key or value is reported with its

@@ -68,8 +68,10 @@ Result<ProgramFile> written(const std::string& request, const std::string& name,
 }  // namespace
 
 Result<std::vector<ProgramFile>> programs_of_plan(const std::filesystem::path& plan,
-                                                  const std::optional<std::filesystem::path>& machine) {
-  const auto requests = requests_of(plan, {});
+                                                  const std::optional<std::filesystem::path>& machine, bool even) {
+  PlanChoice choice;
+  choice.moved = !even;
+  const auto requests = requests_of(plan, choice);
   if (!requests) return tl::unexpected(requests.error());
   const auto tool = machine_at(machine);
   if (!tool) return tl::unexpected(tool.error());

@@ -17,10 +17,12 @@ struct ProgramFile {
 };
 
 /// One program for each row of a plan file (docs/emulator.md), in file order.
+/// @param even  keep targets at equal steps; else they are moved (base/moved_targets.hpp)
 /// @param machine  machine file; where given, rows park the other axes where `measure` would, and every program is
 ///                 checked against the travel of the axes, before anything is written
 [[nodiscard]] Result<std::vector<ProgramFile>> programs_of_plan(const std::filesystem::path& plan,
-                                                                const std::optional<std::filesystem::path>& machine);
+                                                                const std::optional<std::filesystem::path>& machine,
+                                                                bool even = false);
 
 /// The program of one request `measure` (JSON text, as the workshop takes it; without `sense`: positioning).
 [[nodiscard]] Result<ProgramFile> program_of_request(const std::string& request, const std::string& name,

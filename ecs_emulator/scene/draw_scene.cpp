@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/moved_targets.hpp"
 #include "ecs_emulator/random/draw.hpp"
 #include "ecs_emulator/scene/design.hpp"
 
@@ -149,7 +150,7 @@ std::vector<double> draw_targets(Random& random, const Scene& scene, Axis axis, 
     const double place = irregular ? (k + between(random, 0.1, 0.9)) / count : k / (count - 1.0);
     targets.push_back(rounded(low_mm + (high_mm - low_mm) * place, irregular ? 1000.0 : 100.0));
   }
-  return targets;
+  return even ? moved_targets(std::move(targets)) : targets;
 }
 
 Travel draw_travel(Random& random, const Needs& needs, std::size_t lines, std::size_t readings, Scene& scene) {

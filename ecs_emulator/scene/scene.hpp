@@ -73,7 +73,7 @@ struct Scene {
   UnitMap map;                       ///< empty: the unit was off
   std::vector<KnownCurve> known;
   Shown shown;
-  bool even_grid = true;  ///< the targets stand at even distances
+  bool even_grid = true;  ///< the targets were at equal steps before they were moved
 
   [[nodiscard]] double p_mm(const Stop& stop, Axis axis) const {
     return stop.position_mm[index_of(axis)] - datum_mm[index_of(axis)];

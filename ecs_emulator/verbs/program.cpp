@@ -17,6 +17,7 @@ struct ProgramArguments {
   std::string plan;
   std::string output;
   std::string machine;
+  bool even = false;
   Json request = Json::object();
 };
 
@@ -43,8 +44,11 @@ Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>
   return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
 }
 
-Result<Outcome> write_one(Json request, const fs::path& output, const std::optional<fs::path>& machine) {
+Result<Outcome> write_one(const ProgramArguments& arguments, const std::optional<fs::path>& machine) {
+  const fs::path output = arguments.output;
+  Json request = arguments.request;
   request["action"] = "measure";
+  if (!arguments.even && !request.contains("targets")) request["moved"] = true;
   if (!request.contains("sense") && request.contains("axis"))
     request["sense"] = "E" + request["axis"].get<std::string>();
   const auto file = program_of_request(request.dump(), output.filename().string(), machine);
@@ -55,10 +59,10 @@ Result<Outcome> write_one(Json request, const fs::path& output, const std::optio
 
 Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramArguments& arguments) {
   const auto machine = arguments.machine.empty() ? std::nullopt : std::optional<fs::path>(arguments.machine);
-  if (arguments.plan.empty()) return write_one(arguments.request, arguments.output, machine);
+  if (arguments.plan.empty()) return write_one(arguments, machine);
   if (!arguments.request.empty())
     return problem(ProblemKind::usage, "expected a plan file or --axis, --from, …, got both");
-  const auto files = programs_of_plan(arguments.plan, machine);
+  const auto files = programs_of_plan(arguments.plan, machine, arguments.even);
   return files ? write_all(arguments.output, *files) : tl::unexpected(files.error());
 }
 
@@ -71,7 +75,8 @@ extern const VerbDefinition kProgram = verb<ProgramArguments>(
     [](Verb& verb, ProgramArguments& arguments) {
       verb.text("PLAN", arguments.plan, "plan file (TOML): one program for each row");
       add_plan_options(RequestVerb(verb, arguments.request));
-      verb.text("--machine", arguments.machine, "machine file: park the other axes, check the travel")
+      verb.flag("--even", arguments.even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks")
+          .text("--machine", arguments.machine, "machine file: park the other axes, check the travel")
           .text("-o,--output", arguments.output, "file; with a plan: folder", Need::required);
     },
     write_programs);

@@ -105,6 +105,7 @@ void add_measure_options(RequestVerb verb) {
   verb.number("--to", "to");
   verb.number("--step", "step");
   verb.numbers("--targets", "targets");
+  verb.flag("--moved", "moved", "targets off equal steps, as ISO 230-2 asks");
   verb.integer("--runs", "runs");
   verb.flag("--unidirectional", "unidirectional");
   verb.coordinates("--parked", "parked", "for example y=-700,z=0");

@@ -106,6 +106,7 @@ extern const VerbDefinition kPlan = verb<PlanArguments>(
           .choice("--phase", arguments.choice.phase, {"before", "after"}, "rows of this phase, and of both",
                   Need::required)
           .text("-o,--output", arguments.folder, "folder for the files", Need::required)
+          .flag("--moved", arguments.choice.moved, "targets off equal steps, as ISO 230-2 asks")
           .text("--date", arguments.choice.date, "")
           .text("--engineer", arguments.choice.engineer, "");
     },

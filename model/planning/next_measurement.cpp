@@ -292,6 +292,7 @@ void take_repetition(NextMeasurement& next, const Setting& in) {
   std::vector<PresentLine> lines = present_lines(in.data, in.times);
   if (lines.empty()) return;
   MeasurementProposal again = lines.front().now;
+  again.targets_mm = off_equal_steps(again.targets_mm, again.targets_mm);
   constexpr int kTwice = 2;
   again.runs = kTwice;
   again.minutes = minutes_of(again, in.times);

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/moved_targets.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -306,6 +307,10 @@ std::vector<PresentLine> present_lines(const Observations& data, const Measuring
   return lines;
 }
 
+std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm) {
+  return even_step_mm(present_mm) ? moved_targets(std::move(chosen_mm)) : chosen_mm;
+}
+
 std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
                                                    const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
   std::vector<MeasurementProposal> options;
@@ -313,7 +318,7 @@ std::vector<MeasurementProposal> measuring_options(const Observations& data, con
     for (const std::size_t most : {kManyTargets, kFewTargets})
       for (const bool both : {true, false}) {
         MeasurementProposal one = condition;
-        one.targets_mm = thinned(one.targets_mm, most);
+        one.targets_mm = off_equal_steps(condition.targets_mm, thinned(condition.targets_mm, most));
         if (most == kManyTargets && condition.targets_mm.size() <= kFewTargets) continue;
         if (of_approach && !both) continue;
         one.bidirectional = both;

@@ -22,6 +22,9 @@ struct PresentLine {
 /// The way that an axis may take: its travel, else what was measured.
 [[nodiscard]] Range range_of(const Observations& data, Axis axis);
 
+/// The targets chosen for a run, moved where the present ones lie at equal steps: there a period has aliases.
+[[nodiscard]] std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm);
+
 /// Runs worth weighing, one run of each: every condition with many and with few targets, both ways and one way.
 /// @param of_approach  causes that depend on the approach are in question: both ways only
 /// @param on_the_fly   readings without a dwell, as a following error needs

@@ -42,6 +42,19 @@ TEST_CASE("a line is measured forward and back in every run, each target from it
   CHECK(stops[0].position_mm == Vector3{0.0, -1400.0, 5.0});
 }
 
+TEST_CASE("moved targets keep the ends of the line, and are the same in every pass") {
+  CaptureLine moved = line();
+  moved.moved = true;
+  const auto stops = *stops_of(moved);
+  REQUIRE(stops.size() == 12);
+  const double middle = target_mm(stops[1]);
+  CHECK(std::abs(middle - 50.0) <= 15.0);
+  CHECK(middle != 50.0);
+  std::vector<double> targets;
+  for (const laser::Reading& stop : stops) targets.push_back(target_mm(stop));
+  CHECK(targets == std::vector<double>{0, middle, 100, 100, middle, 0, 0, middle, 100, 100, middle, 0});
+}
+
 TEST_CASE("a line into the negative begins with reverse approaches and ends at its end, short step or not") {
   CaptureLine down = line();
   down.to_mm = -110.0;

@@ -46,6 +46,7 @@ void take_target_options(Verb& verb, CaptureTargets& arguments) {
       .number("--from", arguments.from_mm, "first target [mm]")
       .number("--to", arguments.to_mm, "last target [mm]")
       .number("--step", arguments.step_mm, "from target to target [mm]")
+      .flag("--moved", arguments.moved, "targets off equal steps, as ISO 230-2 asks: no period hides behind the step")
       .integer("--runs", arguments.runs, "forward and back so many times (3)", 0, kMostRuns)
       .flag("--one-way", arguments.one_way, "no readings on the way back")
       .text("--parked", arguments.parked, "positions of the other axes, as in y=-1400,z=0 [mm]")

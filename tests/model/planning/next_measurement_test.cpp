@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "base/moved_targets.hpp"
 #include "model/planning/part_program.hpp"
 #include "tests/support/measuring_session.hpp"
 
@@ -129,6 +130,23 @@ TEST_CASE("an adequate model with many readings asks for nothing") {
   };
   CHECK(names("cosine:X:EX"));  // beside a scale it is never seen
   CHECK_FALSE(names("backlash:X:EX"));
+}
+
+TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
+  auto set = session(
+      {}, [](const laser::Reading& r) { return 1.0 * d(r); }, [](laser::Reading& r) { r.feed_mm_min = 2000.0; });
+  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const Model model = straight();
+  const Observations data = observations_of(set, model, mill());
+  const auto found = diagnose(model, data);
+  REQUIRE(found);
+  const NextMeasurement next = next_measurement(model, data, *found);
+  REQUIRE_FALSE(next.proposals.empty());
+  for (const MeasurementProposal& proposal : next.proposals) {
+    CAPTURE(proposal.condition);
+    CHECK(!even_step_mm(proposal.targets_mm));
+    CHECK(std::is_sorted(proposal.targets_mm.begin(), proposal.targets_mm.end()));
+  }
 }
 
 TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
