@@ -36,9 +36,9 @@ double legendre(int degree, double x) {
 }
 
 // s(p): Legendre polynomials less mean and slope over the positions of the rows that the effect acts on.
-std::vector<Column> smooth_columns(const Setup& setup, const Term& term, bool reversal) {
+std::vector<Column> smooth_columns(const Setup& setup, const Term& term, bool reversal, int count) {
   const auto [low, high] = span_of(setup, term.axis);
-  std::vector<Column> columns(kCurveColumns, Column(setup.readings.size(), 0.0));
+  std::vector<Column> columns(static_cast<std::size_t>(count), Column(setup.readings.size(), 0.0));
   if (!(high > low)) return columns;
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < setup.readings.size(); ++i) {
@@ -54,7 +54,7 @@ std::vector<Column> smooth_columns(const Setup& setup, const Term& term, bool re
   for (std::size_t k = 0; k < rows.size(); ++k) slope[k] = at(rows[k]);
   line.add(ones);
   line.add(slope);
-  for (int degree = 0; degree < kCurveColumns; ++degree) {
+  for (int degree = 0; degree < count; ++degree) {
     Column values(rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) values[k] = legendre(degree + 2, at(rows[k]));
     values = line.residual(values);
@@ -221,8 +221,8 @@ bool has_fixed_size(const std::string& id) {
 }
 
 std::vector<Column> columns_of(const Setup& setup, const Term& term) {
-  if (term.id == "progressive") return smooth_columns(setup, term, false);
-  if (term.id == "reversal_curve") return smooth_columns(setup, term, true);
+  if (term.id == "progressive") return smooth_columns(setup, term, false, kCurveColumns);
+  if (term.id == "reversal_curve") return smooth_columns(setup, term, true, kCurveColumns);
   if (term.id == "angular") return angular_columns(setup, term);
   std::vector<Column> columns(row_of(setup, term, setup.readings.front()).size(), Column(setup.readings.size(), 0.0));
   for (std::size_t i = 0; i < setup.readings.size(); ++i) {
@@ -230,6 +230,13 @@ std::vector<Column> columns_of(const Setup& setup, const Term& term) {
     const std::vector<double> row = row_of(setup, term, setup.readings[i]);
     for (std::size_t k = 0; k < row.size(); ++k) columns[k][i] = row[k];
   }
+  return columns;
+}
+
+std::vector<Column> free_columns_of(const Setup& setup, const Term& term) {
+  if (term.id == "progressive") return smooth_columns(setup, term, false, kFreeCurveColumns);
+  std::vector<Column> columns = columns_of(setup, term);
+  if (has_nonlinear(term.id)) columns.push_back(nonlinear_derivative(setup, term));
   return columns;
 }
 

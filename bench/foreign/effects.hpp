@@ -26,6 +26,8 @@ struct Term {
 };
 
 inline constexpr int kCurveColumns = 8;  ///< of s(p): Legendre degrees 2 to 9, ten with mean and slope
+/// Of a progressive term in a base model: a program may let "about ten" degrees of freedom be a few more.
+inline constexpr int kFreeCurveColumns = 12;
 
 /// "cyclic:X:EX", as `indistinguishable_from` writes it.
 [[nodiscard]] std::string name_of(const Term& term);
@@ -39,6 +41,8 @@ inline constexpr int kCurveColumns = 8;  ///< of s(p): Legendre degrees 2 to 9, 
 /// Columns of the term's linear coefficients; shape (coefficients × readings). A map_shift and a map_direction_swap
 /// have one column whose coefficient is 1.
 [[nodiscard]] std::vector<Column> columns_of(const Setup& setup, const Term& term);
+/// What a base term takes when it is fitted: its columns, and the derivative by its nonlinear parameter.
+[[nodiscard]] std::vector<Column> free_columns_of(const Setup& setup, const Term& term);
 [[nodiscard]] Column contribution(const Setup& setup, const Term& term);
 /// Derivative with respect to the nonlinear parameter, by central difference.
 [[nodiscard]] Column nonlinear_derivative(const Setup& setup, const Term& term);

@@ -10,7 +10,13 @@ namespace foreign {
 namespace {
 
 constexpr int kRefinements = 3;
+constexpr double kNoCandidate = 1e300;
 constexpr double kSameFreedom = 0.1;  // of a nonlinear parameter, in the logarithm
+
+// Of an effect that is no candidate here, or that the base model holds whole.
+bool shows_nothing(const Reproduction& found) {
+  return found.score >= kNoCandidate || (found.parameters == 0 && found.term.id != "map_direction_swap");
+}
 
 }  // namespace
 
@@ -18,8 +24,7 @@ Projector::Projector(const Setup& setup, const Noise& noise, const std::vector<T
     : setup_(setup), noise_(noise), library_(library_of(setup)) {
   for (const Term& term : fixed_base) {
     if (term.given) continue;
-    for (const Column& column : columns_of(setup, term)) base_.add(whitened(setup, noise, column));
-    if (has_nonlinear(term.id)) base_.add(whitened(setup, noise, nonlinear_derivative(setup, term)));
+    for (const Column& column : free_columns_of(setup, term)) base_.add(whitened(setup, noise, column));
   }
 }
 
@@ -60,8 +65,8 @@ Reproduction Projector::at(const Term& candidate, const Column& rest) const {
 Reproduction Projector::of(const Term& candidate, const Column& rest) const {
   const std::vector<double> grid = nonlinear_grid(setup_, candidate);
   Reproduction best;
-  best.score = 1e300;
-  best.excess = 1e300;
+  best.score = kNoCandidate;
+  best.excess = kNoCandidate;
   if (grid.empty() || !may_be_candidate(setup_, candidate)) return best;
   std::size_t place = 0;
   Term term = candidate;
@@ -100,7 +105,7 @@ std::vector<Reproduction> Projector::ranked(const Column& rest, bool waves) cons
   for (const Term& candidate : library_) {
     if (!waves && candidate.id == "cyclic") continue;
     const Reproduction now = of(candidate, rest);
-    if (now.parameters == 0 || now.score >= 1e299) continue;
+    if (shows_nothing(now)) continue;
     const auto [at, fresh] = best.try_emplace(name_of(candidate), now);
     if (!fresh && now.score < at->second.score) at->second = now;
   }
@@ -121,7 +126,7 @@ Rivals rivals_of(const Projector& projector, const Term& truth, const Column& hi
     const std::string name = name_of(candidate);
     if (name == name_of(truth)) continue;
     const Reproduction other = projector.of(candidate, rest);
-    if (other.parameters == 0) continue;
+    if (shows_nothing(other)) continue;
     const bool same = other.excess < n * kSameShare * kSameShare;
     if (!same) {
       rivals.clear = other.excess + (other.parameters - own) * std::log(n) > kClearMargin;
@@ -155,7 +160,7 @@ bool clear_of_free_base(const Setup& setup, const Noise& noise, const std::vecto
     for (const Term& candidate : projector.library()) {
       if (candidate.id == "cyclic" || same.contains(name_of(candidate))) continue;
       const Reproduction other = projector.of(candidate, rest);
-      if (other.parameters > 0 && other.excess + (other.parameters - own) * log_n < kClearMargin) return false;
+      if (!shows_nothing(other) && other.excess + (other.parameters - own) * log_n < kClearMargin) return false;
     }
   }
   return true;

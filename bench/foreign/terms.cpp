@@ -78,7 +78,9 @@ bool fits_the_user(const Setup& setup, const Term& term) {
   const bool along = !term.sense.empty() && term.sense[1] == term.axis;
   if (term.id == "scale") return along;
   if (term.id == "sag") return !along;
-  if (term.id == "angular") return span_mm(setup, term.axis) > 0.0;  // of an axis that moves
+  if (term.id == "angular")
+    return std::any_of(setup.readings.begin(), setup.readings.end(),
+                       [&](const Reading& reading) { return reading.axis == term.axis; });
   if (term.id == "offset") return setup.layout == "line";
   if (term.id == "set_up_rotation") {  // in the plane that was measured
     const char normal = static_cast<char>('X' + (term.code[1] - 'A'));
