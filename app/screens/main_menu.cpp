@@ -6,10 +6,8 @@
 #include "app/screens/memory/screen.hpp"
 #include "app/screens/model/form.hpp"
 #include "app/screens/parameters/screen.hpp"
-#include "app/screens/unit/link_screen.hpp"
-#include "app/screens/unit/log_screen.hpp"
-#include "app/screens/unit/monitor_screen.hpp"
-#include "app/screens/utility/choices.hpp"
+#include "app/screens/unit/screens.hpp"
+#include "app/screens/utility/screens.hpp"
 #include "app/screens/verbs/verb_screen.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/verbs/registry.hpp"
@@ -21,7 +19,7 @@ using Connection = std::shared_ptr<UnitConnection>;
 using Choices = std::vector<MenuChoice>;
 
 MenuChoice choice_of(const VerbEntry& verb, const Connection& connection) {
-  return {verb.name(), verb.help, [verb, connection] { return std::make_unique<VerbScreen>(verb, connection); }};
+  return {verb.name(), verb.help, [verb, connection] { return verb_screen(verb, connection); }};
 }
 
 /// One entry of the first screen that opens a menu.
@@ -44,8 +42,7 @@ Choices memory_choices(const Connection& connection) {
            [connection] { return std::make_unique<MemoryScreen>(connection); }}};
 }
 Choices model_choices(const Connection& /*connection*/) {
-  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall",
-           [] { return std::make_unique<ModelForm>(); }}};
+  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall", [] { return model_form(); }}};
 }
 
 /// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.
@@ -103,11 +100,11 @@ std::unique_ptr<Screen> main_menu(const Connection& connection) {
   for (const TopMenu& menu : top_menus())
     choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
   choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
-                                       [connection] { return std::make_unique<MonitorScreen>(connection); }});
+                                       [connection] { return monitor_screen(connection); }});
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
-                                     [connection] { return std::make_unique<LinkScreen>(connection); }});
-  choices.insert(choices.end() - 1, {"LOG", "messages of the screens, errors whole, to copy",
-                                     [] { return std::make_unique<LogScreen>(); }});
+                                     [connection] { return link_screen(connection); }});
+  choices.insert(choices.end() - 1,
+                 {"LOG", "messages of the screens, errors whole, to copy", [] { return log_screen(); }});
   add_sought(choices, connection);
   return std::make_unique<MenuScreen>(
       "ECS",

@@ -34,6 +34,8 @@ struct Area {
   int columns = 0;
   /// So many cells less on each side; never negative.
   [[nodiscard]] Area inside(int by = 1) const;
+  /// One column less at the left and at the right.
+  [[nodiscard]] Area between_margins() const { return {row, column + 1, rows, columns - 2}; }
   [[nodiscard]] Area top(int rows_wanted) const;
   [[nodiscard]] Area below(int rows_skipped) const;
   [[nodiscard]] Area left(int columns_wanted) const;

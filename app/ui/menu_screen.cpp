@@ -22,7 +22,7 @@ std::vector<std::size_t> MenuScreen::seen() const {
 }
 
 void MenuScreen::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area inside = area.between_margins();
   int row = 1;
   if (seeking_) {
     canvas.text(inside, 0, 0, "/", Tone::strong);

@@ -1,7 +1,6 @@
 #include "commissioning/model_session/controller.hpp"
 
 #include <filesystem>
-#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -15,71 +14,8 @@
 #include "commissioning/models/what_if.hpp"
 
 namespace ecs::commissioning {
-namespace {
 
-using model::Fit;
 using model::Observations;
-
-constexpr std::array<int, 3> kApproaches{1, -1, 0};
-
-std::string_view approach_word(int approach) { return approach > 0 ? "forward" : (approach < 0 ? "reverse" : "any"); }
-
-/// What a panel shows of a line: the rows of one run, or of all.
-struct ShownLine {
-  const Observations& data;
-  const MeasuredLine& line;
-  std::optional<int> run;
-  [[nodiscard]] bool has(std::size_t k, int approach) const {
-    return data.approach[k] == approach && (!run || data.run[k] == *run);
-  }
-};
-
-PlotSeries means_of(const ShownLine& shown, const std::vector<double>& value, int approach) {
-  std::map<double, std::pair<double, double>> sums;
-  for (const std::size_t k : shown.line.rows) {
-    if (!shown.has(k, approach)) continue;
-    auto& [sum, count] = sums[shown.data.position_mm[k][index_of(shown.line.axis)]];
-    sum += value[k];
-    count += 1.0;
-  }
-  PlotSeries series{std::string(approach_word(approach)), line_mark(approach), {}};
-  for (const auto& [x, sum] : sums) series.points.push_back({x, sum.first / sum.second});
-  return series;
-}
-
-PlotSeries readings_of(const ShownLine& shown, const std::vector<double>& value, int approach) {
-  PlotSeries series{"", reading_mark(approach), {}};
-  for (const std::size_t k : shown.line.rows)
-    if (shown.has(k, approach))
-      series.points.push_back({shown.data.position_mm[k][index_of(shown.line.axis)], value[k]});
-  return series;
-}
-
-PlotPanel panel_of(const ShownLine& shown, const std::vector<double>& control, const std::vector<double>& lines,
-                   const std::string& title) {
-  const std::string unit = is_rotation(shown.line.sense) ? "um/m" : "um";
-  PlotPanel panel{title, fmt::format("{} mm", letter_of(shown.line.axis)), unit, {}};
-  for (const int approach : kApproaches)
-    if (PlotSeries series = readings_of(shown, control, approach); !series.points.empty())
-      panel.series.push_back(std::move(series));
-  for (const int approach : kApproaches)
-    if (PlotSeries series = means_of(shown, lines, approach); !series.points.empty())
-      panel.series.push_back(std::move(series));
-  return panel;
-}
-
-std::string run_text(std::optional<int> run) { return run ? fmt::format(", run {}", *run) : ""; }
-
-}  // namespace
-
-PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
-  return panel_of({data, line, run}, data.reading, fit.predicted,
-                  title_of(line) + run_text(run) + ": measured (dots), model (lines)");
-}
-
-PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
-  return panel_of({data, line, run}, fit.residual, fit.residual, "what the model leaves");
-}
 
 Result<ModelController::Fitted> ModelController::fitted(model::Model model, const Observations& data,
                                                         std::string said) {

@@ -1,6 +1,5 @@
 // What the MODEL screen works on: a model, its readings, the fit, the last diagnosis, what compensation would leave,
-// and the work under way. Pure state; every action is a function that can be called without a terminal. Does not live
-// here: drawing (screen.hpp), the verbs' texts (commissioning/models/view.hpp).
+// and the work under way. Pure state; every action is a function that can be called without a terminal.
 #pragma once
 
 #include <functional>
@@ -20,13 +19,6 @@
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::commissioning {
-
-/// Readings (control) with the model through them (lines), forward and reverse. @param run  absent: all runs
-[[nodiscard]] PlotPanel measured_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
-                                       std::optional<int> run = {});
-/// What the model leaves: readings as control, means as lines.
-[[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
-                                       std::optional<int> run = {});
 
 class ModelController {
  public:

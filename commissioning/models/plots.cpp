@@ -1,6 +1,7 @@
 #include "commissioning/models/plots.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "commissioning/models/lines.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
@@ -45,8 +45,7 @@ struct Drawn {
 };
 
 PlotSeries readings(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
-  PlotSeries series{fmt::format("{}, {}", name, direction_text(approach)), reading_mark(approach), {}};
-  if (approach == 0) series.name = name;
+  PlotSeries series{name, reading_mark(approach), {}};
   for (const std::size_t k : drawn.rows)
     if (drawn.data.approach[k] == approach && std::isfinite(drawn.x[k])) series.points.push_back({drawn.x[k], y[k]});
   return series;
@@ -60,8 +59,7 @@ PlotSeries curve(const Drawn& drawn, const Values& y, int approach, const std::s
     sums[drawn.x[k]].first += y[k];
     sums[drawn.x[k]].second += 1.0;
   }
-  PlotSeries series{
-      approach == 0 ? name : fmt::format("{}, {}", name, direction_text(approach)), line_mark(approach), {}};
+  PlotSeries series{name, line_mark(approach), {}};
   for (const auto& [x, sum] : sums) series.points.push_back({x, sum.first / sum.second});
   return series;
 }
@@ -70,18 +68,38 @@ void take(PlotPanel& panel, PlotSeries series) {
   if (!series.points.empty()) panel.series.push_back(std::move(series));
 }
 
+constexpr std::array<int, 3> kApproaches{1, -1, 0};
+
 /// Points of every approach first, lines over them.
 void fill(PlotPanel& panel, const Drawn& drawn, const Values& points, const std::string& points_name,
           const Values* lines, const std::string& lines_name) {
-  for (const int approach : {1, -1, 0}) take(panel, readings(drawn, points, approach, points_name));
+  const auto named = [](const std::string& name, int approach) {
+    return approach == 0 ? name : fmt::format("{}, {}", name, direction_text(approach));
+  };
+  for (const int approach : kApproaches) take(panel, readings(drawn, points, approach, named(points_name, approach)));
   if (lines != nullptr)
-    for (const int approach : {1, -1, 0}) take(panel, curve(drawn, *lines, approach, lines_name));
+    for (const int approach : kApproaches) take(panel, curve(drawn, *lines, approach, named(lines_name, approach)));
 }
 
 Values along(const Observations& data, Axis axis) {
   Values x;
   for (const Vector3& position : data.position_mm) x.push_back(position[index_of(axis)]);
   return x;
+}
+
+/// A panel for the terminal: short names, one run or all.
+PlotPanel panel_of(const Observations& data, const MeasuredLine& line, std::optional<int> run, const Values& points,
+                   const Values& lines, const std::string& title) {
+  std::vector<std::size_t> rows;
+  for (const std::size_t k : line.rows)
+    if (!run || data.run[k] == *run) rows.push_back(k);
+  const Values x = along(data, line.axis);
+  const Drawn drawn{data, rows, x};
+  PlotPanel panel{title, fmt::format("{} mm", letter_of(line.axis)), is_rotation(line.sense) ? "um/m" : "um", {}};
+  for (const int approach : kApproaches) take(panel, readings(drawn, points, approach, ""));
+  for (const int approach : kApproaches)
+    take(panel, curve(drawn, lines, approach, approach == 0 ? "any" : std::string(direction_text(approach))));
+  return panel;
 }
 
 std::string position_label(Axis axis) { return fmt::format("{} position [mm]", letter_of(axis)); }
@@ -179,6 +197,16 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
 }
 
 }  // namespace
+
+PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of(
+      data, line, run, data.reading, fit.predicted,
+      fmt::format("{}{}: measured (dots), model (lines)", title_of(line), run ? fmt::format(", run {}", *run) : ""));
+}
+
+PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
+  return panel_of(data, line, run, fit.residual, fit.residual, "what the model leaves");
+}
 
 PlotFigure fit_figure(const Fit& fit, const Observations& data, const std::string& title) {
   return figure_of_lines(fit, data, nullptr, title);

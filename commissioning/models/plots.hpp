@@ -1,13 +1,21 @@
 // Figures of models: measured against predicted, what is left of it, the ladder of errors.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "commissioning/plot/figure.hpp"
+#include "commissioning/models/lines.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/compare.hpp"
 
 namespace ecs::commissioning {
+
+/// Readings (control) with the model through them (lines), forward and reverse. @param run  absent: all runs
+[[nodiscard]] PlotPanel measured_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
+                                       std::optional<int> run = {});
+/// What the model leaves: readings as control, means as lines.
+[[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
+                                       std::optional<int> run = {});
 
 /// The lines with the largest residuals: readings against model, and the residual.
 [[nodiscard]] PlotFigure fit_figure(const model::Fit& fit, const model::Observations& data, const std::string& title);

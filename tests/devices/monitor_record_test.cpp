@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "app/screens/unit/monitor_screen.hpp"
+#include "app/screens/unit/screens.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/text.hpp"
 #include "tests/support/fake_hid.hpp"
@@ -89,7 +89,7 @@ TEST_CASE("a recording of the monitor screen has the temperatures of the thermom
   const auto here = std::filesystem::current_path();
   std::filesystem::current_path(folder / "");
   auto connection = std::make_shared<UnitConnection>(protocol::to_text(shop.address()));
-  std::optional<MonitorScreen> screen(connection);
+  auto screen = monitor_screen(connection);
   const auto press_key = [&](char32_t letter) { (void)screen->on_key({Key::Name::letter, letter}); };
   const auto look = [&](int times) {
     for (int k = 0; k < times; ++k) {

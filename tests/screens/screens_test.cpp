@@ -94,7 +94,8 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 }
 
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
-  VerbScreen form(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
+  Screen& form = *form_made;
   (void)press(form, Key::Name::enter);
   CHECK(contains(picture(form), "is needed"));
   type(form, "samples/laser/x_axis.csv");
@@ -106,7 +107,8 @@ TEST_CASE("a form refuses to run without what is needed, then shows the answer o
 }
 
 TEST_CASE("a form shows what went wrong, with the exit code of the verb") {
-  VerbScreen form(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
+  Screen& form = *form_made;
   type(form, "no_such_file.csv");
   (void)press(form, Key::Name::enter);
   finish(form);
@@ -205,7 +207,8 @@ TEST_CASE("the model screen fits any size and any terminal") {
 
 TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {
   const ModelCase one;
-  ModelForm form;
+  const auto form_made = model_form();
+  Screen& form = *form_made;
   type(form, one.files.model);
   (void)press(form, Key::Name::enter);
   type(form, "no_data.csv");
@@ -220,7 +223,8 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
 TEST_CASE("a model file that does not exist yet is begun after a question, and the error falls without any verb") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
-  ModelForm form;
+  const auto form_made = model_form();
+  Screen& form = *form_made;
   type(form, fresh);
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
@@ -246,7 +250,8 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
 
 TEST_CASE("without any model file one is proposed beside the measurements, and no asks for another name") {
   const ModelCase one;
-  ModelForm form;
+  const auto form_made = model_form();
+  Screen& form = *form_made;
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
   (void)press(form, Key::Name::enter);
@@ -261,7 +266,8 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
 TEST_CASE("measurements that cannot be read leave no new model file") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
-  ModelForm form;
+  const auto form_made = model_form();
+  Screen& form = *form_made;
   type(form, fresh);
   (void)press(form, Key::Name::enter);
   type(form, "no_data.csv");
@@ -274,7 +280,8 @@ TEST_CASE("measurements that cannot be read leave no new model file") {
 }
 
 TEST_CASE("the answer of a verb moves sideways with its headings, and marks where it goes on") {
-  VerbScreen form(entry(verb_catalogue(all_verbs()), "model effects"), no_link());
+  const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "model effects"), no_link());
+  Screen& form = *form_made;
   (void)press(form, Key::Name::enter);
   finish(form);
   const auto at = [&form](int columns) {

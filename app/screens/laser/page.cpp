@@ -21,7 +21,7 @@ LaserHalves laser_halves(const Area& area, int least_rows) {
 }
 
 void draw_nothing_yet(Canvas& canvas, const Area& area, const std::string& how_to_get_it) {
-  canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 1, how_to_get_it);
+  canvas.paragraph(area.between_margins(), 1, how_to_get_it);
 }
 
 std::vector<ListRow> rows_of_lines(const LaserWork& work) {

@@ -122,11 +122,11 @@ void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
                   controller.task().label() + " (Esc stops it)", controller.task().part(),
                   controller.task().seconds_left());
   else if (!controller.message().text().empty())
-    draw_message(canvas, {area.row, area.column + 1, area.rows, area.columns - 2}, controller.message());
+    draw_message(canvas, area.between_margins(), controller.message());
   else if (controller.working())
     canvas.text(area, 0, 1, "computing the results ...", Tone::faint);
   else
-    canvas.paragraph({area.row, area.column + 1, area.rows, area.columns - 2}, 0, next_to_do(controller), Tone::faint);
+    canvas.paragraph(area.between_margins(), 0, next_to_do(controller), Tone::faint);
 }
 
 void LaserScreen::draw(Canvas& canvas, const Area& area) const {

@@ -65,7 +65,7 @@ std::string MemoryScreen::tabs_text(bool whole) const {
 }
 
 void MemoryScreen::draw_top(Canvas& canvas, const Area& area) const {
-  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area text = area.between_margins();
   std::string tabs = tabs_text(true);
   if (width_of(controller_.source()) + width_of(tabs) + 1 > text.columns) tabs = tabs_text(false);
   const bool room = text.columns >= 60;
@@ -178,7 +178,7 @@ void MemoryScreen::draw_targets(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const Target& target : targets()) rows.push_back({target.text, Tone::plain});
   if (rows.empty()) {
-    draw_paragraph(canvas, {area.row, area.column + 1, area.rows, area.columns - 2}, "no memory and no name like this");
+    draw_paragraph(canvas, area.between_margins(), "no memory and no name like this");
     return;
   }
   draw_list(canvas, area, rows, target_);

@@ -1,14 +1,22 @@
+// Which model, which measurements, which machine: asked before the MODEL screen opens.
 #include "app/screens/model/form.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/cli/catalogue.hpp"
 #include "app/screens/model/screen.hpp"
+#include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
+#include "app/ui/widgets.hpp"
+#include "commissioning/model_session/controller.hpp"
 
 namespace ecs::app {
 namespace {
@@ -25,140 +33,158 @@ constexpr const char* kHeading = "Which measurements shall be put beside which m
 /// Of the first field, below the heading.
 int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).size()) + 1; }
 
-}  // namespace
-
-void ModelForm::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  const int first = first_row(inside.columns);
-  canvas.paragraph(inside, 0, kHeading, Tone::strong);
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    canvas.text(inside, first + k, 0, fmt::format("{} {}", k == field_ ? ">" : " ", kNames[i]),
-                k == field_ ? Tone::strong : Tone::plain);
-    fields_[i].draw(canvas, inside, first + k, kColumn, inside.columns - kColumn, k == field_);
-  }
-  fields_row_ = inside.row + first;
-  const int below =
-      first + 5 + canvas.paragraph(inside, first + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
-  if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
-  if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
-  if (question_) draw_question(canvas, area, *question_);
-}
-
-CellPosition ModelForm::cursor(const Area& area) const {
-  if (question_) return {-1, -1};
-  return {
-      area.row + first_row(area.columns - 2) + field_,
-      area.column + 1 + kColumn + fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
-}
-
-ModelArguments ModelForm::files() const {
-  ModelArguments files;
-  files.model = fields_[0].text();
-  files.data = split_words(fields_[1].text());
-  files.machine = fields_[2].text();
-  return files;
-}
-
-void ModelForm::open() {
-  hint_.clear();
-  ModelArguments named = files();
-  if (named.data.empty()) {
-    hint_ = "at least one file of measurements is needed";
-    problem_ = true;
-    field_ = 1;
-    return;
-  }
-  const bool proposed = named.model.empty();
-  if (proposed) {
-    const std::filesystem::path data(named.data.front());
-    named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
-    fields_[0].set(named.model);
-  }
-  std::error_code error;
-  if (std::filesystem::exists(named.model, error)) {
-    if (!proposed) return start(false);
-    hint_ = fmt::format("{} exists: Enter opens it, another name begins a new one", named.model);
-    problem_ = false;
-    field_ = 0;
-    return;
-  }
-  question_ = Question{"Begin a new model?",
-                       fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
-                                   "slope and backlash of each curve that was measured. Then d finds what is missing, "
-                                   "a adds it and the error falls.",
-                                   named.model),
-                       "begin it", "another file"};
-}
-
-void ModelForm::start(bool anew) {
-  const auto open = [files = files(), anew](JobControl&) {
-    return anew ? ModelController::begin_new(files) : ModelController::open(files);
-  };
-  opening_.start("opening", open, [this](Result<std::unique_ptr<ModelController>> controller) {
-    if (controller) {
-      ready_ = std::move(*controller);
-    } else {
-      hint_ = to_text(controller.error());
-      problem_ = true;
+class ModelForm final : public Screen {
+ public:
+  [[nodiscard]] std::string title() const override { return "open"; }
+  void draw(Canvas& canvas, const Area& area) const override {
+    const Area inside = area.between_margins();
+    const int first = first_row(inside.columns);
+    canvas.paragraph(inside, 0, kHeading, Tone::strong);
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      canvas.text(inside, first + k, 0, fmt::format("{} {}", k == field_ ? ">" : " ", kNames[i]),
+                  k == field_ ? Tone::strong : Tone::plain);
+      fields_[i].draw(canvas, inside, first + k, kColumn, inside.columns - kColumn, k == field_);
     }
-  });
-}
+    fields_row_ = inside.row + first;
+    const int below =
+        first + 5 + canvas.paragraph(inside, first + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
+    if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
+    if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
+    if (question_) draw_question(canvas, area, *question_);
+  }
 
-Step ModelForm::on_key(const Key& key) {
-  if (question_) {
-    const Reply reply = reply_to(key);
-    if (reply != Reply::none) question_.reset();
-    if (reply == Reply::yes) start(true);
-    if (reply == Reply::no) field_ = 0;
+  [[nodiscard]] Step on_key(const Key& key) override {
+    if (question_) {
+      const Reply reply = reply_to(key);
+      if (reply != Reply::none) question_.reset();
+      if (reply == Reply::yes) start(true);
+      if (reply == Reply::no) field_ = 0;
+      return stay();
+    }
+    if (key.name == Key::Name::escape) return back();
+    if (!opening_.running()) on_field_key(key);
     return stay();
   }
-  if (key.name == Key::Name::escape) return back();
-  if (!opening_.running()) on_field_key(key);
-  return stay();
-}
 
-void ModelForm::on_field_key(const Key& key) {
-  TextLine& field = fields_[static_cast<std::size_t>(field_)];
-  if (key.name == Key::Name::enter) {
-    if (field_ < 2)
-      ++field_;
-    else
-      open();
-  } else if (key.name == Key::Name::up) {
-    field_ = std::max(0, field_ - 1);
-  } else if (key.name == Key::Name::down) {
-    field_ = std::min(2, field_ + 1);
-  } else if (key.name == Key::Name::mouse) {
-    if (key.row >= fields_row_ && key.row < fields_row_ + 3) field_ = key.row - fields_row_;
-  } else if (key.name == Key::Name::tab) {
-    const PathCompletion found = field_ == 1 ? completed_paths(field.text()) : completed_path(field.text());
-    field.set(found.completed);
-    hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
-    problem_ = false;
-  } else {
-    (void)field.on_key(key);
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (question_) return {{"y", question_->yes}, {"n", question_->no}};
+    return {{"Enter", "next field, then open"}, {"Tab", "complete a path"}, {"Esc", "back"}};
   }
-}
 
-bool ModelForm::advance() { return opening_.advance() || opening_.running(); }
+  [[nodiscard]] std::string help() const override {
+    return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
+           "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
+           "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
+           "lever arms and "
+           "pitches; without it fewer causes can be distinguished.";
+  }
 
-std::unique_ptr<Screen> ModelForm::opens_by_itself() {
-  if (!ready_) return nullptr;
-  return std::make_unique<ModelScreen>(std::move(ready_));
-}
+  [[nodiscard]] bool advance() override { return opening_.advance() || opening_.running(); }
 
-std::vector<KeyHelp> ModelForm::keys() const {
-  if (question_) return {{"y", question_->yes}, {"n", question_->no}};
-  return {{"Enter", "next field, then open"}, {"Tab", "complete a path"}, {"Esc", "back"}};
-}
+  [[nodiscard]] std::unique_ptr<Screen> opens_by_itself() override {
+    if (!ready_) return nullptr;
+    return std::make_unique<ModelScreen>(std::move(ready_));
+  }
 
-std::string ModelForm::help() const {
-  return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
-         "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
-         "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
-         "lever arms and "
-         "pitches; without it fewer causes can be distinguished.";
-}
+  [[nodiscard]] bool typing() const override { return !question_; }
+  [[nodiscard]] CellPosition cursor(const Area& area) const override {
+    if (question_) return {-1, -1};
+    return {area.row + first_row(area.columns - 2) + field_,
+            area.column + 1 + kColumn +
+                fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
+  }
+
+ private:
+  void open() {
+    hint_.clear();
+    ModelArguments named = files();
+    if (named.data.empty()) {
+      hint_ = "at least one file of measurements is needed";
+      problem_ = true;
+      field_ = 1;
+      return;
+    }
+    const bool proposed = named.model.empty();
+    if (proposed) {
+      const std::filesystem::path data(named.data.front());
+      named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
+      fields_[0].set(named.model);
+    }
+    std::error_code error;
+    if (std::filesystem::exists(named.model, error)) {
+      if (!proposed) return start(false);
+      hint_ = fmt::format("{} exists: Enter opens it, another name begins a new one", named.model);
+      problem_ = false;
+      field_ = 0;
+      return;
+    }
+    question_ =
+        Question{"Begin a new model?",
+                 fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
+                             "slope and backlash of each curve that was measured. Then d finds what is missing, "
+                             "a adds it and the error falls.",
+                             named.model),
+                 "begin it", "another file"};
+  }
+
+  void start(bool anew) {
+    const auto open = [files = files(), anew](JobControl&) {
+      return anew ? ModelController::begin_new(files) : ModelController::open(files);
+    };
+    opening_.start("opening", open, [this](Result<std::unique_ptr<ModelController>> controller) {
+      if (controller) {
+        ready_ = std::move(*controller);
+      } else {
+        hint_ = to_text(controller.error());
+        problem_ = true;
+      }
+    });
+  }
+
+  [[nodiscard]] ModelArguments files() const {
+    ModelArguments files;
+    files.model = fields_[0].text();
+    files.data = split_words(fields_[1].text());
+    files.machine = fields_[2].text();
+    return files;
+  }
+
+  void on_field_key(const Key& key) {
+    TextLine& field = fields_[static_cast<std::size_t>(field_)];
+    if (key.name == Key::Name::enter) {
+      if (field_ < 2)
+        ++field_;
+      else
+        open();
+    } else if (key.name == Key::Name::up) {
+      field_ = std::max(0, field_ - 1);
+    } else if (key.name == Key::Name::down) {
+      field_ = std::min(2, field_ + 1);
+    } else if (key.name == Key::Name::mouse) {
+      if (key.row >= fields_row_ && key.row < fields_row_ + 3) field_ = key.row - fields_row_;
+    } else if (key.name == Key::Name::tab) {
+      const PathCompletion found = field_ == 1 ? completed_paths(field.text()) : completed_path(field.text());
+      field.set(found.completed);
+      hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
+      problem_ = false;
+    } else {
+      (void)field.on_key(key);
+    }
+  }
+
+  std::array<TextLine, 3> fields_;
+  int field_ = 0;
+  std::string hint_;
+  bool problem_ = false;
+  std::optional<Question> question_;  ///< whether the model shall be begun in a new file
+  mutable int fields_row_ = 0;        ///< of the canvas, as drawn last
+  TaskRunner opening_;
+  std::unique_ptr<ModelController> ready_;
+};
+
+}  // namespace
+
+std::unique_ptr<Screen> model_form() { return std::make_unique<ModelForm>(); }
 
 }  // namespace ecs::app

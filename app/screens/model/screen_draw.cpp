@@ -10,6 +10,7 @@
 #include "app/ui/talk.hpp"
 #include "base/text.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
+#include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 
 namespace ecs::app {
@@ -106,7 +107,7 @@ int ModelScreen::state_rows(const Area& area) const {
 }
 
 void ModelScreen::draw_state(Canvas& canvas, const Area& area) const {
-  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area text = area.between_margins();
   if (controller_->busy()) {
     canvas.paragraph(
         text, 0,
@@ -143,7 +144,7 @@ const ModelScreen::Curves& ModelScreen::curves() const {
 }
 
 void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
-  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area text = area.between_margins();
   if (!controller_->diagnosis()) {
     canvas.paragraph(text, 1,
                      controller_->busy()
@@ -185,7 +186,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
 }
 
 void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
-  const Area text{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area text = area.between_margins();
   const auto& history = controller_->model().history;
   std::vector<std::pair<std::string, double>> rungs;
   if (history.empty()) rungs.emplace_back("the model as it is", controller_->fit().rms_um);

@@ -70,7 +70,7 @@ bool ParametersScreen::nothing_listed() const {
 }
 
 void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area inside = area.between_margins();
   if (draft_) {
     int row = canvas.paragraph(inside, 0, fmt::format("Unsaved work of {} was found.", draft_->kept), Tone::strong);
     draw_list(canvas, {inside.row + row + 1, inside.column, 2, inside.columns},

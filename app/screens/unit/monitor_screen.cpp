@@ -1,14 +1,23 @@
-#include "app/screens/unit/monitor_screen.hpp"
-
+// ON LINE MONITOR: what the unit sees of its axes, as it happens.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
+#include <optional>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "app/plot/gnuplot.hpp"
+#include "app/screens/unit/screens.hpp"
 #include "app/ui/chart.hpp"
+#include "app/ui/screen.hpp"
+#include "app/ui/talk.hpp"
+#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/measurements/environment_watch.hpp"
+#include "commissioning/plot/figure.hpp"
+#include "commissioning/plot/picture_export.hpp"
+#include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "core/fault.hpp"
 
@@ -64,8 +73,7 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
               a.relay_closed ? Tone::good : Tone::faint);
 }
 
-}  // namespace
-
+/// @param age_s  of the newest sample
 void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, double age_s) {
   if (unit.samples.empty()) {
     canvas.paragraph({area.row + 1, area.column + 1, area.rows, area.columns - 2}, 0,
@@ -92,134 +100,168 @@ void draw_monitor(Canvas& canvas, const Area& area, const WatchedUnit& unit, dou
                      Tone::bad);
 }
 
-void MonitorScreen::draw(Canvas& canvas, const Area& area) const {
-  const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
-  draw_monitor(canvas, area, seen_, age_s);
-  constexpr int kAbove = 8;
-  canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, surroundings_, Tone::strong);
-  const auto now = std::chrono::steady_clock::now();
-  if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
-    strip_panel_ = strip_panel();
-    strip_at_ = now;
+class MonitorScreen final : public Screen {
+ public:
+  explicit MonitorScreen(std::shared_ptr<UnitConnection> connection)
+      : connection_(connection), watching_(std::move(connection)) {}
+
+  [[nodiscard]] std::string title() const override { return "ON LINE MONITOR"; }
+  void draw(Canvas& canvas, const Area& area) const override {
+    const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
+    draw_monitor(canvas, area, seen_, age_s);
+    constexpr int kAbove = 8;
+    canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, surroundings_, Tone::strong);
+    const auto now = std::chrono::steady_clock::now();
+    if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
+      strip_panel_ = strip_panel();
+      strip_at_ = now;
+    }
+    if (area.rows > kAbove + 6)
+      draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
+    const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
+    if (recording_)
+      canvas.text(last, 0, 0,
+                  fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
+                  Tone::warning);
+    else
+      draw_message(canvas, last, message_);
   }
-  if (area.rows > kAbove + 6)
-    draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
-  const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
-  if (recording_)
-    canvas.text(last, 0, 0,
-                fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
-                Tone::warning);
-  else
-    draw_message(canvas, last, message_);
-}
 
-PlotPanel MonitorScreen::strip_panel() const {
-  const char* units[] = {"mm", "mm/min", "um"};
-  const char* names[] = {"position", "speed", "compensation"};
-  PlotPanel panel;
-  panel.x_label = "s";
-  panel.title =
-      fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
-  panel.y_label = units[static_cast<int>(strip_)];
-  PlotSeries series{"", Mark::forward, {}};
-  for (const MonitorSample& sample : seen_.samples) {
-    if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
-    const AxisSample& a = sample.axes[index_of(axis_)];
-    const double value =
-        strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);
-    series.points.push_back({time_s(sample), value});
+  [[nodiscard]] Step on_key(const Key& key) override {
+    message_.clear();
+    strip_at_ = {};
+    if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+      if (!recording_) return back();
+      toggle_recording();
+      return stay();
+    }
+    if (is_letter(key, U'f')) frozen_ = !frozen_;
+    if (is_letter(key, U'r')) toggle_recording();
+    if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
+    if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
+    if (is_letter(key, U'e'))
+      export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
+    for (const Axis axis : kAllAxes)
+      if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
+    return stay();
   }
-  if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
-  return panel;
-}
 
-bool MonitorScreen::advance() {
-  const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
-  const bool weather = surroundings != surroundings_;
-  surroundings_ = surroundings;
-  const std::uint64_t changes = connection_->changes();
-  const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
-  if (changes == changes_ && (!old || frozen_)) return weather;
-  changes_ = changes;
-  WatchedUnit now = connection_->now();
-  record(now);
-  if (frozen_) return recording_.has_value() || weather;
-  seen_ = std::move(now);
-  (void)drawing_.advance();
-  return true;
-}
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    return {{"f", frozen_ ? "go on" : "freeze"},
+            {"r", recording_ ? "end recording" : "record to CSV"},
+            {"x y z", "axis of the strip"},
+            {"v", "position, speed, um"},
+            {"t", environment_ ? "no thermometer" : "thermometer"},
+            {"e", "picture"},
+            {"Esc", "back"}};
+  }
 
-/// The samples that came since the last look.
-void MonitorScreen::record(const WatchedUnit& unit) {
-  const std::uint64_t missed = unit.received - std::min(unit.received, received_);
-  received_ = unit.received;
-  if (!recording_) return;
-  const devices::Values surroundings = environment_ ? environment_->now().values : devices::Values();
-  const auto kept = unit.samples.size();
-  for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
-    if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {
-      message_.say(added.error());
+  [[nodiscard]] std::string help() const override {
+    return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
+           "and "
+           "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples "
+           "and "
+           "the "
+           "age of what is shown. A lost link is opened again by itself. r records every sample to a CSV file until r "
+           "is "
+           "pressed again, until then beside it as .part; f freezes the picture, not the recording. t shows air and "
+           "material temperature of a USB "
+           "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";
+  }
+
+  [[nodiscard]] bool advance() override {
+    const std::string surroundings = environment_ ? to_text(environment_->now()) : "";
+    const bool weather = surroundings != surroundings_;
+    surroundings_ = surroundings;
+    const std::uint64_t changes = connection_->changes();
+    const bool old = std::chrono::steady_clock::now() - seen_.newest_at > std::chrono::seconds(1);
+    if (changes == changes_ && (!old || frozen_)) return weather;
+    changes_ = changes;
+    WatchedUnit now = connection_->now();
+    record(now);
+    if (frozen_) return recording_.has_value() || weather;
+    seen_ = std::move(now);
+    (void)drawing_.advance();
+    return true;
+  }
+
+ private:
+  enum class Strip { position, speed, compensation };
+  std::shared_ptr<UnitConnection> connection_;
+  UnitConnection::Watching watching_;
+  WatchedUnit seen_;
+  std::uint64_t changes_ = 0;
+  bool frozen_ = false;
+  Axis axis_ = Axis::X;
+  Strip strip_ = Strip::compensation;
+  Message message_;
+  std::unique_ptr<EnvironmentWatch> environment_;  ///< null: not asked for
+  std::string surroundings_;
+  TaskRunner drawing_;
+  std::optional<MonitorRecording> recording_;
+  std::uint64_t received_ = 0;     ///< samples that the connection had when it was looked at last
+  mutable PlotPanel strip_panel_;  ///< as drawn last
+  mutable std::chrono::steady_clock::time_point strip_at_{};
+
+  void toggle_recording() {
+    if (recording_) {
+      if (const auto ended = recording_->end(); !ended)
+        message_.say(ended.error());
+      else if (recording_->samples() == 0)
+        message_.say("no sample came: nothing was written", Tone::warning);
+      else
+        message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
       recording_.reset();
       return;
     }
-}
-
-void MonitorScreen::toggle_recording() {
-  if (recording_) {
-    if (const auto ended = recording_->end(); !ended)
-      message_.say(ended.error());
-    else if (recording_->samples() == 0)
-      message_.say("no sample came: nothing was written", Tone::warning);
+    auto begun =
+        MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
+    if (begun)
+      recording_.emplace(std::move(*begun));
     else
-      message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
-    recording_.reset();
-    return;
+      message_.say(begun.error());
   }
-  auto begun = MonitorRecording::begun(fmt::format("monitor-{:%Y%m%d-%H%M%S}.csv", fmt::localtime(std::time(nullptr))));
-  if (begun)
-    recording_.emplace(std::move(*begun));
-  else
-    message_.say(begun.error());
-}
 
-Step MonitorScreen::on_key(const Key& key) {
-  message_.clear();
-  strip_at_ = {};
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!recording_) return back();
-    toggle_recording();
-    return stay();
+  /// The samples that came since the last look.
+  void record(const WatchedUnit& unit) {
+    const std::uint64_t missed = unit.received - std::min(unit.received, received_);
+    received_ = unit.received;
+    if (!recording_) return;
+    const devices::Values surroundings = environment_ ? environment_->now().values : devices::Values();
+    const auto kept = unit.samples.size();
+    for (std::size_t k = kept - std::min<std::uint64_t>(missed, kept); k < kept; ++k)
+      if (const auto added = recording_->add(unit.samples[k], surroundings); !added) {
+        message_.say(added.error());
+        recording_.reset();
+        return;
+      }
   }
-  if (is_letter(key, U'f')) frozen_ = !frozen_;
-  if (is_letter(key, U'r')) toggle_recording();
-  if (is_letter(key, U't')) environment_ = environment_ ? nullptr : std::make_unique<EnvironmentWatch>("temper", 1.0);
-  if (is_letter(key, U'v')) strip_ = static_cast<Strip>((static_cast<int>(strip_) + 1) % 3);
-  if (is_letter(key, U'e'))
-    export_picture(drawing_, {"on-line monitor", {strip_panel()}, 1, false}, "monitor", write_plot, message_);
-  for (const Axis axis : kAllAxes)
-    if (is_letter(key, static_cast<char32_t>(std::tolower(letter_of(axis))))) axis_ = axis;
-  return stay();
-}
 
-std::vector<KeyHelp> MonitorScreen::keys() const {
-  return {{"f", frozen_ ? "go on" : "freeze"},
-          {"r", recording_ ? "end recording" : "record to CSV"},
-          {"x y z", "axis of the strip"},
-          {"v", "position, speed, um"},
-          {"t", environment_ ? "no thermometer" : "thermometer"},
-          {"e", "picture"},
-          {"Esc", "back"}};
-}
+  [[nodiscard]] PlotPanel strip_panel() const {
+    const char* units[] = {"mm", "mm/min", "um"};
+    const char* names[] = {"position", "speed", "compensation"};
+    PlotPanel panel;
+    panel.x_label = "s";
+    panel.title =
+        fmt::format("{} of {}{}", names[static_cast<int>(strip_)], letter_of(axis_), frozen_ ? "   FROZEN" : "");
+    panel.y_label = units[static_cast<int>(strip_)];
+    PlotSeries series{"", Mark::forward, {}};
+    for (const MonitorSample& sample : seen_.samples) {
+      if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
+      const AxisSample& a = sample.axes[index_of(axis_)];
+      const double value =
+          strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);
+      series.points.push_back({time_s(sample), value});
+    }
+    if (!seen_.samples.empty()) panel.series.push_back(std::move(series));
+    return panel;
+  }
+};
 
-std::string MonitorScreen::help() const {
-  return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
-         "and "
-         "marker, the sensed approach, the compensation added now and the relay. At the right the rate of samples and "
-         "the "
-         "age of what is shown. A lost link is opened again by itself. r records every sample to a CSV file until r is "
-         "pressed again, until then beside it as .part; f freezes the picture, not the recording. t shows air and "
-         "material temperature of a USB "
-         "thermometer (TEMPer); a recording has them in its last columns, empty while there is none.";
+}  // namespace
+
+std::unique_ptr<Screen> monitor_screen(std::shared_ptr<UnitConnection> connection) {
+  return std::make_unique<MonitorScreen>(std::move(connection));
 }
 
 }  // namespace ecs::app

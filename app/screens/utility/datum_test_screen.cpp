@@ -1,8 +1,11 @@
-#include "app/screens/utility/datum_test_screen.hpp"
-
+// TEST DATUM ROUTINE: the axes with the stage in which each stands, live; what failed and what to do next.
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include "app/screens/utility/parts.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/datum_test_controller.hpp"
 
 namespace ecs::app {
 namespace {
@@ -39,93 +42,96 @@ Tone tone_for(TestState state) {
   return state == TestState::under_way ? Tone::strong : Tone::plain;
 }
 
+class DatumTestScreen final : public UtilityScreen<DatumTestController> {
+ public:
+  using UtilityScreen::UtilityScreen;
+
+  [[nodiscard]] std::string title() const override { return "TEST DATUM ROUTINE"; }
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    draw_unit_row(canvas, inside, 0, controller_.unit());
+    draw_rows(canvas, inside.below(kRowsRow));
+    canvas.text(inside, kCallRow, 0, call(), controller_.busy() ? Tone::warning : Tone::plain);
+    int row = kCallRow + 2;
+    for (const auto& axis : controller_.rows())
+      if (!axis.message.empty())
+        row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
+    if (row == kCallRow + 2) canvas.paragraph(inside, row, kDatumTestExplained, Tone::faint);
+    draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
+  }
+
+  void on_command(const Key& key) override {
+    if (is_letter(key, U'g')) controller_.reference();
+    if (controller_.busy()) return;
+    const auto& rows = controller_.rows();
+    if (place_.on_key(key, static_cast<int>(rows.size()))) return;
+    if (const auto axis = axis_of_key(key)) controller_.toggle(*axis);
+    if (is_letter(key, U' ') && !rows.empty())
+      controller_.toggle(
+          rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
+    if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
+    if (key.name == Key::Name::enter) asking_.ask(controller_.question(), [this] { controller_.start(); });
+  }
+
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (asking_.active()) return {{"y", "test"}, {"n", "not now"}};
+    if (controller_.busy()) {
+      std::vector<KeyHelp> keys{{"Esc", "give up"}};
+      if (controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
+      return keys;
+    }
+    return {{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}};
+  }
+
+  [[nodiscard]] std::string help() const override {
+    return std::string(kDatumTestExplained) +
+           " With the bundled emulator g references its machine, the axis under test first and the others when their "
+           "turn "
+           "comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
+  }
+
+ private:
+  void draw_rows(Canvas& canvas, const Area& area) const {
+    canvas.text(area, 0, 0,
+                fmt::format("  {:<10} {:<18} {:>13} {:>10}  {:<8}{:<8}", "axis", "stage", "position mm", "mm/min",
+                            "switch", "marker"),
+                Tone::faint);
+    int r = 0;
+    for (const auto& row : controller_.rows()) {
+      ++r;
+      const auto* s = controller_.unit().axis(row.axis);
+      const bool here = r - 1 == place_.selected && !controller_.busy();
+      if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
+      const Tone tone = here ? Tone::selected : tone_for(row.state);
+      canvas.text(area, r, 0,
+                  fmt::format("{} [{}] {:<6} {:<18}", here || controller_.under_test() == row.axis ? ">" : " ",
+                              row.state == TestState::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
+                  tone);
+      if (s != nullptr)
+        canvas.text(area, r, 32,
+                    fmt::format("{:>13.4f} {:>10.1f}  {:<8}{:<8}", s->position_mm, s->speed_mm_min,
+                                s->switch_active ? "on" : "off", s->marker ? "seen" : "-"),
+                    here ? Tone::selected : Tone::plain);
+    }
+  }
+
+  [[nodiscard]] std::string call() const {
+    if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
+    if (!controller_.under_test()) return "Sending ...";
+    if (controller_.referencing())
+      return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
+    return controller_.emulator() ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.",
+                                                letter_of(*controller_.under_test()))
+                                  : fmt::format("REFERENCE AXIS {} NOW, at the machine's own control.",
+                                                letter_of(*controller_.under_test()));
+  }
+
+  ListPlace place_;
+};
+
 }  // namespace
 
-void DatumTestScreen::draw_rows(Canvas& canvas, const Area& area) const {
-  canvas.text(area, 0, 0,
-              fmt::format("  {:<10} {:<18} {:>13} {:>10}  {:<8}{:<8}", "axis", "stage", "position mm", "mm/min",
-                          "switch", "marker"),
-              Tone::faint);
-  int r = 0;
-  for (const auto& row : controller_.rows()) {
-    ++r;
-    const auto* s = controller_.unit().axis(row.axis);
-    const bool here = r - 1 == place_.selected && !controller_.busy();
-    if (here) canvas.fill({area.row + r, area.column, 1, area.columns}, U' ', Tone::selected);
-    const Tone tone = here ? Tone::selected : tone_for(row.state);
-    canvas.text(area, r, 0,
-                fmt::format("{} [{}] {:<6} {:<18}", here || controller_.under_test() == row.axis ? ">" : " ",
-                            row.state == TestState::not_chosen ? " " : "x", letter_of(row.axis), word_for(row)),
-                tone);
-    if (s != nullptr)
-      canvas.text(area, r, 32,
-                  fmt::format("{:>13.4f} {:>10.1f}  {:<8}{:<8}", s->position_mm, s->speed_mm_min,
-                              s->switch_active ? "on" : "off", s->marker ? "seen" : "-"),
-                  here ? Tone::selected : Tone::plain);
-  }
-}
-
-std::string DatumTestScreen::call() const {
-  if (!controller_.busy()) return "Enter begins the test of the axes marked x.";
-  if (!controller_.under_test()) return "Sending ...";
-  if (controller_.referencing())
-    return fmt::format("The emulated machine references axis {} ...", letter_of(*controller_.under_test()));
-  return controller_.emulator() ? fmt::format("REFERENCE AXIS {} NOW: g lets the emulated machine do it.",
-                                              letter_of(*controller_.under_test()))
-                                : fmt::format("REFERENCE AXIS {} NOW, at the machine's own control.",
-                                              letter_of(*controller_.under_test()));
-}
-
-void DatumTestScreen::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, controller_.unit());
-  draw_rows(canvas, inside.below(kRowsRow));
-  canvas.text(inside, kCallRow, 0, call(), controller_.busy() ? Tone::warning : Tone::plain);
-  int row = kCallRow + 2;
-  for (const auto& axis : controller_.rows())
-    if (!axis.message.empty())
-      row += canvas.paragraph(inside, row, fmt::format("{}: {}", letter_of(axis.axis), axis.message), Tone::bad);
-  if (row == kCallRow + 2) canvas.paragraph(inside, row, kDatumTestExplained, Tone::faint);
-  draw_message(canvas, {inside.row + inside.rows - 2, inside.column, 2, inside.columns}, controller_.message());
-  asking_.draw(canvas, inside);
-}
-
-Step DatumTestScreen::on_key(const Key& key) {
-  if (asking_.on_key(key) || key.name == Key::Name::resized) return stay();
-  controller_.message().clear();
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
-    if (!controller_.busy()) return back();
-    controller_.cancel();
-    return stay();
-  }
-  if (is_letter(key, U'g')) controller_.reference();
-  if (controller_.busy()) return stay();
-  const auto& rows = controller_.rows();
-  if (place_.on_key(key, static_cast<int>(rows.size()))) return stay();
-  if (const auto axis = axis_of_key(key)) controller_.toggle(*axis);
-  if (is_letter(key, U' ') && !rows.empty())
-    controller_.toggle(
-        rows[static_cast<std::size_t>(std::clamp(place_.selected, 0, static_cast<int>(rows.size()) - 1))].axis);
-  if (const auto k = axis_clicked(key, kRowsRow + 2, static_cast<int>(rows.size()))) place_.selected = *k;
-  if (key.name == Key::Name::enter) asking_.ask(controller_.question(), [this] { controller_.start(); });
-  return stay();
-}
-
-std::vector<KeyHelp> DatumTestScreen::keys() const {
-  if (asking_.active()) return {{"y", "test"}, {"n", "not now"}};
-  if (controller_.busy()) {
-    std::vector<KeyHelp> keys{{"Esc", "give up"}};
-    if (controller_.emulator()) keys.insert(keys.begin(), {"g", "reference the emulated machine"});
-    return keys;
-  }
-  return {{"Enter", "test"}, {"Space x y z", "choose axes"}, {"up/down", "axis"}, {"Esc", "back"}};
-}
-
-std::string DatumTestScreen::help() const {
-  return std::string(kDatumTestExplained) +
-         " With the bundled emulator g references its machine, the axis under test first and the others when their "
-         "turn "
-         "comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
+std::unique_ptr<Screen> datum_test_screen(std::shared_ptr<UnitConnection> connection) {
+  return std::make_unique<DatumTestScreen>(std::move(connection));
 }
 
 }  // namespace ecs::app

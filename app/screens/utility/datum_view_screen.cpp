@@ -1,8 +1,10 @@
-#include "app/screens/utility/datum_view_screen.hpp"
-
+// DISPLAY DATUM SEQUENCE: the graph of thesis figure 5.5 with cursor and zoom, the events, a second record over it.
 #include <fmt/format.h>
 
 #include "app/plot/gnuplot.hpp"
+#include "app/screens/utility/parts.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/datum_view_controller.hpp"
 
 namespace ecs::app {
 namespace {
@@ -15,207 +17,204 @@ Area body_of(const Area& area) {
   return {area.row + kHeadingRows, area.column, area.rows - kHeadingRows - kMessageRows, area.columns};
 }
 
-}  // namespace
-
-void DatumViewScreen::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  const Area body = body_of(inside);
-  if (controller_.first() == nullptr) {
-    draw_empty(canvas, inside);
-  } else {
-    draw_heading(canvas, inside);
-    if (page_ == Page::graph)
-      draw_datum_chart(canvas, body, controller_.panel(), *controller_.first(), controller_.second(),
-                       controller_.from_s(), controller_.to_s(), controller_.cursor_s());
-    else
-      draw_events(canvas, body);
+class DatumViewScreen final : public UtilityScreen<DatumViewController> {
+ public:
+  explicit DatumViewScreen(std::optional<DatumRecording> recording) {
+    if (recording) controller_.take(std::move(*recording));
   }
-  const Area last{inside.row + inside.rows - kMessageRows, inside.column, kMessageRows, inside.columns};
-  if (!controller_.message().text().empty())
-    draw_message(canvas, last, controller_.message());
-  else if (controller_.busy())
-    canvas.text(last, 0, 0, "The file is being read or written ...");
-  prompt_.draw(canvas, inside, inside.rows - 1);
-  asking_.draw(canvas, inside);
-}
 
-void DatumViewScreen::draw_heading(Canvas& canvas, const Area& area) const {
-  const ShownRecord& record = *controller_.first();
-  const DatumRecording& r = record.recording;
-  const std::string taken =
-      r.taken.size() < 16 ? r.taken : r.taken.substr(0, 10) + " " + r.taken.substr(11, 5) + " UTC";
-  const int column = canvas.text(
-      area, 0, 0,
-      fmt::format("Axis {}, {}{}{}", letter_of(r.axis), record.name,
-                  r.serial_number.empty() ? "" : ", unit " + r.serial_number, taken.empty() ? "" : ", " + taken),
-      Tone::strong);
-  if (!controller_.saved()) canvas.text(area, 0, column, ", NOT SAVED", Tone::warning);
-}
-
-void DatumViewScreen::draw_empty(Canvas& canvas, const Area& area) const {
-  int row =
-      canvas.paragraph(area, 1,
-                       "A datum sequence is ten seconds of one axis being referenced: its speed over time, with "
-                       "the reference switch and the marker below. From it the datuming parameters are read off.");
-  row += 2 + canvas.paragraph(area, 2 + row,
-                              "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this one "
-                              "makes a new record.",
-                              Tone::strong);
-  if (controller_.draft())
-    canvas.paragraph(
-        area, row + 2,
-        fmt::format("Unsaved record of {} found: Enter takes it up, d drops it.", controller_.draft()->kept),
-        Tone::warning);
-}
-
-void DatumViewScreen::draw_events(Canvas& canvas, const Area& area) const {
-  const ShownRecord& record = *controller_.first();
-  int row = 0;
-  for (const std::string& hint : datuming_hints(record)) row += canvas.paragraph(area, row, hint);
-  ++row;
-  canvas.text(area, row++, 2, fmt::format("{:>8} {:>13} {:>15}  {}", "s", "mm", "mm/min", "what happened"),
-              Tone::faint);
-  std::vector<ListRow> rows;
-  for (const DatumEvent& event : record.events)
-    rows.push_back({fmt::format("{:>8.3f} {:>13.4f} {:>15.1f}  {}", event.time_s, event.position_mm, event.speed_mm_min,
-                                event.what),
-                    event.what.starts_with("switch") ? Tone::strong : Tone::plain});
-  if (rows.empty()) canvas.text(area, row, 2, "nothing happened in this record", Tone::warning);
-  draw_list(canvas, {area.row + row, area.column, std::max(0, area.rows - row), area.columns}, rows, event_);
-}
-
-void DatumViewScreen::ask_save() {
-  prompt_.ask("Save as:", Prompt::Kind::path, controller_.proposed_name(), [this](const std::string& path) {
-    if (!file_is_there(path)) {
-      controller_.save(path);
-      return;
+  [[nodiscard]] std::string title() const override { return "DISPLAY DATUM SEQUENCE"; }
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    const Area body = body_of(inside);
+    if (controller_.first() == nullptr) {
+      draw_empty(canvas, inside);
+    } else {
+      draw_heading(canvas, inside);
+      if (page_ == Page::graph)
+        draw_datum_chart(canvas, body, controller_.panel(), *controller_.first(), controller_.second(),
+                         controller_.from_s(), controller_.to_s(), controller_.cursor_s());
+      else
+        draw_events(canvas, body);
     }
-    asking_.ask(
-        {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
-        [this, path] { controller_.save(path); });
-  });
-}
-
-void DatumViewScreen::ask_file(bool as_overlay) {
-  if (as_overlay) {
-    prompt_.ask("Second record:", Prompt::Kind::path, "",
-                [this](const std::string& path) { controller_.overlay(path); });
-    return;
+    const Area last{inside.row + inside.rows - kMessageRows, inside.column, kMessageRows, inside.columns};
+    if (!controller_.message().text().empty())
+      draw_message(canvas, last, controller_.message());
+    else if (controller_.busy())
+      canvas.text(last, 0, 0, "The file is being read or written ...");
   }
-  const auto ask = [this] {
-    prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
-  };
-  if (controller_.saved())
-    ask();
-  else
-    asking_.ask({"Open another record?", "The record shown is not saved: it is lost when another is opened.",
-                 "open another", "keep this"},
-                ask);
-}
 
-bool DatumViewScreen::on_record_key(const Key& key) {
-  if (is_letter(key, U'o')) {
-    ask_file(false);
-  } else if (controller_.first() == nullptr) {
-    if (key.name == Key::Name::enter && controller_.draft()) controller_.take_draft();
-    if (is_letter(key, U'd') && controller_.draft()) controller_.drop_earlier_draft();
-  } else if (is_letter(key, U's')) {
-    ask_save();
-  } else if (is_letter(key, U'v')) {
-    ask_file(true);
-  } else if (is_letter(key, U'x')) {
-    controller_.drop_overlay();
-  } else if (is_letter(key, U'a')) {
-    controller_.align();
-  } else if (is_letter(key, U'e')) {
-    controller_.export_picture(write_plot);
-  } else {
-    return false;
-  }
-  return true;
-}
-
-bool DatumViewScreen::on_view_key(const Key& key) {
-  if (controller_.first() == nullptr) return false;
-  if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
-    page_ = page_ == Page::graph ? Page::events : Page::graph;
-  } else if (is_letter(key, U'1') || is_letter(key, U'2')) {
-    page_ = is_letter(key, U'1') ? Page::graph : Page::events;
-  } else if (page_ == Page::events) {
-    const auto& events = controller_.first()->events;
-    if (event_.on_key(key, static_cast<int>(events.size()))) return true;
-    if (key.name != Key::Name::enter || events.empty()) return false;
-    const auto k = static_cast<std::size_t>(std::clamp(event_.selected, 0, static_cast<int>(events.size()) - 1));
-    controller_.go_to(events[k].time_s + controller_.first()->shift_s);
-    page_ = Page::graph;
-  } else if (key.name == Key::Name::left || key.name == Key::Name::right) {
-    controller_.move_cursor(key.name == Key::Name::right ? 1 : -1, kStepColumns);
-  } else if (key.name == Key::Name::page_up || key.name == Key::Name::page_down) {
-    controller_.move_cursor(key.name == Key::Name::page_down ? 10 : -10, kStepColumns);
-  } else if (is_letter(key, U'+') || is_letter(key, U'-')) {
-    controller_.zoom(is_letter(key, U'+') ? 0.5 : 2.0);
-  } else if (is_letter(key, U'0')) {
-    controller_.whole();
-  } else {
-    return false;
-  }
-  return true;
-}
-
-Step DatumViewScreen::on_key(const Key& key) {
-  if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
-  controller_.message().clear();
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) {
+  [[nodiscard]] Step leave() override {
     if (controller_.saved() || sure_to_leave_) return back();
     sure_to_leave_ = true;
     controller_.message().say(
-        "The record is not saved: s saves it; Esc again leaves, and it is offered when this screen opens "
-        "again.",
+        "The record is not saved: s saves it; Esc again leaves, and it is offered when this screen opens again.",
         Tone::warning);
     return stay();
   }
-  sure_to_leave_ = false;
-  if (!on_view_key(key)) (void)on_record_key(key);
-  return stay();
-}
 
-std::vector<KeyHelp> DatumViewScreen::keys() const {
-  if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
-  if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
-  if (controller_.first() == nullptr) {
+  void on_command(const Key& key) override {
+    sure_to_leave_ = false;
+    if (!on_view_key(key)) (void)on_record_key(key);
+  }
+
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (asking_.active()) return {{"y", "yes"}, {"n", "no"}};
+    if (prompt_.active()) return {{"Enter", "take it"}, {"Tab", "complete"}, {"Esc", "leave it"}};
+    if (controller_.first() == nullptr) {
+      if (controller_.draft())
+        return {{"Enter", "take the record up"}, {"d", "drop it"}, {"o", "open a file"}, {"Esc", "back"}};
+      return {{"o", "open a file"}, {"Esc", "back"}};
+    }
+    if (page_ == Page::events)
+      return {
+          {"Enter", "show it in the graph"}, {"up/down", "event"}, {"Tab", "graph"}, {"s", "save"}, {"Esc", "back"}};
+    std::vector<KeyHelp> keys{{"left/right", "cursor"}, {"+ - 0", "zoom"}, {"Tab", "events"}, {"s", "save"},
+                              {"v", "second"},          {"o", "open"},     {"e", "picture"}};
+    if (controller_.second() != nullptr) {
+      keys.insert(keys.begin() + 3, {"a", "align"});
+      keys.insert(keys.begin() + 4, {"x", "only the first"});
+    }
+    keys.push_back({"PgUp/PgDn", "cursor, ten columns"});
+    return keys;
+  }
+
+  [[nodiscard]] std::string help() const override {
+    return "The velocity-time graph of an axis being referenced, with its reference switch (as wired: filled where the "
+           "contact is closed) and its markers below. The second page lists what happened and what it says about the "
+           "datuming parameters. v lays a second record over the first, drawn broken, so that two axes, or before and "
+           "after, can be compared; a shifts it until the switches change at the same time. A record that is not saved "
+           "survives a crash: this screen offers it again.";
+  }
+
+  [[nodiscard]] std::string unsaved() const override {
+    return controller_.saved() ? ""
+                               : fmt::format("The datum sequence of axis {} is not saved.",
+                                             letter_of(controller_.first()->recording.axis));
+  }
+
+ private:
+  enum class Page { graph, events };
+  void draw_heading(Canvas& canvas, const Area& area) const {
+    const ShownRecord& record = *controller_.first();
+    const DatumRecording& r = record.recording;
+    const std::string taken =
+        r.taken.size() < 16 ? r.taken : r.taken.substr(0, 10) + " " + r.taken.substr(11, 5) + " UTC";
+    const int column = canvas.text(
+        area, 0, 0,
+        fmt::format("Axis {}, {}{}{}", letter_of(r.axis), record.name,
+                    r.serial_number.empty() ? "" : ", unit " + r.serial_number, taken.empty() ? "" : ", " + taken),
+        Tone::strong);
+    if (!controller_.saved()) canvas.text(area, 0, column, ", NOT SAVED", Tone::warning);
+  }
+
+  void draw_empty(Canvas& canvas, const Area& area) const {
+    int row =
+        canvas.paragraph(area, 1,
+                         "A datum sequence is ten seconds of one axis being referenced: its speed over time, with "
+                         "the reference switch and the marker below. From it the datuming parameters are read off.");
+    row +=
+        2 + canvas.paragraph(area, 2 + row,
+                             "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this one "
+                             "makes a new record.",
+                             Tone::strong);
     if (controller_.draft())
-      return {{"Enter", "take the record up"}, {"d", "drop it"}, {"o", "open a file"}, {"Esc", "back"}};
-    return {{"o", "open a file"}, {"Esc", "back"}};
+      canvas.paragraph(
+          area, row + 2,
+          fmt::format("Unsaved record of {} found: Enter takes it up, d drops it.", controller_.draft()->kept),
+          Tone::warning);
   }
-  if (page_ == Page::events)
-    return {{"Enter", "show it in the graph"}, {"up/down", "event"}, {"Tab", "graph"}, {"s", "save"}, {"Esc", "back"}};
-  std::vector<KeyHelp> keys{{"left/right", "cursor"}, {"+ - 0", "zoom"}, {"Tab", "events"}, {"s", "save"},
-                            {"v", "second"},          {"o", "open"},     {"e", "picture"}};
-  if (controller_.second() != nullptr) {
-    keys.insert(keys.begin() + 3, {"a", "align"});
-    keys.insert(keys.begin() + 4, {"x", "only the first"});
+
+  void draw_events(Canvas& canvas, const Area& area) const {
+    const ShownRecord& record = *controller_.first();
+    int row = 0;
+    for (const std::string& hint : datuming_hints(record)) row += canvas.paragraph(area, row, hint);
+    ++row;
+    canvas.text(area, row++, 2, fmt::format("{:>8} {:>13} {:>15}  {}", "s", "mm", "mm/min", "what happened"),
+                Tone::faint);
+    std::vector<ListRow> rows;
+    for (const DatumEvent& event : record.events)
+      rows.push_back({fmt::format("{:>8.3f} {:>13.4f} {:>15.1f}  {}", event.time_s, event.position_mm,
+                                  event.speed_mm_min, event.what),
+                      event.what.starts_with("switch") ? Tone::strong : Tone::plain});
+    if (rows.empty()) canvas.text(area, row, 2, "nothing happened in this record", Tone::warning);
+    draw_list(canvas, {area.row + row, area.column, std::max(0, area.rows - row), area.columns}, rows, event_);
   }
-  keys.push_back({"PgUp/PgDn", "cursor, ten columns"});
-  return keys;
-}
 
-std::string DatumViewScreen::help() const {
-  return "The velocity-time graph of an axis being referenced, with its reference switch (as wired: filled where the "
-         "contact is closed) and its markers below. The second page lists what happened and what it says about the "
-         "datuming parameters. v lays a second record over the first, drawn broken, so that two axes, or before and "
-         "after, can be compared; a shifts it until the switches change at the same time. A record that is not saved "
-         "survives a crash: this screen offers it again.";
-}
+  void ask_file(bool as_overlay) {
+    if (as_overlay) {
+      prompt_.ask("Second record:", Prompt::Kind::path, "",
+                  [this](const std::string& path) { controller_.overlay(path); });
+      return;
+    }
+    const auto ask = [this] {
+      prompt_.ask("Open:", Prompt::Kind::path, "", [this](const std::string& path) { controller_.open(path); });
+    };
+    if (controller_.saved())
+      ask();
+    else
+      asking_.ask({"Open another record?", "The record shown is not saved: it is lost when another is opened.",
+                   "open another", "keep this"},
+                  ask);
+  }
 
-CellPosition DatumViewScreen::cursor(const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  return prompt_.cursor(inside, inside.rows - 1);
-}
+  [[nodiscard]] bool on_record_key(const Key& key) {
+    if (is_letter(key, U'o')) {
+      ask_file(false);
+    } else if (controller_.first() == nullptr) {
+      if (key.name == Key::Name::enter && controller_.draft()) controller_.take_draft();
+      if (is_letter(key, U'd') && controller_.draft()) controller_.drop_earlier_draft();
+    } else if (is_letter(key, U's')) {
+      ask_where_to_save(controller_.proposed_name());
+    } else if (is_letter(key, U'v')) {
+      ask_file(true);
+    } else if (is_letter(key, U'x')) {
+      controller_.drop_overlay();
+    } else if (is_letter(key, U'a')) {
+      controller_.align();
+    } else if (is_letter(key, U'e')) {
+      controller_.export_picture(write_plot);
+    } else {
+      return false;
+    }
+    return true;
+  }
 
-std::string DatumViewScreen::unsaved() const {
-  return controller_.saved() ? ""
-                             : fmt::format("The datum sequence of axis {} is not saved.",
-                                           letter_of(controller_.first()->recording.axis));
+  [[nodiscard]] bool on_view_key(const Key& key) {
+    if (controller_.first() == nullptr) return false;
+    if (key.name == Key::Name::tab || key.name == Key::Name::back_tab) {
+      page_ = page_ == Page::graph ? Page::events : Page::graph;
+    } else if (is_letter(key, U'1') || is_letter(key, U'2')) {
+      page_ = is_letter(key, U'1') ? Page::graph : Page::events;
+    } else if (page_ == Page::events) {
+      const auto& events = controller_.first()->events;
+      if (event_.on_key(key, static_cast<int>(events.size()))) return true;
+      if (key.name != Key::Name::enter || events.empty()) return false;
+      const auto k = static_cast<std::size_t>(std::clamp(event_.selected, 0, static_cast<int>(events.size()) - 1));
+      controller_.go_to(events[k].time_s + controller_.first()->shift_s);
+      page_ = Page::graph;
+    } else if (key.name == Key::Name::left || key.name == Key::Name::right) {
+      controller_.move_cursor(key.name == Key::Name::right ? 1 : -1, kStepColumns);
+    } else if (key.name == Key::Name::page_up || key.name == Key::Name::page_down) {
+      controller_.move_cursor(key.name == Key::Name::page_down ? 10 : -10, kStepColumns);
+    } else if (is_letter(key, U'+') || is_letter(key, U'-')) {
+      controller_.zoom(is_letter(key, U'+') ? 0.5 : 2.0);
+    } else if (is_letter(key, U'0')) {
+      controller_.whole();
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  Page page_ = Page::graph;
+  ListPlace event_;
+  bool sure_to_leave_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording) {
+  return std::make_unique<DatumViewScreen>(std::move(recording));
 }
 
 }  // namespace ecs::app

@@ -1,8 +1,11 @@
-#include "app/screens/utility/output_screen.hpp"
-
+// OUTPUT COMPENSATION VALUE: axis, value, relay shown big, what moved beside it; steps, everything off on one key.
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include "app/screens/utility/parts.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/output_controller.hpp"
 
 namespace ecs::app {
 namespace {
@@ -38,141 +41,140 @@ void draw_relay_box(Canvas& canvas, const Area& box, const OutputController& con
   canvas.text({box.row + 1, box.column + 2, 1, box.columns - 4}, 0, 0, row.text, row.tone);
 }
 
+class OutputScreen final : public UtilityScreen<OutputController> {
+ public:
+  using UtilityScreen::UtilityScreen;
+
+  [[nodiscard]] std::string title() const override { return "OUTPUT COMPENSATION VALUE"; }
+  void draw_inside(Canvas& canvas, const Area& inside) const override {
+    draw_unit_row(canvas, inside, 0, controller_.unit());
+    draw_axis_rows(canvas, inside, kOutputAxisRow, controller_.unit(), controller_.axis());
+    draw_relay_box(canvas, {inside.row + kBoxRow, inside.column, 3, inside.columns}, controller_);
+    const auto* seen = controller_.unit().axis(controller_.axis());
+    const auto moved = controller_.moved_um();
+    canvas.text(
+        inside, kBoxRow + 3, 0,
+        fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(controller_.setting().um),
+                    seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), controller_.step_um()));
+    canvas.text(inside, kBoxRow + 4, 0,
+                moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",
+                                    *moved, letter_of(controller_.axis()))
+                      : std::string("moved              -      shown from the first value on"));
+    canvas.text(
+        inside, kBoxRow + 5, 0,
+        fmt::format("at most    {:>9g} um  output scale {:g} counts/um, polarity {:+d}{}",
+                    controller_.parameters().output_limit_um, controller_.parameters().output_scale_counts_per_um,
+                    static_cast<int>(controller_.parameters().compensation_polarity),
+                    controller_.parameters_known() ? "" : " (default)"));
+    if (!prompt_.active() && controller_.busy()) canvas.text(inside, kOutputPromptRow, 0, "Sending ...");
+    canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kOutputPromptRow + 1,
+                     proposal_.empty() ? kScaleExplained : proposal_, proposal_.empty() ? Tone::faint : Tone::strong);
+    draw_message(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns}, controller_.message());
+  }
+
+  [[nodiscard]] std::vector<KeyHelp> keys() const override {
+    if (asking_.active()) return {{"y", "the axis may move"}, {"n", "leave it"}};
+    if (prompt_.active()) return {{"Enter", "take the number"}, {"Esc", "leave it"}};
+    return {{"o", "ALL OFF"},
+            {"Enter", "value"},
+            {"+ -", "step"},
+            {"r", controller_.setting().relay ? "open relay" : "relay"},
+            {"x y z", "axis"},
+            {"m", "measured"},
+            {"< >", "step size"},
+            {"Esc", controller_.setting().at_rest() ? "back" : "all off"},
+            {"Space", "ALL OFF as well"}};
+  }
+
+  [[nodiscard]] std::string help() const override {
+    return std::string(
+               "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
+               "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
+               "Esc switch everything off; a second Esc leaves. If the link is lost the unit opens its relays by "
+               "itself "
+               "after 60 s without a question. ") +
+           kScaleExplained;
+  }
+
+ private:
+  [[nodiscard]] int prompt_row(const Area& /*inside*/) const override { return kOutputPromptRow; }
+
+  [[nodiscard]] Step leave() override {
+    if (!controller_.busy() && (controller_.setting().at_rest() || !controller_.unit().fresh)) return back();
+    controller_.off();
+    return stay();
+  }
+
+  void on_command(const Key& key) override {
+    if (is_letter(key, U'o') || is_letter(key, U' ')) return controller_.off();
+    if (key.name == Key::Name::up || key.name == Key::Name::down) choose_next(key.name == Key::Name::down ? 1 : -1);
+    if (const auto axis = axis_of_key(key)) controller_.choose(*axis);
+    const auto axes = controller_.unit().axes();
+    if (const auto k = axis_clicked(key, kOutputAxisRow + 2, static_cast<int>(axes.size())))
+      controller_.choose(axes[static_cast<std::size_t>(*k)]);
+    if (key.name == Key::Name::enter) type_value();
+    if (is_letter(key, U'+') || is_letter(key, U'=')) controller_.step(1);
+    if (is_letter(key, U'-')) controller_.step(-1);
+    if (is_letter(key, U'>') || is_letter(key, U'.')) controller_.resize_step(1);
+    if (is_letter(key, U'<') || is_letter(key, U',')) controller_.resize_step(-1);
+    if (is_letter(key, U'r')) toggle_relay();
+    if (is_letter(key, U'm')) type_measured();
+  }
+
+  void type_value() {
+    prompt_.ask(fmt::format("Value for {}, um:", letter_of(controller_.axis())), Prompt::Kind::number, "",
+                [this](const std::string& typed) {
+                  const auto um = controller_.value_in(typed);
+                  if (!um)
+                    controller_.message().say(um.error());
+                  else if (controller_.setting().relay)
+                    asking_.ask(controller_.question(*um), [this, um = *um] { controller_.set(um, true); });
+                  else
+                    controller_.set(*um, false);
+                });
+  }
+
+  void type_measured() {
+    const auto moved = controller_.moved_um();
+    if (controller_.setting().um == 0.0 || !controller_.setting().relay) {
+      controller_.message().say(
+          "Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.",
+          Tone::warning);
+      return;
+    }
+    prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(controller_.axis())), Prompt::Kind::number,
+                moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) {
+                  const auto proposal = controller_.scale_from_measured(typed);
+                  if (proposal)
+                    proposal_ = proposal->sentence;
+                  else
+                    controller_.message().say(proposal.error());
+                });
+  }
+
+  void toggle_relay() {
+    const OutputSetting now = controller_.setting();
+    if (now.relay)
+      controller_.set(now.um, false);
+    else
+      asking_.ask(controller_.question(now.um), [this, um = now.um] { controller_.set(um, true); });
+  }
+
+  void choose_next(int by) {
+    const auto axes = controller_.unit().axes();
+    const auto at = std::find(axes.begin(), axes.end(), controller_.axis());
+    if (at == axes.end()) return;
+    const auto k = std::clamp(static_cast<int>(at - axes.begin()) + by, 0, static_cast<int>(axes.size()) - 1);
+    controller_.choose(axes[static_cast<std::size_t>(k)]);
+  }
+
+  std::string proposal_;  ///< from the last measurement
+};
+
 }  // namespace
 
-void OutputScreen::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
-  draw_unit_row(canvas, inside, 0, controller_.unit());
-  draw_axis_rows(canvas, inside, kOutputAxisRow, controller_.unit(), controller_.axis());
-  draw_relay_box(canvas, {inside.row + kBoxRow, inside.column, 3, inside.columns}, controller_);
-  const auto* seen = controller_.unit().axis(controller_.axis());
-  const auto moved = controller_.moved_um();
-  canvas.text(
-      inside, kBoxRow + 3, 0,
-      fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(controller_.setting().um),
-                  seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), controller_.step_um()));
-  canvas.text(inside, kBoxRow + 4, 0,
-              moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",
-                                  *moved, letter_of(controller_.axis()))
-                    : std::string("moved              -      shown from the first value on"));
-  canvas.text(inside, kBoxRow + 5, 0,
-              fmt::format("at most    {:>9g} um  output scale {:g} counts/um, polarity {:+d}{}",
-                          controller_.parameters().output_limit_um, controller_.parameters().output_scale_counts_per_um,
-                          static_cast<int>(controller_.parameters().compensation_polarity),
-                          controller_.parameters_known() ? "" : " (default)"));
-  if (prompt_.active())
-    prompt_.draw(canvas, inside, kOutputPromptRow);
-  else if (controller_.busy())
-    canvas.text(inside, kOutputPromptRow, 0, "Sending ...");
-  canvas.paragraph({inside.row, inside.column, inside.rows - 3, inside.columns}, kOutputPromptRow + 1,
-                   proposal_.empty() ? kScaleExplained : proposal_, proposal_.empty() ? Tone::faint : Tone::strong);
-  draw_message(canvas, {inside.row + inside.rows - 3, inside.column, 3, inside.columns}, controller_.message());
-  asking_.draw(canvas, inside);
-}
-
-void OutputScreen::type_value() {
-  prompt_.ask(fmt::format("Value for {}, um:", letter_of(controller_.axis())), Prompt::Kind::number, "",
-              [this](const std::string& typed) {
-                const auto um = controller_.value_in(typed);
-                if (!um)
-                  controller_.message().say(um.error());
-                else if (controller_.setting().relay)
-                  asking_.ask(controller_.question(*um), [this, um = *um] { controller_.set(um, true); });
-                else
-                  controller_.set(*um, false);
-              });
-}
-
-void OutputScreen::type_measured() {
-  const auto moved = controller_.moved_um();
-  if (controller_.setting().um == 0.0 || !controller_.setting().relay) {
-    controller_.message().say(
-        "Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.", Tone::warning);
-    return;
-  }
-  prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(controller_.axis())), Prompt::Kind::number,
-              moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) {
-                const auto proposal = controller_.scale_from_measured(typed);
-                if (proposal)
-                  proposal_ = proposal->sentence;
-                else
-                  controller_.message().say(proposal.error());
-              });
-}
-
-void OutputScreen::toggle_relay() {
-  const OutputSetting now = controller_.setting();
-  if (now.relay)
-    controller_.set(now.um, false);
-  else
-    asking_.ask(controller_.question(now.um), [this, um = now.um] { controller_.set(um, true); });
-}
-
-void OutputScreen::choose_next(int by) {
-  const auto axes = controller_.unit().axes();
-  const auto at = std::find(axes.begin(), axes.end(), controller_.axis());
-  if (at == axes.end()) return;
-  const auto k = std::clamp(static_cast<int>(at - axes.begin()) + by, 0, static_cast<int>(axes.size()) - 1);
-  controller_.choose(axes[static_cast<std::size_t>(k)]);
-}
-
-Step OutputScreen::leave() {
-  if (!controller_.busy() && (controller_.setting().at_rest() || !controller_.unit().fresh)) return back();
-  controller_.off();
-  return stay();
-}
-
-void OutputScreen::on_command(const Key& key) {
-  if (key.name == Key::Name::up || key.name == Key::Name::down) choose_next(key.name == Key::Name::down ? 1 : -1);
-  if (const auto axis = axis_of_key(key)) controller_.choose(*axis);
-  const auto axes = controller_.unit().axes();
-  if (const auto k = axis_clicked(key, kOutputAxisRow + 2, static_cast<int>(axes.size())))
-    controller_.choose(axes[static_cast<std::size_t>(*k)]);
-  if (key.name == Key::Name::enter) type_value();
-  if (is_letter(key, U'+') || is_letter(key, U'=')) controller_.step(1);
-  if (is_letter(key, U'-')) controller_.step(-1);
-  if (is_letter(key, U'>') || is_letter(key, U'.')) controller_.resize_step(1);
-  if (is_letter(key, U'<') || is_letter(key, U',')) controller_.resize_step(-1);
-  if (is_letter(key, U'r')) toggle_relay();
-  if (is_letter(key, U'm')) type_measured();
-}
-
-Step OutputScreen::on_key(const Key& key) {
-  if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
-  controller_.message().clear();
-  if (key.name == Key::Name::escape || is_letter(key, U'q')) return leave();
-  if (is_letter(key, U'o') || is_letter(key, U' '))
-    controller_.off();
-  else
-    on_command(key);
-  return stay();
-}
-
-std::vector<KeyHelp> OutputScreen::keys() const {
-  if (asking_.active()) return {{"y", "the axis may move"}, {"n", "leave it"}};
-  if (prompt_.active()) return {{"Enter", "take the number"}, {"Esc", "leave it"}};
-  return {{"o", "ALL OFF"},
-          {"Enter", "value"},
-          {"+ -", "step"},
-          {"r", controller_.setting().relay ? "open relay" : "relay"},
-          {"x y z", "axis"},
-          {"m", "measured"},
-          {"< >", "step size"},
-          {"Esc", controller_.setting().at_rest() ? "back" : "all off"},
-          {"Space", "ALL OFF as well"}};
-}
-
-std::string OutputScreen::help() const {
-  return std::string(
-             "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
-             "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
-             "Esc switch everything off; a second Esc leaves. If the link is lost the unit opens its relays by itself "
-             "after 60 s without a question. ") +
-         kScaleExplained;
-}
-
-CellPosition OutputScreen::cursor(const Area& area) const {
-  return prompt_.cursor({area.row, area.column + 1, area.rows, area.columns - 2}, kOutputPromptRow);
+std::unique_ptr<Screen> output_screen(std::shared_ptr<UnitConnection> connection) {
+  return std::make_unique<OutputScreen>(std::move(connection));
 }
 
 }  // namespace ecs::app

@@ -132,6 +132,22 @@ std::optional<int> axis_clicked(const Key& key, int first_row, int count) {
   return k;
 }
 
+bool choose_axis(ListPlace& place, const Key& key, const std::vector<Axis>& axes, int first_row) {
+  const int count = static_cast<int>(axes.size());
+  if (place.on_key(key, count)) return true;
+  const auto letter = axis_of_key(key);
+  const auto named = letter ? std::find(axes.begin(), axes.end(), *letter) : axes.end();
+  const auto clicked = axis_clicked(key, first_row, count);
+  if (named != axes.end()) place.selected = static_cast<int>(named - axes.begin());
+  if (clicked) place.selected = *clicked;
+  return named != axes.end() || clicked;
+}
+
+Axis chosen_axis(const ListPlace& place, const std::vector<Axis>& axes) {
+  if (axes.empty()) return Axis::X;
+  return axes[static_cast<std::size_t>(std::clamp(place.selected, 0, static_cast<int>(axes.size()) - 1))];
+}
+
 std::optional<Axis> axis_of_key(const Key& key) {
   for (const Axis a : kAllAxes)
     if (is_letter(key, static_cast<char32_t>(letter_of(a))) || is_letter(key, static_cast<char32_t>(letter_of(a) + 32)))

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/ui/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "app/ui/widgets.hpp"
 #include "commissioning/utility/unit_view.hpp"
@@ -58,7 +59,68 @@ class Prompt {
 /// Which of `count` axes was clicked whose first stands on this row of the canvas.
 [[nodiscard]] std::optional<int> axis_clicked(const Key& key, int first_row, int count);
 
+/// Chooses one of the axes by arrow, letter or click. @return whether the key was for it
+bool choose_axis(ListPlace& place, const Key& key, const std::vector<Axis>& axes, int first_row);
+[[nodiscard]] Axis chosen_axis(const ListPlace& place, const std::vector<Axis>& axes);
+
 /// The axis that a letter names, "x" or "X".
 [[nodiscard]] std::optional<Axis> axis_of_key(const Key& key);
+
+/// A screen over a controller, with a prompt and a question over its picture.
+template <class Controller>
+class UtilityScreen : public Screen {
+ public:
+  UtilityScreen() = default;
+  explicit UtilityScreen(std::shared_ptr<UnitConnection> connection) : controller_(std::move(connection)) {}
+
+  [[nodiscard]] bool advance() override { return controller_.advance(); }
+  [[nodiscard]] bool typing() const override { return prompt_.active(); }
+  void draw(Canvas& canvas, const Area& area) const final {
+    const Area inside = area.between_margins();
+    draw_inside(canvas, inside);
+    prompt_.draw(canvas, inside, prompt_row(inside));
+    asking_.draw(canvas, inside);
+  }
+  [[nodiscard]] CellPosition cursor(const Area& area) const override {
+    const Area inside = area.between_margins();
+    return prompt_.cursor(inside, prompt_row(inside));
+  }
+  [[nodiscard]] Step on_key(const Key& key) final {
+    if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
+    controller_.message().clear();
+    if (leaves_on(key)) return leave();
+    on_command(key);
+    return stay();
+  }
+
+ protected:
+  virtual void draw_inside(Canvas& canvas, const Area& inside) const = 0;
+  virtual void on_command(const Key& key) = 0;
+  [[nodiscard]] virtual int prompt_row(const Area& inside) const { return inside.rows - 1; }
+  [[nodiscard]] virtual bool leaves_on(const Key& key) const {
+    return key.name == Key::Name::escape || is_letter(key, U'q');
+  }
+  /// Back; what is under way is given up first.
+  [[nodiscard]] virtual Step leave() {
+    if (!controller_.busy()) return back();
+    if constexpr (requires(Controller & c) { c.cancel(); }) controller_.cancel();
+    return stay();
+  }
+  /// Asks for a file, and again before one is overwritten.
+  void ask_where_to_save(const std::string& proposed) {
+    prompt_.ask("Save as:", Prompt::Kind::path, proposed, [this](const std::string& path) {
+      if constexpr (requires(Controller & c) { c.save(path); }) {
+        if (!file_is_there(path)) return controller_.save(path);
+        asking_.ask(
+            {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
+            [this, path] { controller_.save(path); });
+      }
+    });
+  }
+
+  Controller controller_;
+  Prompt prompt_;
+  Asking asking_;
+};
 
 }  // namespace ecs::app

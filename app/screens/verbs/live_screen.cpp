@@ -98,7 +98,7 @@ std::string LiveScreen::next() const {
 }
 
 void LiveScreen::draw(Canvas& canvas, const Area& area) const {
-  const Area inside{area.row, area.column + 1, area.rows, area.columns - 2};
+  const Area inside = area.between_margins();
   int row = 0;
   if (answer_) {
     canvas.text(inside, row++, 0,

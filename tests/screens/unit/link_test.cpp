@@ -1,8 +1,9 @@
 // The link: a setting chosen, tried, used and stored; what the doctor says of lines that go wrong.
 #include <algorithm>
 
-#include "app/screens/unit/link_screen.hpp"
 #include "app/screens/unit/link_statistics.hpp"
+#include "app/screens/unit/screens.hpp"
+#include "commissioning/link/controller.hpp"
 #include "tests/support/bad_line.hpp"
 
 namespace ecs::app {
@@ -38,8 +39,10 @@ TEST_CASE("choices step round and ports are among them") {
 /// The setting screen with the form filled in by its keys.
 struct LinkCase : StateFolder {
   std::shared_ptr<UnitConnection> unit;
-  LinkScreen screen;
-  explicit LinkCase(const std::string& link) : unit(std::make_shared<UnitConnection>(link)), screen(unit) {}
+  std::unique_ptr<Screen> made;
+  Screen& screen;
+  explicit LinkCase(const std::string& link)
+      : unit(std::make_shared<UnitConnection>(link)), made(link_screen(unit)), screen(*made) {}
   /// Tries and waits for the end.
   void try_it() {
     REQUIRE(until(screen, [this] { return !contains(picture(screen), "looking for serial ports"); }));
@@ -105,7 +108,8 @@ TEST_CASE("a unit with another number is found, offered and taken") {
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {"--unit", "3"});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
-  LinkScreen screen(one.unit);
+  const auto screen_made = link_screen(one.unit);
+  Screen& screen = *screen_made;
   type(screen, "t");
   REQUIRE(until(screen, [&] {
     type(screen, contains(picture(screen), "tried:") ? "" : "t");
@@ -131,7 +135,8 @@ TEST_CASE("the right speed is found and offered where another was set") {
   const OwnEmulator emulator(one, {});
   const BadLine slow(emulator.pty, B9600);
   one.unit->choose("rtu:" + slow.device + ":115200");
-  LinkScreen screen(one.unit);
+  const auto screen_made = link_screen(one.unit);
+  Screen& screen = *screen_made;
   REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
   type(screen, "t");
   REQUIRE(shows(screen, "Use the setting that answers?"));
@@ -143,7 +148,8 @@ TEST_CASE("late and garbled answers are reported with their causes, and the stat
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
-  LinkScreen screen(one.unit);
+  const auto screen_made = link_screen(one.unit);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107 answers"));
   OwnEmulator::fault(one, "stale_reply --probability 0.15");
   type(screen, "t");
@@ -159,7 +165,8 @@ TEST_CASE("the doctor's checks can be cancelled") {
   LinkCase one("rtu:/dev/no-such-port:9600");
   const OwnEmulator emulator(one, {"--unit", "99"});
   one.unit->choose("rtu:" + emulator.pty + ":115200");
-  LinkScreen screen(one.unit);
+  const auto screen_made = link_screen(one.unit);
+  Screen& screen = *screen_made;
   REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
   type(screen, "t");
   REQUIRE(shows(screen, "trying unit numbers"));

@@ -1,8 +1,9 @@
 // The log: what the screens told, whole, found again and copied.
 #include <algorithm>
 
-#include "app/screens/unit/log_screen.hpp"
+#include "app/screens/unit/screens.hpp"
 #include "base/file.hpp"
+#include "commissioning/session/event_log.hpp"
 #include "tests/support/unit_screen.hpp"
 
 namespace ecs::app {
@@ -12,7 +13,8 @@ using namespace screen_test;
 
 TEST_CASE("the log follows the newest message and shows a long one completely") {
   const StateFolder one;
-  LogScreen screen;
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
   log_event(Tone::good, "parameters sent");
   std::string error = "the unit does not answer";
   for (int k = 0; k < 20; ++k) error += " word" + std::to_string(k);
@@ -32,7 +34,8 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   log_event(Tone::bad, "first trouble");
   log_event(Tone::good, "Quite well");
   log_event(Tone::bad, "second trouble");
-  LogScreen screen;
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
   type(screen, "e");
   CHECK_FALSE(contains(picture(screen), "Quite well"));
   CHECK(contains(picture(screen), "errors only"));
@@ -66,7 +69,8 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
 TEST_CASE("with the emulator killed the log continues, and the unit returns") {
   const StateFolder one;
   const auto unit = std::make_shared<UnitConnection>("emulator");
-  LogScreen screen;
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
   REQUIRE(until(screen, [&] { return unit->snapshot().open; }));
   REQUIRE(kill_emulators() == 1);
   REQUIRE(until(screen, [&] { return unit->snapshot().times_lost > 0; }));
@@ -78,7 +82,8 @@ TEST_CASE("with the emulator killed the log continues, and the unit returns") {
 TEST_CASE("the log fits any size") {
   const StateFolder one;
   log_event(Tone::bad, std::string(3000, 'x') + "\nsecond line");
-  LogScreen screen;
+  const auto screen_made = log_screen();
+  Screen& screen = *screen_made;
   for (const auto& [rows, columns] : {std::pair{24, 80}, {40, 120}, {12, 40}, {5, 20}, {1, 1}}) {
     const std::string text = picture(screen, rows, columns, Glyphs::ascii);
     CHECK(std::count(text.begin(), text.end(), '\n') == rows);

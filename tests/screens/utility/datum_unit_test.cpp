@@ -1,7 +1,5 @@
 // RECORD DATUM SEQUENCE and TEST DATUM ROUTINE on the emulated unit; its machine is referenced as g does it.
-#include "app/screens/utility/datum_record_screen.hpp"
-#include "app/screens/utility/datum_test_screen.hpp"
-#include "app/screens/utility/datum_view_screen.hpp"
+#include "app/screens/utility/screens.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "tests/support/utility_bench.hpp"
 
@@ -23,7 +21,8 @@ void send_mill(const UnitBench& bench) {
 TEST_CASE("ten seconds are recorded while the emulated machine references the axis, and the graph opens") {
   const UnitBench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.controller);
+  const auto screen_made = datum_record_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -52,7 +51,8 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
 TEST_CASE("a record is cancelled by Esc, and the next one works") {
   const UnitBench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.controller);
+  const auto screen_made = datum_record_screen(bench.controller);
+  Screen& screen = *screen_made;
   (void)letter(screen, 'z');
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
@@ -67,7 +67,8 @@ TEST_CASE("a record is cancelled by Esc, and the next one works") {
 TEST_CASE("kill -9 of the emulator while it records: it is said, and recording works when it is back") {
   const UnitBench bench;
   bench.wait_for_unit();
-  DatumRecordScreen screen(bench.controller);
+  const auto screen_made = datum_record_screen(bench.controller);
+  Screen& screen = *screen_made;
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');
   REQUIRE(shows(screen, "REFERENCE AXIS X NOW"));
@@ -84,7 +85,8 @@ TEST_CASE("every axis finds its datum with the parameters of the mill, stage by 
   const UnitBench bench;
   bench.wait_for_unit();
   send_mill(bench);
-  DatumTestScreen screen(bench.controller);
+  const auto screen_made = datum_test_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   (void)press(screen, Key::Name::enter);
@@ -100,7 +102,8 @@ TEST_CASE("every axis finds its datum with the parameters of the mill, stage by 
 TEST_CASE("an axis that fails says what to do, the others go on") {
   const UnitBench bench;  // without parameters Y is looked for in the wrong direction
   bench.wait_for_unit();
-  DatumTestScreen screen(bench.controller);
+  const auto screen_made = datum_test_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'x');
   (void)press(screen, Key::Name::enter);
@@ -119,7 +122,8 @@ TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test 
   const UnitBench bench;
   bench.wait_for_unit();
   send_mill(bench);
-  DatumTestScreen screen(bench.controller);
+  const auto screen_made = datum_test_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   (void)letter(screen, 'y');

@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/screens/utility/datum_view_screen.hpp"
+#include "app/screens/utility/screens.hpp"
 #include "base/file.hpp"
+#include "commissioning/utility/datum_view_controller.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -53,7 +54,8 @@ TEST_CASE(
     "the switch fills its lane for as long as it is closed, the marker shows even where it is one sample of ten "
     "thousand") {
   const StateFolder folder;
-  DatumViewScreen screen(sequence(2.0));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
   const std::string seen = picture(screen, 24, 80, Glyphs::ascii);
   CHECK(contains(seen, "Axis Y, just recorded, unit MILL-1, 2026-05-04 14:05 UTC, NOT SAVED"));
   CHECK(contains(seen, "mm/min"));
@@ -75,7 +77,8 @@ TEST_CASE("the cursor reads time, speed, position, switch and marker") {
         "3.500 s  Y 300.0 mm/min  19.1720 mm  switch closed");
   CHECK(contains(read_out_at(*controller.first(), 4.999), "switch open  MARKER"));
   CHECK(contains(read_out_at(*controller.first(), 11.0), "nothing recorded"));
-  DatumViewScreen screen(sequence(2.0));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
   (void)press(screen, Key::Name::right);
   CHECK(contains(picture(screen), " s  Y "));
   (void)press(screen, Key::Name::left);
@@ -114,7 +117,8 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
   const StateFolder folder;
   const std::string file = folder / "first.csv", other = folder / "other.csv";
   REQUIRE(write_file(other, to_csv(sequence(4.0))));
-  DatumViewScreen screen(sequence(2.0));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
   CHECK_FALSE(screen.unsaved().empty());
   (void)letter(screen, 's');
   for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
@@ -143,16 +147,19 @@ TEST_CASE("a record is saved, opened again, and a second is laid over it; the tw
 TEST_CASE("an unsaved record is offered again") {
   const StateFolder folder;
   {
-    DatumViewScreen screen(sequence(2.0));
+    const auto screen_made = datum_view_screen(sequence(2.0));
+    Screen& screen = *screen_made;
     advance_for_half_a_second(screen);
     CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
     CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
   }
-  DatumViewScreen again;
+  const auto again_made = datum_view_screen();
+  Screen& again = *again_made;
   CHECK(contains(picture(again), "Unsaved record of"));
   (void)press(again, Key::Name::enter);
   CHECK(contains(picture(again), "NOT SAVED"));
-  DatumViewScreen once_more;
+  const auto once_more_made = datum_view_screen();
+  Screen& once_more = *once_more_made;
   (void)letter(once_more, 'd');
   CHECK_FALSE(contains(picture(once_more), "Unsaved record of"));
   CHECK_FALSE(DatumViewController().draft());
@@ -161,7 +168,8 @@ TEST_CASE("an unsaved record is offered again") {
 TEST_CASE("a file that is not a record is refused and nothing is lost") {
   const StateFolder folder;
   REQUIRE(write_file(folder / "bad.csv", "hello\n"));
-  DatumViewScreen screen(sequence(2.0));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
   (void)letter(screen, 'v');
   type(screen, folder / "bad.csv");
   (void)press(screen, Key::Name::enter);
@@ -171,7 +179,8 @@ TEST_CASE("a file that is not a record is refused and nothing is lost") {
 
 TEST_CASE("no size of the terminal breaks the picture") {
   const StateFolder folder;
-  DatumViewScreen screen(sequence(2.0));
+  const auto screen_made = datum_view_screen(sequence(2.0));
+  Screen& screen = *screen_made;
   for (const auto& [rows, columns] : {std::pair{3, 10}, {12, 40}, {24, 80}, {40, 120}}) {
     (void)picture_of(screen, "", {}, Canvas(rows, columns), false);
     (void)press(screen, Key::Name::tab);

@@ -1,5 +1,6 @@
 // OUTPUT COMPENSATION VALUE on the emulated unit.
-#include "app/screens/utility/output_screen.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/output_controller.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -9,7 +10,7 @@ using namespace ecs::app::screen_test;
 namespace {
 
 /// Nothing is put out yet.
-void close_relay(OutputScreen& screen) {
+void close_relay(Screen& screen) {
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, 'r');
   (void)letter(screen, 'y');
@@ -40,7 +41,8 @@ TEST_CASE("the output scale follows from what was put out and what a gauge showe
 TEST_CASE("with the relay open a value is output at once; beyond the limit it is refused with the reason") {
   const UnitBench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.controller);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::enter);
   type(screen, "600");
@@ -60,7 +62,8 @@ TEST_CASE("with the relay open a value is output at once; beyond the limit it is
 TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends everything") {
   const UnitBench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.controller);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)letter(screen, '>');
   (void)letter(screen, '>');
@@ -90,7 +93,8 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
 TEST_CASE("a relay that the unit opens for another reason is seen") {
   const UnitBench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.controller);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
   close_relay(screen);
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
   REQUIRE(shows(screen, "The unit has opened the relay by itself"));
@@ -100,7 +104,8 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
 TEST_CASE("what another host puts out is shown, and steps go on from there") {
   const UnitBench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.controller);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
   close_relay(screen);
   REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
   REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
@@ -131,7 +136,8 @@ TEST_CASE("leaving by any way opens the relay") {
   const UnitBench bench;
   bench.wait_for_unit();
   {
-    OutputScreen screen(bench.controller);
+    const auto screen_made = output_screen(bench.controller);
+    Screen& screen = *screen_made;
     close_relay(screen);
   }
   const auto after = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
@@ -142,7 +148,8 @@ TEST_CASE("leaving by any way opens the relay") {
 TEST_CASE("kill -9 of the emulator with the relay closed: it is said, and everything is off when it is back") {
   const UnitBench bench;
   bench.wait_for_unit();
-  OutputScreen screen(bench.controller);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
   close_relay(screen);
   bench.wait_until_it_ran(std::chrono::seconds(1));
   CHECK(kill_emulators() == 1);

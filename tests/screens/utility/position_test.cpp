@@ -1,5 +1,6 @@
 // SET AXIS POSITION on the emulated unit.
-#include "app/screens/utility/position_screen.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/position_controller.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -16,7 +17,8 @@ TEST_CASE("a position that is not a number, or too far away, is refused before t
 TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
   const UnitBench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.controller);
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107, integration"));
   (void)letter(screen, 'y');
   (void)press(screen, Key::Name::enter);
@@ -39,7 +41,8 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
 TEST_CASE("answering no sets nothing") {
   const UnitBench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.controller);
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
   (void)press(screen, Key::Name::enter);
   type(screen, "5");
   (void)press(screen, Key::Name::enter);
@@ -51,7 +54,8 @@ TEST_CASE("answering no sets nothing") {
 TEST_CASE("kill -9 of the emulator while positions are set: it is said, and the next one works again") {
   const UnitBench bench;
   bench.wait_for_unit();
-  PositionScreen screen(bench.controller);
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
   const auto set = [&](const std::string& mm) {
     (void)press(screen, Key::Name::enter);
     type(screen, mm);

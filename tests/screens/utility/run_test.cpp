@@ -1,5 +1,6 @@
 // RUN USER SOFTWARE on the emulated unit.
-#include "app/screens/utility/run_screen.hpp"
+#include "app/screens/utility/screens.hpp"
+#include "commissioning/utility/run_controller.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -18,7 +19,7 @@ void write(const UnitBench& bench, Address address, const std::vector<std::uint8
 }
 
 /// Loads the program that never ends and starts it.
-void run_forever(const UnitBench& bench, RunScreen& screen) {
+void run_forever(const UnitBench& bench, Screen& screen) {
   write(bench, 0x041000, kForever);
   (void)press(screen, Key::Name::enter);
   REQUIRE(shows(screen, "It begins with 60FE"));
@@ -43,7 +44,8 @@ TEST_CASE("a program is run with its argument, and says what it returned") {
   const UnitBench bench;
   bench.wait_for_unit();
   write(bench, 0x041000, kAddFive);
-  RunScreen screen(bench.controller);
+  const auto screen_made = run_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::backspace);
@@ -61,7 +63,8 @@ TEST_CASE("a program is run with its argument, and says what it returned") {
 TEST_CASE("empty memory is called empty before it is run; its end is reported with a message") {
   const UnitBench bench;
   bench.wait_for_unit();
-  RunScreen screen(bench.controller);
+  const auto screen_made = run_screen(bench.controller);
+  Screen& screen = *screen_made;
   (void)press(screen, Key::Name::enter);
   REQUIRE(shows(screen, "NO PROGRAM lies there"));
   (void)letter(screen, 'n');
@@ -71,7 +74,8 @@ TEST_CASE("empty memory is called empty before it is run; its end is reported wi
 TEST_CASE("a program that never ends is stopped by Esc") {
   const UnitBench bench;
   bench.wait_for_unit();
-  RunScreen screen(bench.controller);
+  const auto screen_made = run_screen(bench.controller);
+  Screen& screen = *screen_made;
   run_forever(bench, screen);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
   REQUIRE(shows(screen, "Given up."));
@@ -80,7 +84,8 @@ TEST_CASE("a program that never ends is stopped by Esc") {
 
 TEST_CASE("a region gives its address, to the program or to the argument") {
   const StateFolder folder;
-  RunScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
+  const auto screen_made = run_screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
+  Screen& screen = *screen_made;
   for (int k = 0; k < 6; ++k) (void)press(screen, Key::Name::down);
   (void)press(screen, Key::Name::enter);
   CHECK(contains(picture(screen), "argument      0x0E0000"));
@@ -89,7 +94,8 @@ TEST_CASE("a region gives its address, to the program or to the argument") {
 TEST_CASE("kill -9 of the emulator under a running program: it is said, and the screen goes on when it is back") {
   const UnitBench bench;
   bench.wait_for_unit();
-  RunScreen screen(bench.controller);
+  const auto screen_made = run_screen(bench.controller);
+  Screen& screen = *screen_made;
   run_forever(bench, screen);
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "A program ends with RTS"));

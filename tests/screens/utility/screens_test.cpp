@@ -1,7 +1,8 @@
 // What holds for every screen of ECS UTILITY.
+#include "app/screens/utility/screens.hpp"
+
 #include <algorithm>
 
-#include "app/screens/utility/choices.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;

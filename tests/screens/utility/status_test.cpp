@@ -1,11 +1,12 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
 #include <sstream>
 
-#include "app/screens/utility/status_screen.hpp"
+#include "app/screens/utility/screens.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "commissioning/memory/dump.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "commissioning/utility/status_controller.hpp"
 #include "tests/support/utility_bench.hpp"
 
 using namespace ecs;
@@ -15,7 +16,8 @@ using namespace ecs::app::screen_test;
 TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
   const UnitBench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.controller);
+  const auto screen_made = status_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107"));
   const std::string seen = picture(screen);
   CHECK(contains(seen, "integration: every relay is open"));
@@ -33,7 +35,8 @@ TEST_CASE("the state is read by itself, the memory is tested, the pages turn") {
 TEST_CASE("compensation mode without a map: the fault in plain words, cleared on request") {
   const UnitBench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.controller);
+  const auto screen_made = status_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   CHECK(contains(picture(screen), "THE MACHINE IS MOVED"));
@@ -61,7 +64,8 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
     std::ostringstream out, messages;
     REQUIRE(run_program({"map", "send", map, "--params", params}, out, messages) == 0);
   }
-  StatusScreen screen(bench.controller);
+  const auto screen_made = status_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107"));
   (void)letter(screen, 'm');
   (void)letter(screen, 'y');
@@ -90,7 +94,8 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   bench.wait_for_unit();
   const std::string file = bench.folder / "status.json", dump_file = bench.folder / "unit.ecsdump";
   {
-    StatusScreen screen(bench.controller);
+    const auto screen_made = status_screen(bench.controller);
+    Screen& screen = *screen_made;
     REQUIRE(shows(screen, "unit MCM-0107"));
     (void)letter(screen, 's');
     for (int k = 0; k < 60; ++k) (void)press(screen, Key::Name::backspace);
@@ -107,7 +112,8 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   const auto dump = bench.on_line([](UnitLink& line) { return take_dump(line.client(), "", DumpScope::active); });
   REQUIRE(dump);
   REQUIRE(write_file(dump_file, to_bytes(*dump)));
-  StatusScreen screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
+  const auto screen_made = status_screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "NO ANSWER"));
   CHECK(contains(picture(screen), "o opens a status file"));
   (void)letter(screen, 'o');
@@ -139,7 +145,8 @@ TEST_CASE("a file that is neither says so") {
 TEST_CASE("kill -9 of the emulator: the age of the values is shown, and they are live again when it is back") {
   const UnitBench bench;
   bench.wait_for_unit();
-  StatusScreen screen(bench.controller);
+  const auto screen_made = status_screen(bench.controller);
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107"));
   CHECK(kill_emulators() == 1);
   REQUIRE(shows(screen, "NO ANSWER, what is shown is"));

@@ -1,0 +1,25 @@
+// The screens of the menu ECS UTILITY, as thesis figure 5.4 names them.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/ui/menu_screen.hpp"
+#include "commissioning/link/unit_connection.hpp"
+#include "commissioning/unit/datum_recording.hpp"
+
+namespace ecs::app {
+
+[[nodiscard]] std::unique_ptr<Screen> position_screen(std::shared_ptr<UnitConnection> connection);
+[[nodiscard]] std::unique_ptr<Screen> output_screen(std::shared_ptr<UnitConnection> connection);
+[[nodiscard]] std::unique_ptr<Screen> datum_record_screen(std::shared_ptr<UnitConnection> connection);
+/// @param recording  that was just made; nothing: none yet
+[[nodiscard]] std::unique_ptr<Screen> datum_view_screen(std::optional<DatumRecording> recording = std::nullopt);
+[[nodiscard]] std::unique_ptr<Screen> datum_test_screen(std::shared_ptr<UnitConnection> connection);
+[[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection);
+[[nodiscard]] std::unique_ptr<Screen> run_screen(std::shared_ptr<UnitConnection> connection);
+
+[[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection);
+
+}  // namespace ecs::app
