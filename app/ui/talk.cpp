@@ -41,6 +41,16 @@ void draw_question(Canvas& canvas, const Area& area, const Question& question) {
     canvas.text(inside, inside.rows - last + k, 0, answers[static_cast<std::size_t>(k)], Tone::strong);
 }
 
+void draw_question(Canvas& canvas, const Area& area, const Asking& asking) {
+  if (asking.active()) draw_question(canvas, area, *asking.question());
+}
+
+bool answers(Asking& asking, const Key& key) {
+  if (!asking.active()) return false;
+  if (const Reply reply = reply_to(key); reply != Reply::none) asking.answer(reply == Reply::yes);
+  return true;
+}
+
 void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,
                    double seconds_left) {
   const std::string left = seconds_left < 0.0 ? "" : fmt::format("  {:.0f} s left", std::ceil(seconds_left));

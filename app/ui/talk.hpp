@@ -19,6 +19,10 @@ enum class Reply { none, yes, no };
 [[nodiscard]] Reply reply_to(const Key& key);
 /// A box in the middle of `area`.
 void draw_question(Canvas& canvas, const Area& area, const Question& question);
+/// Nothing where none waits.
+void draw_question(Canvas& canvas, const Area& area, const Asking& asking);
+/// @return whether the key was for the question: while one waits, all are
+bool answers(Asking& asking, const Key& key);
 
 /// "sending the map  [=======>      ]  62 %  8 s left"; a negative `seconds_left` is not shown.
 void draw_progress(Canvas& canvas, const Area& area, int row, const std::string& label, double part,

@@ -13,17 +13,17 @@ std::string check_text(const std::optional<std::uint32_t>& check) {
   return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
 }
 
-/// Who answers is known already: the connection asked before it gave the line. The status is asked once, not also by
-/// active_check(): on a slow line it is what takes the time.
-Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& line) {
-  const auto status = line.client().status();
+/// Who answers is known already: the connection asked before it gave the link. The status is asked once, not also by
+/// active_check(): on a slow link it is what takes the time.
+Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& link) {
+  const auto status = link.client().status();
   if (!status) return tl::unexpected(status.error());
   const WatchedUnit watched = unit.snapshot();
   UnitHolding holding{watched.identity ? watched.identity->serial_number : "", std::nullopt, status->commit_sequence,
                       status->uptime_s, watched.opened_at};
   if (status->active_bank == protocol::Bank::none) return holding;
   const auto check =
-      line.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
+      link.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
   if (!check) return tl::unexpected(check.error());
   holding.check = load_big<std::uint32_t>(*check, 0);
   return holding;
@@ -65,13 +65,13 @@ std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
 Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
   auto prepared = prepared_map(files.map, files.parameters);
   if (!prepared) return tl::unexpected(prepared.error());
-  return unit.on_line(control, [&](UnitLink& line) -> Result<ReadyMap> {
-    const auto identity = line.client().identity();
+  return unit.with_link(control, [&](UnitLink& link) -> Result<ReadyMap> {
+    const auto identity = link.client().identity();
     if (!identity) return tl::unexpected(identity.error());
     std::vector<std::string> objections = other_unit(*prepared, identity->serial_number);
     for (std::string& why : no_room_for(prepared->image.bytes, *identity)) objections.push_back(std::move(why));
     if (auto refused = refused_map(objections, files.map)) return tl::unexpected(std::move(*refused));
-    const auto active = active_check(line.client());
+    const auto active = active_check(link.client());
     if (!active) return tl::unexpected(active.error());
     const std::uint32_t check = ImageView(prepared->image.bytes).check();
     return ReadyMap{std::make_shared<const PreparedMap>(std::move(*prepared)), files, *identity, *active, check};
@@ -80,28 +80,28 @@ Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapF
 
 SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready) {
   bool begun = false;
-  auto sent = unit.on_line(control, [&](UnitLink& line) -> Result<SentMap> {
-    const auto active = active_check(line.client());
+  auto sent = unit.with_link(control, [&](UnitLink& link) -> Result<SentMap> {
+    const auto active = active_check(link.client());
     if (!active) return tl::unexpected(active.error());
     if (*active != ready.active)
       return problem(ProblemKind::refused,
                      "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
                      "was sent; Enter asks again");
     const auto before = [&begun](std::optional<std::uint32_t>) { begun = true; };
-    return send_map(line.client(), *ready.map, ready.files.map, false, before, progress_into(control));
+    return send_map(link.client(), *ready.map, ready.files.map, false, before, progress_into(control));
   });
   return {std::move(sent), begun};
 }
 
 Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
-  return unit.on_line(control, [&](UnitLink& line) -> Result<VerifiedMap> {
-    const auto before = holding_over(unit, line);
+  return unit.with_link(control, [&](UnitLink& link) -> Result<VerifiedMap> {
+    const auto before = holding_over(unit, link);
     if (!before) return tl::unexpected(before.error());
-    const auto found = map_in(line.client(), progress_into(control));
+    const auto found = map_in(link.client(), progress_into(control));
     if (!found) return tl::unexpected(found.error());
     auto verdict = verdict_on(*found, files.map, files.parameters);
     if (!verdict) return tl::unexpected(verdict.error());
-    const auto after = holding_over(unit, line);
+    const auto after = holding_over(unit, link);
     if (!after) return tl::unexpected(after.error());
     if (const std::string why = changed_since(*before, *after); !why.empty())
       return problem(ProblemKind::refused, "the unit changed while it was read (" + why + "): Enter compares again");
@@ -110,28 +110,28 @@ Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, cons
 }
 
 Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control) {
-  return unit.on_line(control, [&](UnitLink& line) { return holding_over(unit, line); });
+  return unit.with_link(control, [&](UnitLink& link) { return holding_over(unit, link); });
 }
 
 Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
-  return unit.on_line(control, [&](UnitLink& line) -> Result<void> {
-    const auto identity = line.client().identity();
+  return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
+    const auto identity = link.client().identity();
     if (!identity) return tl::unexpected(identity.error());
-    const auto parameters = receive_parameters(line.client());
+    const auto parameters = receive_parameters(link.client());
     if (!parameters) return tl::unexpected(parameters.error());
     return params::write_parameters(file, *parameters, {"", identity->serial_number});
   });
 }
 
 Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, const ExpectedMap& expected) {
-  return unit.on_line(control, [&](UnitLink& line) -> Result<void> {
-    const auto now = holding_over(unit, line);
+  return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
+    const auto now = holding_over(unit, link);
     if (!now) return tl::unexpected(now.error());
     if (const std::string why = other_than(expected, *now); !why.empty())
       return problem(ProblemKind::refused, why +
                                                ". It stays out of compensation; Enter compares again, step 8 sends "
                                                "again");
-    return line.client().enter_compensation();
+    return link.client().enter_compensation();
   });
 }
 

@@ -1,4 +1,4 @@
-// What the laser screen does on the line to the unit, and on disc before it: each piece runs in the thread of a job.
+// What the laser screen does on the link to the unit, and on disc before it: each piece runs in the thread of a task.
 #pragma once
 
 #include <chrono>
@@ -36,7 +36,7 @@ struct UnitHolding {
   std::optional<std::uint32_t> check;                 ///< block check of the active map; nothing: it holds none
   std::uint32_t activations = 0;                      ///< counts the maps made active in the unit
   std::uint32_t uptime_s = 0;                         ///< since power-up
-  std::chrono::steady_clock::time_point opened_at{};  ///< the line over which it was asked
+  std::chrono::steady_clock::time_point opened_at{};  ///< the link over which it was asked
 };
 /// Why what was found in `then` cannot be said of the unit any more; empty: it still holds.
 [[nodiscard]] std::string changed_since(const UnitHolding& then, const UnitHolding& now);

@@ -126,12 +126,12 @@ void LinkController::ended(const Diagnosis& diagnosis, bool cancelled) {
   }
   if (diagnosis.working_link.empty()) return message_.say(fmt::format("{} does not work", link), Tone::bad);
   works_ = diagnosis.working_link;
-  question_ = Question{"Use the setting that answers?",
-                       fmt::format("{} does not answer, {} does.", link, diagnosis.working_link), "use it", "leave it"};
-  if_yes_ = [this, working = diagnosis.working_link] {
-    if (const auto choice = parsed_link(working, "LINK")) form_ = LinkForm(*choice);
-    take(working);
-  };
+  asking_.ask({"Use the setting that answers?",
+               fmt::format("{} does not answer, {} does.", link, diagnosis.working_link), "use it", "leave it"},
+              [this, working = diagnosis.working_link] {
+                if (const auto choice = parsed_link(working, "LINK")) form_ = LinkForm(*choice);
+                take(working);
+              });
 }
 
 // --- taking and storing
@@ -156,9 +156,9 @@ void LinkController::store() {
   const std::string link = to_text(*choice);
   const WatchedUnit now = unit_->snapshot();
   if (link == works_ || (now.open && now.link == link)) return store_now(link);
-  question_ = Question{"Store a link that has not answered?",
-                       fmt::format("{} was not tried with success. t tries it first.", link), "store it", "not now"};
-  if_yes_ = [this, link] { store_now(link); };
+  asking_.ask({"Store a link that has not answered?",
+               fmt::format("{} was not tried with success. t tries it first.", link), "store it", "not now"},
+              [this, link] { store_now(link); });
 }
 
 void LinkController::store_now(const std::string& link) {
@@ -166,13 +166,6 @@ void LinkController::store_now(const std::string& link) {
   stored_ = link;
   message_.say(
       fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));
-}
-
-void LinkController::answer(bool yes) {
-  question_.reset();
-  const auto act = std::move(if_yes_);
-  if_yes_ = {};
-  if (yes && act) act();
 }
 
 }  // namespace ecs::commissioning

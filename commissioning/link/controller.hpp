@@ -52,14 +52,14 @@ class LinkController {
   [[nodiscard]] const std::string& stored() const { return stored_; }
 
   void look_for_ports();
-  /// The doctor tries what the form says; the unit's line is lent to it meanwhile. False: the form is wrong.
+  /// The doctor tries what the form says; the unit's link is lent to it meanwhile. False: the form is wrong.
   [[nodiscard]] bool try_it();
   /// From now on this link, in all screens.
   void use();
   /// Stores it for the next start; asks first if it has not answered.
   void store();
-  [[nodiscard]] const std::optional<Question>& question() const { return question_; }
-  void answer(bool yes);
+  [[nodiscard]] Asking& asking() { return asking_; }
+  [[nodiscard]] const Asking& asking() const { return asking_; }
   [[nodiscard]] const std::string& working_on() const { return task_.label(); }
   [[nodiscard]] double seconds_working() const { return task_.seconds(); }
   void cancel() { task_.cancel(); }
@@ -86,8 +86,7 @@ class LinkController {
   std::shared_ptr<DoctorProgress> progress_ = std::make_shared<DoctorProgress>();
   std::uint64_t progress_seen_ = 0;
   std::uint64_t unit_seen_ = 0;
-  std::optional<Question> question_;
-  std::function<void()> if_yes_;
+  Asking asking_;
   Message message_;
   TaskRunner task_;
 };

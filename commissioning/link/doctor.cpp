@@ -36,7 +36,7 @@ void add(Examination& work, std::string check, FindingState state, std::string m
   if (work.on_finding) work.on_finding(work.diagnosis.findings.back());
 }
 
-/// Reads again and again, and says how good the line is.
+/// Reads again and again, and says how good the link is.
 void judge_quality(UnitClient& client, Examination& work) {
   int answered = 0;
   for (int i = 0; i < kQualityReads && !work.cancelled; ++i) answered += client.identity().has_value() ? 1 : 0;

@@ -1,4 +1,4 @@
-// The bundled emulator as a child process: started, asked where its line is, stopped.
+// The bundled emulator as a child process: started, asked where its link is, stopped.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct EmulatorOptions {
 
 class EmulatorProcess {
  public:
-  /// Starts it and waits until it names its line. `link` problem if it does not, with what it said.
+  /// Starts it and waits until it names its link. `link` problem if it does not, with what it said.
   [[nodiscard]] static Result<std::unique_ptr<EmulatorProcess>> start(const EmulatorOptions& options);
   EmulatorProcess(const EmulatorProcess&) = delete;
   EmulatorProcess& operator=(const EmulatorProcess&) = delete;

@@ -12,10 +12,10 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kBetweenFastLooks = 25ms;  ///< forty a second where the line is fast enough
+constexpr auto kBetweenFastLooks = 25ms;  ///< forty a second where the link is fast enough
 constexpr auto kBetweenSlowLooks = 1s;
 constexpr auto kBeforeNextTry = 1s;
-constexpr auto kGlance = 5ms;  ///< how soon a cancel and a wish for the line are seen
+constexpr auto kGlance = 5ms;  ///< how soon a cancel and a wish for the link are seen
 constexpr int kFailuresToLose = 3;
 
 std::string where_of(const protocol::UnitClient& client) {
@@ -99,7 +99,7 @@ void UnitConnection::choose(const std::string& link) {
 
 UnitConnection::Turn::Turn(UnitConnection& connection, JobControl& control) : connection_(&connection) {
   ++connection.waiting_;
-  line_lock_ = std::unique_lock(connection.line_mutex_);
+  link_lock_ = std::unique_lock(connection.link_mutex_);
   --connection.waiting_;
   const std::lock_guard lock(connection.control_mutex_);
   connection.control_ = &control;
@@ -114,7 +114,7 @@ UnitConnection::Turn::~Turn() {
 
 UnitConnection::Lent::Lent(UnitConnection& connection) : connection_(&connection) {
   ++connection.waiting_;
-  line_lock_ = std::unique_lock(connection.line_mutex_);
+  link_lock_ = std::unique_lock(connection.link_mutex_);
   --connection.waiting_;
   connection.close();
   const std::lock_guard lock(connection.mutex_);
@@ -139,15 +139,15 @@ void UnitConnection::run(const std::stop_token& stop) {
     }
     std::this_thread::sleep_for(kGlance);
   }
-  const std::lock_guard lock(line_mutex_);
+  const std::lock_guard lock(link_mutex_);
   close();
 }
 
 void UnitConnection::look() {
-  const std::lock_guard line_lock(line_mutex_);
-  if (!line_ && Clock::now() < next_try_) return;
+  const std::lock_guard link_lock(link_mutex_);
+  if (!unit_link_ && Clock::now() < next_try_) return;
   if (const auto line = opened(); !line) return;
-  if (const auto sample = line_->client().monitor()) {
+  if (const auto sample = unit_link_->client().monitor()) {
     failures_ = 0;
     take(*sample);
   } else {
@@ -157,9 +157,9 @@ void UnitConnection::look() {
   settle();
 }
 
-/// Opens the line if there is none. @pre the line is ours
+/// Opens the link if there is none. @pre the link is ours
 Result<void> UnitConnection::opened() {
-  if (line_) return {};
+  if (unit_link_) return {};
   const auto choice = chosen_link(link());
   auto line = choice ? open_link(*choice, cancelled_) : tl::unexpected(choice.error());
   auto identity = line ? line->client().identity() : tl::unexpected(line.error());
@@ -169,13 +169,13 @@ Result<void> UnitConnection::opened() {
     return tl::unexpected(identity.error());
   }
   emulator_ = line->emulator();
-  line_ = std::move(*line);
+  unit_link_ = std::move(*line);
   failures_ = 0;
   const std::lock_guard lock(mutex_);
-  state_.link = line_->name();
-  state_.where = where_of(line_->client());
+  state_.link = unit_link_->name();
+  state_.where = where_of(unit_link_->client());
   state_.open = true;
-  state_.emulator = line_->is_emulator();
+  state_.emulator = unit_link_->is_emulator();
   state_.identity = *identity;
   state_.opened_at = Clock::now();
   if (!state_.problem.empty()) log_event(Tone::plain, fmt::format("{} answers again", state_.link));
@@ -186,7 +186,7 @@ Result<void> UnitConnection::opened() {
 
 /// A gateway, or a cable put elsewhere, may lead to another unit than the one that the screens speak of.
 Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& shown) {
-  const auto now = line_->client().identity();
+  const auto now = unit_link_->client().identity();
   if (!now) {
     ++failures_;
     if (!cancelled_) lost(now.error());
@@ -199,7 +199,7 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
                                          "what it is and holds, then ask again",
                                          now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
-  close();  // whoever shows the unit takes it for a new line, and reads everything anew
+  close();  // whoever shows the unit takes it for a new link, and reads everything anew
   next_try_ = {};
   const std::lock_guard lock(mutex_);
   state_.identity = *now;
@@ -209,18 +209,19 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
 }
 
 void UnitConnection::close() {
-  line_.reset();
+  unit_link_.reset();
   const std::lock_guard lock(mutex_);
   state_.open = false;
 }
 
-/// After a look or a piece of work: what the line counted, and whether it is to be given up.
+/// After a look or a piece of work: what the link counted, and whether it is to be given up.
 void UnitConnection::settle() {
-  if (!line_) return;
-  const bool gone = !line_->client().link().connected() || (line_->emulator() && !line_->emulator()->running());
+  if (!unit_link_) return;
+  const bool gone =
+      !unit_link_->client().link().connected() || (unit_link_->emulator() && !unit_link_->emulator()->running());
   {
     const std::lock_guard lock(mutex_);
-    state_.statistics = line_->client().link().statistics();
+    state_.statistics = unit_link_->client().link().statistics();
     if (gone || failures_ >= kFailuresToLose) {
       ++state_.times_lost;
       ++changes_;

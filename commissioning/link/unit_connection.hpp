@@ -1,4 +1,4 @@
-// The one line to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
+// The link to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
 // the screens; work on it is done one piece after the other. A bundled emulator runs as long as the connection.
 #pragma once
 
@@ -23,20 +23,20 @@ namespace ecs::commissioning {
 /// What is known at one moment.
 struct WatchedUnit {
   std::string link;   ///< as --link takes it; empty: none was opened yet
-  std::string where;  ///< port or host that the line uses; empty: none
+  std::string where;  ///< port or host that the link uses; empty: none
   bool open = false;
   bool emulator = false;
-  bool lent = false;                                  ///< a verb has the line
+  bool lent = false;                                  ///< a verb has the link
   std::optional<protocol::Identity> identity;         ///< of the unit that answered last
   std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
   std::chrono::steady_clock::time_point newest_at{};  ///< when the newest sample came
-  std::chrono::steady_clock::time_point opened_at{};  ///< when the line was opened
+  std::chrono::steady_clock::time_point opened_at{};  ///< when the link was opened
   std::uint64_t received = 0;                         ///< samples
   std::uint64_t failed = 0;                           ///< looks that brought none
-  std::uint64_t times_lost = 0;                       ///< lines that had to be opened again
+  std::uint64_t times_lost = 0;                       ///< links that had to be opened again
   double per_second = 0.0;                            ///< samples, over the last two seconds
-  protocol::LinkStatistics statistics;                ///< of the open line
-  std::string problem;                                ///< why there is no line now; empty: there is one
+  protocol::LinkStatistics statistics;                ///< of the open link
+  std::string problem;                                ///< why there is no link now; empty: there is one
 };
 
 class UnitConnection {
@@ -51,40 +51,41 @@ class UnitConnection {
   [[nodiscard]] WatchedUnit now() const;
   /// Without the samples: cheap, for every picture.
   [[nodiscard]] WatchedUnit snapshot() const;
-  /// The newest sample, if one came from the line that is open.
+  /// The newest sample, if one came from the link that is open.
   [[nodiscard]] std::optional<protocol::MonitorSample> newest() const;
   /// Counts up with every change: a screen draws only then.
   [[nodiscard]] std::uint64_t changes() const { return changes_.load(); }
 
   /// As --link takes it; empty: the stored one, else the emulator.
   [[nodiscard]] std::string link() const;
-  /// From now on another link; the line that is open is closed.
+  /// From now on another link; the link that is open is closed.
   void choose(const std::string& link);
 
-  /// Does `work(UnitLink&)`, which returns a Result, with the line to itself; for the thread of a task, whose cancel
-  /// ends what is under way. Opens the line first where there is none. Refused if another unit answers than the one
+  /// Does `work(UnitLink&)`, which returns a Result, with the link to itself; for the thread of a task, whose cancel
+  /// ends what is under way. Opens the link first where there is none. Refused if another unit answers than the one
   /// that is shown: it is shown from then on.
   template <class Work>
-  [[nodiscard]] auto on_line(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+  [[nodiscard]] auto with_link(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
     const auto shown = snapshot().identity;
     if (auto line = opened(); !line) return tl::unexpected(line.error());
     if (auto same = same_unit(shown); !same) return tl::unexpected(same.error());
-    auto result = work(*line_);
+    auto result = work(*unit_link_);
     settle();
     return result;
   }
   /// The same, whichever unit answers: to switch everything off.
   template <class Work>
-  [[nodiscard]] auto on_line_of_any_unit(JobControl& control, Work work) -> decltype(work(std::declval<UnitLink&>())) {
+  [[nodiscard]] auto with_link_to_any_unit(JobControl& control, Work work)
+      -> decltype(work(std::declval<UnitLink&>())) {
     const Turn turn(*this, control);
     if (auto line = opened(); !line) return tl::unexpected(line.error());
-    auto result = work(*line_);
+    auto result = work(*unit_link_);
     settle();
     return result;
   }
 
-  /// Closes the line and keeps hands off it as long as the token lives, so that a verb can open it by itself.
+  /// Closes the link and keeps hands off it as long as the token lives, so that a verb can open it by itself.
   class Lent {
    public:
     explicit Lent(UnitConnection& connection);
@@ -94,11 +95,11 @@ class UnitConnection {
 
    private:
     UnitConnection* connection_;
-    std::unique_lock<std::mutex> line_lock_;
+    std::unique_lock<std::mutex> link_lock_;
   };
   [[nodiscard]] Lent lend() { return Lent(*this); }
 
-  /// While a token lives, samples come as fast as the line carries them (at most forty a second), else one a second.
+  /// While a token lives, samples come as fast as the link carries them (at most forty a second), else one a second.
   class Watching {
    public:
     explicit Watching(std::shared_ptr<UnitConnection> connection) : connection_(std::move(connection)) {
@@ -113,7 +114,7 @@ class UnitConnection {
   };
 
  private:
-  /// The line to oneself, before the next look at the unit; `control` can cancel.
+  /// The link to oneself, before the next look at the unit; `control` can cancel.
   class Turn {
    public:
     Turn(UnitConnection& connection, JobControl& control);
@@ -123,7 +124,7 @@ class UnitConnection {
 
    private:
     UnitConnection* connection_;
-    std::unique_lock<std::mutex> line_lock_;
+    std::unique_lock<std::mutex> link_lock_;
   };
 
   void run(const std::stop_token& stop);
@@ -141,19 +142,19 @@ class UnitConnection {
   std::deque<std::chrono::steady_clock::time_point> arrivals_;
   std::atomic<std::uint64_t> changes_{0};
 
-  std::mutex line_mutex_;  ///< of the line; taken before mutex_
-  std::optional<UnitLink> line_;
-  std::shared_ptr<EmulatorProcess> emulator_;  ///< kept while the line is closed
+  std::mutex link_mutex_;  ///< of the link; taken before mutex_
+  std::optional<UnitLink> unit_link_;
+  std::shared_ptr<EmulatorProcess> emulator_;  ///< kept while the link is closed
   int failures_ = 0;                           ///< looks in a row that brought nothing
   std::chrono::steady_clock::time_point next_try_{};
 
-  std::atomic<int> waiting_{0};  ///< pieces of work that want the line
+  std::atomic<int> waiting_{0};  ///< pieces of work that want the link
   std::atomic<int> watchers_{0};
   std::mutex control_mutex_;
-  JobControl* control_ = nullptr;  ///< of the work on the line
+  JobControl* control_ = nullptr;  ///< of the work on the link
   std::atomic<bool> cancelled_{false};
   std::atomic<bool> leaving_{false};
-  std::jthread guard_;  ///< carries a cancel over to the line
+  std::jthread guard_;  ///< carries a cancel over to the link
   std::jthread thread_;
 };
 

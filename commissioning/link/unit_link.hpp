@@ -17,7 +17,7 @@ class UnitLink {
  public:
   [[nodiscard]] protocol::UnitClient& client() { return client_; }
   [[nodiscard]] const std::string& name() const { return name_; }  ///< as --link takes it
-  /// The emulator behind the line, to keep it running when the line is closed; null: a real unit.
+  /// The emulator behind the link, to keep it running when the link is closed; null: a real unit.
   [[nodiscard]] std::shared_ptr<EmulatorProcess> emulator() const { return emulator_; }
   /// Socket of the workshop around a bundled emulator; empty: none.
   [[nodiscard]] std::string workshop() const { return emulator_ ? emulator_->workshop() : std::string(); }

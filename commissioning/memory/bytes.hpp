@@ -11,7 +11,7 @@
 
 namespace ecs::commissioning {
 
-/// As much as one request over the line reads.
+/// As much as one request over the link reads.
 inline constexpr std::uint32_t kPageBytes = 240;
 
 struct MemoryRegion {

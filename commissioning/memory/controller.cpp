@@ -127,8 +127,8 @@ void MemoryController::start_needed(const Stretch& shown) {
 
 void MemoryController::read(const Stretch& stretch) {
   const auto work = [unit = unit_, stretch](JobControl& control) {
-    return unit->on_line(control,
-                         [&](UnitLink& link) { return link.client().read_memory(stretch.first, stretch.bytes); });
+    return unit->with_link(control,
+                           [&](UnitLink& link) { return link.client().read_memory(stretch.first, stretch.bytes); });
   };
   pages_.start("reading pages", work, [this, stretch](const Result<std::vector<std::uint8_t>>& bytes) {
     if (!pages_.cancelled()) landed(stretch, bytes);

@@ -68,8 +68,8 @@ class MemoryController {
   [[nodiscard]] bool lets_write();
   void propose(const std::string& typed);
   void propose_undo();
-  [[nodiscard]] const std::optional<Question>& question() const { return question_; }
-  void answer(bool yes);
+  [[nodiscard]] Asking& asking() { return asking_; }
+  [[nodiscard]] const Asking& asking() const { return asking_; }
   [[nodiscard]] const std::vector<ByteWrite>& written() const { return written_; }
 
   // --- files
@@ -102,6 +102,7 @@ class MemoryController {
   void step_search();
   void decode_again();
   void compare_again();
+  void ask(Question question, std::function<void()> on_yes);
   void ask_to_write(ByteWrite write, bool undo);
   void write(const ByteWrite& write, bool undo);
   void landed_write(const ByteWrite& write, bool undo, const Result<void>& done);
@@ -127,8 +128,7 @@ class MemoryController {
   std::vector<DifferenceRow> differences_;
   std::vector<ByteWrite> written_;
 
-  std::optional<Question> question_;
-  std::function<void()> if_yes_;
+  Asking asking_;
   Message message_;
   double part_begun_ = 0.0;
   std::chrono::steady_clock::time_point begun_{};

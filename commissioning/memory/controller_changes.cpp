@@ -70,14 +70,13 @@ void MemoryController::ask_to_write(ByteWrite write, bool undo) {
     question.detail += undo ? "\nThey lie in the active map." : fmt::format("\nCareful: {}.", kSpoilsMap);
   question.yes = "write";
   question.no = "leave as it is";
-  question_ = question;
-  if_yes_ = [this, write = std::move(write), undo] { this->write(write, undo); };
+  ask(std::move(question), [this, write = std::move(write), undo] { this->write(write, undo); });
 }
 
 void MemoryController::write(const ByteWrite& write, bool undo) {
   if (!gives_way()) return;
   const auto work = [unit = unit_, serial = serial_number_, write](JobControl& control) {
-    return unit->on_line(control, [&](UnitLink& link) { return write_checked(link.client(), serial, write); });
+    return unit->with_link(control, [&](UnitLink& link) { return write_checked(link.client(), serial, write); });
   };
   task_.start("writing", work, [this, write, undo](const Result<void>& done) { landed_write(write, undo, done); });
 }
@@ -113,14 +112,8 @@ void MemoryController::landed_write(const ByteWrite& write, bool undo, const Res
                            hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
 }
 
-void MemoryController::answer(bool yes) {
-  question_.reset();
-  const auto act = std::move(if_yes_);
-  if_yes_ = {};
-  if (yes && act)
-    act();
-  else
-    message_.say("left as it is", Tone::plain);
+void MemoryController::ask(Question question, std::function<void()> on_yes) {
+  asking_.ask(std::move(question), std::move(on_yes), [this] { message_.say("left as it is", Tone::plain); });
 }
 
 // --- files
@@ -161,15 +154,14 @@ void MemoryController::save(const std::string& path, DumpScope scope) {
   if (is_file()) return message_.say("this is a file already", Tone::warning);
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return save_now(path, scope);
-  question_ =
-      Question{fmt::format("Replace {}?", path), "The file exists: what is in it is lost.", "replace", "keep it"};
-  if_yes_ = [this, path, scope] { save_now(path, scope); };
+  ask({fmt::format("Replace {}?", path), "The file exists: what is in it is lost.", "replace", "keep it"},
+      [this, path, scope] { save_now(path, scope); });
 }
 
 void MemoryController::save_now(const std::string& path, DumpScope scope) {
   if (!gives_way()) return;
   const auto work = [unit = unit_, path, scope](JobControl& control) -> Result<MemoryDump> {
-    auto dump = unit->on_line(
+    auto dump = unit->with_link(
         control, [&](UnitLink& link) { return take_dump(link.client(), link.name(), scope, progress_into(control)); });
     if (!dump) return dump;
     if (const auto written = write_file(path, to_bytes(*dump)); !written) return tl::unexpected(written.error());

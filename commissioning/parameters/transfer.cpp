@@ -49,7 +49,7 @@ std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
 
 void ParametersTransfer::receive() {
   const auto read = [connection = connection_](JobControl& control) {
-    return connection->on_line(control, unit_content);
+    return connection->with_link(control, unit_content);
   };
   task_.start(kReading, read, [this](const Result<UnitContent>& unit) {
     if (!unit) return say_no_exchange(unit.error());
@@ -68,7 +68,7 @@ void ParametersTransfer::send() {
 
 void ParametersTransfer::read_to_send(bool switching) {
   const auto read = [connection = connection_, switching](JobControl& control) {
-    return connection->on_line(control, switching ? switched_to_integration : unit_content);
+    return connection->with_link(control, switching ? switched_to_integration : unit_content);
   };
   task_.start(kReading, read, [this](Result<UnitContent> unit) {
     if (!unit) return say_no_exchange(unit.error());
@@ -82,7 +82,7 @@ void ParametersTransfer::look_when_opened() {
   if (!unit.open || unit.lent || looked_at_ == unit.opened_at) return;
   looked_at_ = unit.opened_at;
   const auto look = [connection = connection_](JobControl& control) {
-    return connection->on_line(control, unit_content);
+    return connection->with_link(control, unit_content);
   };
   looking_.start(kReading, look, [this](Result<UnitContent> content) {
     if (content) controller_->know_unit(std::move(*content));
@@ -123,29 +123,29 @@ void ParametersTransfer::take_read_to_send(UnitContent unit) {
 }
 
 void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
-  asking_ = Asking{{fmt::format("Switch {} to integration mode?", title_of(unit)),
-                    fmt::format("It is {} now and takes no parameters there. In integration mode it stops "
-                                "compensating: outputs go to 0, relays open. The machine must not be cutting.",
-                                ecs::name_of(unit.mode)),
-                    "switch", "leave it"},
-                   [this] { read_to_send(true); }};
+  asking_.ask({fmt::format("Switch {} to integration mode?", title_of(unit)),
+               fmt::format("It is {} now and takes no parameters there. In integration mode it stops "
+                           "compensating: outputs go to 0, relays open. The machine must not be cutting.",
+                           ecs::name_of(unit.mode)),
+               "switch", "leave it"},
+              [this] { read_to_send(true); });
 }
 
 void ParametersTransfer::ask_to_send() {
   const std::string other = other_unit_sentence(to_send_, *controller_->unit());
-  asking_ =
-      Asking{{fmt::format("Send the parameters to {}?", title_of(*controller_->unit())),
-              (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(*controller_) + warned(*controller_),
-              "send", "do not send"},
-             [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
-               start_sending(owner, UnfitMap::refuse);
-             }};
+  asking_.ask(
+      {fmt::format("Send the parameters to {}?", title_of(*controller_->unit())),
+       (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(*controller_) + warned(*controller_),
+       "send", "do not send"},
+      [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
+        start_sending(owner, UnfitMap::refuse);
+      });
 }
 
 void ParametersTransfer::start_sending(const params::Identity& owner, UnfitMap unfit) {
   owner_ = owner;
   const auto send = [connection = connection_, set = to_send_, owner, unfit](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& link) {
+    return connection->with_link(control, [&](UnitLink& link) {
       return sent_to_unit(link, set.parameters, owner, unfit, progress_into(control));
     });
   };
@@ -168,12 +168,12 @@ void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   std::string objections;
   for (const Problem& objection : why.also) objections += "\n- " + objection.message;
   message_->say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
-  asking_ = Asking{{"Send them without the map?",
-                    "The map in the unit does not fit these parameters and would be dropped: the unit does not "
-                    "compensate until a map is sent." +
-                        objections,
-                    "send, drop the map", "send nothing"},
-                   [this] { start_sending(owner_, UnfitMap::drop); }};
+  asking_.ask({"Send them without the map?",
+               "The map in the unit does not fit these parameters and would be dropped: the unit does not "
+               "compensate until a map is sent." +
+                   objections,
+               "send, drop the map", "send nothing"},
+              [this] { start_sending(owner_, UnfitMap::drop); });
 }
 
 }  // namespace ecs::commissioning

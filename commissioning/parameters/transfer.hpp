@@ -16,12 +16,6 @@
 
 namespace ecs::commissioning {
 
-/// A question and what follows a yes.
-struct Asking {
-  Question question;
-  std::function<void()> yes;
-};
-
 class ParametersTransfer {
  public:
   /// @param controller  takes what arrives  @param message  says what happened; both outlive this
@@ -42,7 +36,7 @@ class ParametersTransfer {
   /// @return whether anything changed
   [[nodiscard]] bool advance();
   /// To be asked now, once.
-  [[nodiscard]] std::optional<Asking> take_question() { return std::exchange(asking_, std::nullopt); }
+  [[nodiscard]] Asking take_question() { return std::exchange(asking_, {}); }
 
  private:
   void look_when_opened();
@@ -62,7 +56,7 @@ class ParametersTransfer {
   TaskRunner task_;
   ParameterSet to_send_;
   params::Identity owner_;
-  std::optional<Asking> asking_;
+  Asking asking_;
 };
 
 }  // namespace ecs::commissioning

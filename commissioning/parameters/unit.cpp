@@ -11,16 +11,16 @@ std::string title_of(const UnitContent& unit) {
                                              : fmt::format("{}, unit {}", unit.name, unit.identity.serial_number);
 }
 
-Result<UnitContent> unit_content(UnitLink& line) {
+Result<UnitContent> unit_content(UnitLink& link) {
   UnitContent unit;
-  unit.name = line.is_emulator() ? "EMULATOR" : line.name();
-  auto identity = line.client().identity();
+  unit.name = link.is_emulator() ? "EMULATOR" : link.name();
+  auto identity = link.client().identity();
   if (!identity) return tl::unexpected(identity.error());
   unit.identity = std::move(*identity);
-  const auto status = line.client().status();
+  const auto status = link.client().status();
   if (!status) return tl::unexpected(status.error());
   unit.mode = status->mode;
-  auto parameters = receive_parameters(line.client());
+  auto parameters = receive_parameters(link.client());
   if (parameters) {
     unit.parameters = *parameters;
   } else if (parameters.error().kind == ProblemKind::refused) {
@@ -32,16 +32,16 @@ Result<UnitContent> unit_content(UnitLink& line) {
   return unit;
 }
 
-Result<UnitContent> switched_to_integration(UnitLink& line) {
-  if (auto entered = line.client().enter_integration(); !entered) return tl::unexpected(entered.error());
-  return unit_content(line);
+Result<UnitContent> switched_to_integration(UnitLink& link) {
+  if (auto entered = link.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+  return unit_content(link);
 }
 
-Result<SentParameters> sent_to_unit(UnitLink& line, const UnitParameters& parameters, const params::Identity& owner,
+Result<SentParameters> sent_to_unit(UnitLink& link, const UnitParameters& parameters, const params::Identity& owner,
                                     UnfitMap unfit, const protocol::ProgressCallback& progress) {
-  auto report = send_parameters(line.client(), parameters, owner, unfit, progress);
+  auto report = send_parameters(link.client(), parameters, owner, unfit, progress);
   if (!report) return tl::unexpected(report.error());
-  auto after = unit_content(line);
+  auto after = unit_content(link);
   if (!after) {
     after.error().message = "the unit has taken the parameters; but looking at it afterwards: " + after.error().message;
     return tl::unexpected(std::move(after.error()));

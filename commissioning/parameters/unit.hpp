@@ -24,17 +24,17 @@ struct UnitContent {
 [[nodiscard]] std::string title_of(const UnitContent& unit);
 
 /// A short transfer: identity, state, the parameters without their map.
-[[nodiscard]] Result<UnitContent> unit_content(UnitLink& line);
+[[nodiscard]] Result<UnitContent> unit_content(UnitLink& link);
 
 /// Into integration mode, where the unit takes parameters; then what it holds.
-[[nodiscard]] Result<UnitContent> switched_to_integration(UnitLink& line);
+[[nodiscard]] Result<UnitContent> switched_to_integration(UnitLink& link);
 
 struct SentParameters {
   SendReport report;
   UnitContent after;  ///< read back
 };
 /// @param owner  against the header of the unit's map; empty: not judged
-[[nodiscard]] Result<SentParameters> sent_to_unit(UnitLink& line, const UnitParameters& parameters,
+[[nodiscard]] Result<SentParameters> sent_to_unit(UnitLink& link, const UnitParameters& parameters,
                                                   const params::Identity& owner, UnfitMap unfit,
                                                   const protocol::ProgressCallback& progress);
 

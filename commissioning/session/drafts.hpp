@@ -1,4 +1,4 @@
-// Work that is not saved yet, kept on disc as it grows, so that a crash, a closed terminal or a lost line costs
+// Work that is not saved yet, kept on disc as it grows, so that a crash, a closed terminal or a lost link costs
 // nothing: the screen that made it offers it again.
 #pragma once
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -64,4 +66,19 @@ struct Question {
   std::string yes = "yes";
   std::string no = "no";
 };
+
+/// A question that waits for its answer, and what follows it.
+class Asking {
+ public:
+  void ask(Question question, std::function<void()> on_yes, std::function<void()> on_no = {});
+  [[nodiscard]] bool active() const { return question_.has_value(); }
+  [[nodiscard]] const std::optional<Question>& question() const { return question_; }
+  /// @pre active(); what follows may ask again
+  void answer(bool yes);
+
+ private:
+  std::optional<Question> question_;
+  std::function<void()> on_yes_, on_no_;
+};
+
 }  // namespace ecs::commissioning

@@ -19,7 +19,7 @@ struct AxisTest {
   std::string message;                        ///< why not, and what to do
   DatumFailure failure = DatumFailure::none;  ///< by the unit's status
 };
-/// A routine that failed is an answer; a lost line and a cancel are problems.
+/// A routine that failed is an answer; a lost link and a cancel are problems.
 [[nodiscard]] Result<AxisTest> test_datum_of(protocol::UnitClient& client, Axis axis, std::chrono::milliseconds limit,
                                              const protocol::CommandCallback& busy = {});
 

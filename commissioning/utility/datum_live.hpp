@@ -1,4 +1,4 @@
-// What work on the line tells its screen while it has the line to itself: the newest sample and status, and where the
+// What work on the link tells its screen while it has the link to itself: the newest sample and status, and where the
 // bundled emulator's workshop is.
 #pragma once
 
@@ -24,9 +24,9 @@ class DatumLive {
     std::uint64_t changes = 0;
   };
   /// Begins work on an axis.
-  void begin(UnitLink& line, Axis axis) {
+  void begin(UnitLink& link, Axis axis) {
     const std::lock_guard lock(mutex_);
-    seen_.workshop = line.workshop();
+    seen_.workshop = link.workshop();
     seen_.axis = axis;
     seen_.running = false;
     seen_.fetching = false;
@@ -34,12 +34,12 @@ class DatumLive {
     seen_.seconds_left = -1;
     ++seen_.changes;
   }
-  /// One look over the line; what fails is left to the command that is under way.
-  void look(UnitLink& line, const protocol::CommandResult& busy, bool with_status) {
-    auto sample = line.client().monitor();
+  /// One look over the link; what fails is left to the command that is under way.
+  void look(UnitLink& link, const protocol::CommandResult& busy, bool with_status) {
+    auto sample = link.client().monitor();
     std::optional<protocol::UnitStatus> status;
     if (with_status)
-      if (auto read = line.client().status()) status = *read;
+      if (auto read = link.client().status()) status = *read;
     const std::lock_guard lock(mutex_);
     if (sample) seen_.sample = *sample;
     if (status) seen_.status = *status;

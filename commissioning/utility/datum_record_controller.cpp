@@ -10,14 +10,14 @@ namespace {
 
 constexpr std::chrono::milliseconds kRecordLimit{30'000};
 
-Result<DatumRecording> recorded(UnitLink& line, Axis axis, DatumLive& live) {
-  const auto identity = line.client().identity();
+Result<DatumRecording> recorded(UnitLink& link, Axis axis, DatumLive& live) {
+  const auto identity = link.client().identity();
   if (!identity) return tl::unexpected(identity.error());
-  live.begin(line, axis);
-  const auto result = line.client().record_datum(
-      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(line, busy, false); });
+  live.begin(link, axis);
+  const auto result = link.client().record_datum(
+      axis, kRecordLimit, [&](const protocol::CommandResult& busy) { live.look(link, busy, false); });
   if (!result) return tl::unexpected(result.error());
-  auto recording = read_recording(line.client(), result->value,
+  auto recording = read_recording(link.client(), result->value,
                                   [&live](const protocol::Progress& progress) { live.fetch(progress); });
   live.end();
   if (!recording) return recording;
@@ -51,7 +51,7 @@ void DatumRecordController::start(Axis axis) {
   switch_seen_ = false;
   marker_seen_ = false;
   const auto work = [connection = connection_, live = live_, axis](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& line) { return recorded(line, axis, *live); });
+    return connection->with_link(control, [&](UnitLink& link) { return recorded(link, axis, *live); });
   };
   task_.start("recording", work, [this](Result<DatumRecording> recording) {
     if (recording)

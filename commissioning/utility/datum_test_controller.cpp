@@ -64,11 +64,11 @@ void DatumTestController::start() {
   reference_each_ = false;
   referenced_for_.reset();
   const auto work = [connection = connection_, live = live_, finished = finished_, axes](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& line) -> Result<void> {
+    return connection->with_link(control, [&](UnitLink& link) -> Result<void> {
       for (const Axis axis : axes) {
-        live->begin(line, axis);
-        auto test = test_datum_of(line.client(), axis, kLimit,
-                                  [&](const protocol::CommandResult& busy) { live->look(line, busy, true); });
+        live->begin(link, axis);
+        auto test = test_datum_of(link.client(), axis, kLimit,
+                                  [&](const protocol::CommandResult& busy) { live->look(link, busy, true); });
         if (!test) return tl::unexpected(test.error());
         const std::lock_guard lock(finished->mutex);
         finished->tests.push_back(std::move(*test));

@@ -62,7 +62,8 @@ OutputController::~OutputController() {
   JobControl control;
   const bool off =
       connection_->snapshot().open &&
-      connection_->on_line_of_any_unit(control, [](UnitLink& line) { return line.client().output_off(); }).has_value();
+      connection_->with_link_to_any_unit(control, [](UnitLink& link) { return link.client().output_off(); })
+          .has_value();
   if (!off && setting_.relay)
     leave_word(fmt::format(
         "axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after it "
@@ -166,10 +167,10 @@ void OutputController::set(double um, bool relay) {
   if (busy()) return;
   const OutputSetting wanted{setting_.axis, um, relay};
   start("putting out", [connection = connection_, wanted](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& line) -> Result<Taken> {
-      const auto before = line.client().monitor();
+    return connection->with_link(control, [&](UnitLink& link) -> Result<Taken> {
+      const auto before = link.client().monitor();
       if (!before) return tl::unexpected(before.error());
-      if (const auto out = line.client().output_compensation(wanted.axis, wanted.um, wanted.relay); !out)
+      if (const auto out = link.client().output_compensation(wanted.axis, wanted.um, wanted.relay); !out)
         return tl::unexpected(out.error());
       return Taken{wanted, *before};
     });
@@ -192,9 +193,9 @@ void OutputController::off() {
   off_wanted_ = busy();
   if (busy()) return task_.cancel();
   start("switching off", [connection = connection_, axis = setting_.axis](JobControl& control) {
-    return connection->on_line_of_any_unit(control, [&](UnitLink& line) -> Result<Taken> {
-      if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
-      const auto seen = line.client().monitor();
+    return connection->with_link_to_any_unit(control, [&](UnitLink& link) -> Result<Taken> {
+      if (const auto off = link.client().output_off(); !off) return tl::unexpected(off.error());
+      const auto seen = link.client().monitor();
       if (!seen) return tl::unexpected(seen.error());
       for (const Axis a : kAllAxes)
         if (seen->axes[index_of(a)].relay_closed)
@@ -227,7 +228,7 @@ void OutputController::start_reading_parameters() {
   if (reading_.running() || busy() || !unit_.watched.open || unit_.watched.opened_at == parameters_of_) return;
   parameters_of_ = unit_.watched.opened_at;
   const auto read = [connection = connection_](JobControl& control) {
-    return connection->on_line(control, [](UnitLink& line) { return receive_parameters(line.client()); });
+    return connection->with_link(control, [](UnitLink& link) { return receive_parameters(link.client()); });
   };
   reading_.start("reading the parameters", read, [this](const Result<UnitParameters>& parameters) {
     parameters_known_ = parameters.has_value();

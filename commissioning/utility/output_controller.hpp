@@ -1,5 +1,5 @@
 // OUTPUT COMPENSATION VALUE: one axis's D/A value and relay, what moves by it, and the way back to rest. Whoever goes
-// leaves the unit at rest as far as the line allows.
+// leaves the unit at rest as far as the link allows.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ class OutputController {
   explicit OutputController(std::shared_ptr<UnitConnection> connection);
   OutputController(const OutputController&) = delete;
   OutputController& operator=(const OutputController&) = delete;
-  ~OutputController();  ///< waits until the unit has heard that everything is off, if there is a line
+  ~OutputController();  ///< waits until the unit has heard that everything is off, if there is a link
 
   /// A number within the output limit of the axis; a usage problem otherwise.
   [[nodiscard]] Result<double> value_in(const std::string& typed) const;
@@ -87,10 +87,10 @@ class OutputController {
   std::optional<double> rest_mm_;
   UnitParameters parameters_;
   bool parameters_known_ = false;
-  std::chrono::steady_clock::time_point parameters_of_{};  ///< the line that they were asked on
+  std::chrono::steady_clock::time_point parameters_of_{};  ///< the link that they were asked on
   int restarts_ = 0;
   std::chrono::steady_clock::time_point sent_at_{};  ///< when the unit took `setting_`
-  std::uint64_t times_lost_ = 0;                     ///< lines, as far as it was reported
+  std::uint64_t times_lost_ = 0;                     ///< links, as far as it was reported
   bool off_wanted_ = false;
   Message message_;
   TaskRunner task_;

@@ -51,12 +51,12 @@ void PositionController::undo() {
 void PositionController::start(Axis axis, double position_mm, bool is_undo, double shift_mm) {
   if (busy()) return;
   const auto work = [connection = connection_, axis, position_mm, is_undo, shift_mm](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& line) -> Result<Change> {
-      const auto before = line.client().monitor();
+    return connection->with_link(control, [&](UnitLink& link) -> Result<Change> {
+      const auto before = link.client().monitor();
       if (!before) return tl::unexpected(before.error());
       const double shown_mm = before->axes[index_of(axis)].position_mm;
       const double wanted_mm = is_undo ? shown_mm + shift_mm : position_mm;
-      if (const auto set = line.client().set_axis_position(axis, wanted_mm); !set) return tl::unexpected(set.error());
+      if (const auto set = link.client().set_axis_position(axis, wanted_mm); !set) return tl::unexpected(set.error());
       return Change{{axis, shown_mm, wanted_mm}, is_undo};
     });
   };

@@ -14,18 +14,18 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLongest_s = 3600.0;
 constexpr Address kLastStart = kSystemRam.first + kSystemRam.size - 2;
 
-Result<RunController::Ended> run_in(UnitLink& line, const UserProgram& program) {
+Result<RunController::Ended> run_in(UnitLink& link, const UserProgram& program) {
   const auto since = Clock::now();
-  const auto value = line.client().run_user_software(
+  const auto value = link.client().run_user_software(
       program.address, program.argument, std::chrono::milliseconds(static_cast<long long>(program.wait_s * 1000.0)));
-  const bool line_holds = line.client().link().last_failure() == protocol::LinkFailure::none;
-  if (!value && (!line_holds || line.client().link().cancelled())) return tl::unexpected(value.error());
+  const bool line_holds = link.client().link().last_failure() == protocol::LinkFailure::none;
+  if (!value && (!line_holds || link.client().link().cancelled())) return tl::unexpected(value.error());
   RunController::Ended ended{program, std::nullopt, {}, {}, seconds_since(since)};
   if (value)
     ended.returned = *value;
   else
     ended.why = to_text(value.error());
-  if (auto registers = kept_registers(line.client())) ended.registers = std::move(*registers);
+  if (auto registers = kept_registers(link.client())) ended.registers = std::move(*registers);
   return ended;
 }
 
@@ -89,7 +89,7 @@ void RunController::prepare(const UserProgram& program) {
   program_ = program;
   const auto peek = [connection = connection_, address = program.address](JobControl& control) {
     const std::size_t bytes = std::min<std::size_t>(kPeekBytes, kSystemRam.first + kSystemRam.size - address);
-    return connection->on_line(control, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
+    return connection->with_link(control, [&](UnitLink& link) { return link.client().read_memory(address, bytes); });
   };
   peeking_.start("reading the program", peek, [this](const Result<Bytes>& bytes) {
     if (bytes) return ask(*bytes);
@@ -107,7 +107,7 @@ void RunController::run() {
   if (busy()) return;
   ended_.reset();
   const auto work = [connection = connection_, program = program_](JobControl& control) {
-    return connection->on_line(control, [&](UnitLink& line) { return run_in(line, program); });
+    return connection->with_link(control, [&](UnitLink& link) { return run_in(link, program); });
   };
   running_.start("running the program", work, [this](Result<Ended> ended) { take(std::move(ended)); });
 }

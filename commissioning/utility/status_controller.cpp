@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kBetweenReadings = 1s;
-constexpr int kRestPerReading = 3;  ///< a slow line is left to others for so many times as long as a reading took
+constexpr int kRestPerReading = 3;  ///< a slow link is left to others for so many times as long as a reading took
 
 }  // namespace
 
@@ -102,14 +102,14 @@ void StatusController::start(std::string working_on, std::function<Result<std::s
   work_.start(
       std::move(working_on),
       [connection = connection_, work = std::move(work)](JobControl& control) {
-        return connection->on_line(control, [&](UnitLink& line) { return work(line, control); });
+        return connection->with_link(control, [&](UnitLink& link) { return work(link, control); });
       },
       [this](const Result<std::string>& done) { say_done(done, work_.cancelled()); });
 }
 
 void StatusController::test_memory() {
-  start("memory test", [](UnitLink& line, JobControl& control) -> Result<std::string> {
-    const auto result = line.client().run_ram_test(
+  start("memory test", [](UnitLink& link, JobControl& control) -> Result<std::string> {
+    const auto result = link.client().run_ram_test(
         [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; });
     if (!result) return tl::unexpected(result.error());
     if (result->value == protocol::kUnused)
@@ -130,8 +130,8 @@ Question StatusController::clear_question() const {
 }
 
 void StatusController::clear_fault() {
-  start("clearing the fault", [](UnitLink& line, JobControl&) -> Result<std::string> {
-    if (const auto cleared = line.client().clear_fault(); !cleared) return tl::unexpected(cleared.error());
+  start("clearing the fault", [](UnitLink& link, JobControl&) -> Result<std::string> {
+    if (const auto cleared = link.client().clear_fault(); !cleared) return tl::unexpected(cleared.error());
     return std::string("The fault is cleared.");
   });
 }
@@ -157,16 +157,16 @@ Question StatusController::mode_question() const {
 
 void StatusController::change_mode() {
   if (!integrating()) {
-    start("integration mode", [](UnitLink& line, JobControl&) -> Result<std::string> {
-      if (const auto entered = line.client().enter_integration(); !entered) return tl::unexpected(entered.error());
+    start("integration mode", [](UnitLink& link, JobControl&) -> Result<std::string> {
+      if (const auto entered = link.client().enter_integration(); !entered) return tl::unexpected(entered.error());
       return std::string("Integration mode: every relay is open.");
     });
     return;
   }
-  start("compensation mode", [](UnitLink& line, JobControl&) -> Result<std::string> {
-    if (const auto begun = begin_compensation(line.client()); !begun) return tl::unexpected(begun.error());
+  start("compensation mode", [](UnitLink& link, JobControl&) -> Result<std::string> {
+    if (const auto begun = begin_compensation(link.client()); !begun) return tl::unexpected(begun.error());
     return fmt::format("Reference every axis of the machine now{}.",
-                       line.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
+                       link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
   });
 }
 
@@ -202,10 +202,10 @@ void StatusController::start_reading() {
   at_once_ = false;
   asked_at_ = Clock::now();
   const auto work = [connection = connection_](JobControl& control) {
-    return connection->on_line(control, [](UnitLink& line) -> Result<Read> {
-      auto snapshot = take_snapshot(line.client(), line.name());
+    return connection->with_link(control, [](UnitLink& link) -> Result<Read> {
+      auto snapshot = take_snapshot(link.client(), link.name());
       if (!snapshot) return tl::unexpected(snapshot.error());
-      return Read{std::move(*snapshot), line.workshop()};
+      return Read{std::move(*snapshot), link.workshop()};
     });
   };
   reading_.start("reading", work, [this](Result<Read> read) { take(std::move(read)); });

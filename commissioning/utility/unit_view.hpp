@@ -15,8 +15,8 @@ namespace ecs::commissioning {
 /// The unit as it was seen last, and how long ago.
 struct UnitView {
   WatchedUnit watched;                            ///< without samples
-  std::optional<protocol::MonitorSample> sample;  ///< the last one that came, also when the line is lost
-  bool fresh = false;                             ///< `sample` came from the line that is open
+  std::optional<protocol::MonitorSample> sample;  ///< the last one that came, also when the link is lost
+  bool fresh = false;                             ///< `sample` came from the link that is open
   double age_s = 0.0;                             ///< of `sample`
   int restarts = 0;                               ///< how often the unit began anew while it was watched
   std::uint64_t changes = 0;
@@ -37,7 +37,7 @@ struct UnitView {
 
 /// Whether the unit was started again between two samples: it then shows less than it had run, or lacks, of the time
 /// that passed, at least all it had run before; half of that is the limit, for samples that came late.
-/// @param passed  from one sample to the other while the line was lost, else 0
+/// @param passed  from one sample to the other while the link was lost, else 0
 [[nodiscard]] bool began_anew(const protocol::MonitorSample& before, const protocol::MonitorSample& after,
                               std::chrono::steady_clock::duration passed);
 

@@ -28,9 +28,9 @@ struct UnitBench {
   }
   /// Does work on the line as a screen would, without a screen.
   template <class Work>
-  auto on_line(Work work) const {
+  auto with_link(Work work) const {
     JobControl control;
-    return controller->on_line(control, work);
+    return controller->with_link(control, work);
   }
 };
 

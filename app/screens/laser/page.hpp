@@ -21,8 +21,7 @@ class LaserHost {
  public:
   explicit LaserHost(std::shared_ptr<UnitConnection> unit) : controller(std::move(unit)) {}
   void ask(Question question, std::function<void()> if_yes) {
-    question_ = std::move(question);
-    if_yes_ = std::move(if_yes);
+    asking_.ask(std::move(question), std::move(if_yes), [this] { controller.not_now(); });
   }
   void fill(LaserForm form) { form_.emplace(std::move(form)); }
   /// The parameters file and the scope: asked from several steps.
@@ -36,8 +35,7 @@ class LaserHost {
 
  private:
   friend class LaserScreen;
-  std::optional<Question> question_;
-  std::function<void()> if_yes_;
+  Asking asking_;
   std::optional<LaserForm> form_;
   TaskRunner drawing_;
 };

@@ -141,7 +141,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
                    "The files, what was left out, slopes, smoothing and header chosen then.", "take it up (or Enter)",
                    "not now    d drop it"});
   if (host_->form_) host_->form_->draw(canvas, area);
-  if (host_->question_) draw_question(canvas, area, *host_->question_);
+  draw_question(canvas, area, host_->asking_);
   if (leaving_)
     draw_question(
         canvas, area,
@@ -149,7 +149,7 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
 }
 
 CellPosition LaserScreen::cursor(const Area& area) const {
-  if (host_->question_ || leaving_ || host_->controller.offered()) return {-1, -1};
+  if (host_->asking_.active() || leaving_ || host_->controller.offered()) return {-1, -1};
   return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
 }
 
@@ -165,18 +165,7 @@ bool LaserScreen::on_lying_over(const Key& key) {
     }
     return true;
   }
-  if (host_->question_) {
-    const Reply reply = reply_to(key);
-    if (reply == Reply::none) return true;
-    host_->question_.reset();
-    const auto if_yes = std::move(host_->if_yes_);
-    host_->if_yes_ = {};
-    if (reply == Reply::yes)
-      if_yes();
-    else
-      controller.not_now();
-    return true;
-  }
+  if (answers(host_->asking_, key)) return true;
   if (host_->form_) {
     if (!host_->form_->on_key(key)) host_->form_.reset();
     return true;
@@ -256,7 +245,7 @@ bool LaserScreen::advance() {
 
 std::vector<KeyHelp> LaserScreen::keys() const {
   if (host_->controller.offered()) return {{"Enter", "take it up"}, {"d", "drop it"}, {"Esc", "back"}};
-  if (host_->question_ || leaving_) return {{"y", "yes"}, {"n", "no"}};
+  if (host_->asking_.active() || leaving_) return {{"y", "yes"}, {"n", "no"}};
   if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
   std::vector<KeyHelp> keys = page().keys();
   if (page().holds_keys()) return keys;

@@ -235,11 +235,7 @@ void MemoryScreen::on_letter(char32_t letter) {
 }
 
 Step MemoryScreen::on_key(const Key& key) {
-  if (controller_.question()) {
-    const Reply reply = reply_to(key);
-    if (reply != Reply::none) controller_.answer(reply == Reply::yes);
-    return stay();
-  }
+  if (answers(controller_.asking(), key)) return stay();
   if (typing()) {
     on_typing_key(key);
     return stay();

@@ -43,7 +43,7 @@ void MemoryScreen::draw(Canvas& canvas, const Area& area) const {
       draw_under_cursor(canvas, {area.row + area.rows - below, area.column + 1, below - bottom, area.columns - 2});
   }
   if (area.rows > 4) draw_bottom(canvas, {area.row + area.rows - bottom, area.column + 1, bottom, area.columns - 2});
-  if (controller_.question()) draw_question(canvas, area, *controller_.question());
+  draw_question(canvas, area, controller_.asking());
 }
 
 /// Two, or what the message needs.

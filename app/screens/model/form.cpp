@@ -51,24 +51,18 @@ class ModelForm final : public Screen {
         first + 5 + canvas.paragraph(inside, first + 4, kHelp[static_cast<std::size_t>(field_)], Tone::faint);
     if (opening_.running()) canvas.text(inside, below, 0, "reading and fitting ... Esc goes back", Tone::warning);
     if (!hint_.empty()) canvas.paragraph(inside, below, hint_, problem_ ? Tone::bad : Tone::faint);
-    if (question_) draw_question(canvas, area, *question_);
+    draw_question(canvas, area, asking_);
   }
 
   [[nodiscard]] Step on_key(const Key& key) override {
-    if (question_) {
-      const Reply reply = reply_to(key);
-      if (reply != Reply::none) question_.reset();
-      if (reply == Reply::yes) start(true);
-      if (reply == Reply::no) field_ = 0;
-      return stay();
-    }
+    if (answers(asking_, key)) return stay();
     if (key.name == Key::Name::escape) return back();
     if (!opening_.running()) on_field_key(key);
     return stay();
   }
 
   [[nodiscard]] std::vector<KeyHelp> keys() const override {
-    if (question_) return {{"y", question_->yes}, {"n", question_->no}};
+    if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
     return {{"Enter", "next field, then open"}, {"Tab", "complete a path"}, {"Esc", "back"}};
   }
 
@@ -87,9 +81,9 @@ class ModelForm final : public Screen {
     return std::make_unique<ModelScreen>(std::move(ready_));
   }
 
-  [[nodiscard]] bool typing() const override { return !question_; }
+  [[nodiscard]] bool typing() const override { return !asking_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
-    if (question_) return {-1, -1};
+    if (asking_.active()) return {-1, -1};
     return {area.row + first_row(area.columns - 2) + field_,
             area.column + 1 + kColumn +
                 fields_[static_cast<std::size_t>(field_)].cursor_column(area.columns - 2 - kColumn)};
@@ -119,13 +113,14 @@ class ModelForm final : public Screen {
       field_ = 0;
       return;
     }
-    question_ =
-        Question{"Begin a new model?",
-                 fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
-                             "slope and backlash of each curve that was measured. Then d finds what is missing, "
-                             "a adds it and the error falls.",
-                             named.model),
-                 "begin it", "another file"};
+    asking_.ask(
+        {"Begin a new model?",
+         fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
+                     "slope and backlash of each curve that was measured. Then d finds what is missing, "
+                     "a adds it and the error falls.",
+                     named.model),
+         "begin it", "another file"},
+        [this] { start(true); }, [this] { field_ = 0; });
   }
 
   void start(bool anew) {
@@ -177,8 +172,8 @@ class ModelForm final : public Screen {
   int field_ = 0;
   std::string hint_;
   bool problem_ = false;
-  std::optional<Question> question_;  ///< whether the model shall be begun in a new file
-  mutable int fields_row_ = 0;        ///< of the canvas, as drawn last
+  Asking asking_;               ///< whether the model shall be begun in a new file
+  mutable int fields_row_ = 0;  ///< of the canvas, as drawn last
   TaskRunner opening_;
   std::unique_ptr<ModelController> ready_;
 };

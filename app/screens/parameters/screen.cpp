@@ -69,7 +69,7 @@ std::string ParametersScreen::unsaved() const {
 
 bool ParametersScreen::advance() {
   bool changed = transfer_.advance();
-  if (auto question = transfer_.take_question()) asking_ = std::move(question);
+  if (Asking question = transfer_.take_question(); question.active()) asking_ = std::move(question);
   if (controller_.loaded() && on_group()) settle_on_field(1);
   if (!controller_.loaded() && seen_changes_ != transfer_.connection().changes()) {
     seen_changes_ = transfer_.connection().changes();
@@ -79,17 +79,7 @@ bool ParametersScreen::advance() {
 }
 
 Step ParametersScreen::on_key(const Key& key) {
-  if (asking_) {
-    const Reply reply = reply_to(key);
-    if (reply == Reply::none) return stay();
-    const Asking asked = std::move(*asking_);
-    asking_.reset();
-    const bool leaves = std::exchange(leaving_, false);
-    if (reply == Reply::no) return stay();
-    if (leaves) return back();
-    asked.yes();
-    return stay();
-  }
+  if (answers(asking_, key)) return std::exchange(leaving_, false) ? back() : stay();
   if (key.name != Key::Name::none && key.name != Key::Name::resized) message_.clear();
   if (prompt_) {
     on_prompt_key(key);
@@ -112,8 +102,7 @@ Step ParametersScreen::on_key(const Key& key) {
 
 Step ParametersScreen::leave() {
   if (!controller_.unsaved()) return back();
-  asking_ = Asking{{"Leave the parameters?", unsaved(), "leave", "stay"}, [] {}};
-  leaving_ = true;
+  asking_.ask({"Leave the parameters?", unsaved(), "leave", "stay"}, [this] { leaving_ = true; });
   return stay();
 }
 
@@ -123,13 +112,13 @@ Step ParametersScreen::on_start_key(const Key& key) {
   const bool enter = key.name == Key::Name::enter;
   if (draft_) {
     if (is_letter(key, U'd') || (enter && start_.selected == 1)) {
-      asking_ = Asking{
+      asking_.ask(
           {"Drop the unsaved work?", fmt::format("What was edited at {} is lost.", draft_->kept), "drop", "keep"},
           [this] {
             ParametersController::drop_draft();
             draft_.reset();
             start_ = {};
-          }};
+          });
     } else if (enter) {
       after(controller_.take_up_draft(), "the unsaved work is here again");
       if (controller_.loaded()) turn_page(0);

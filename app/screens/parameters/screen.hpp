@@ -107,7 +107,7 @@ class ParametersScreen final : public Screen {
   ParametersController controller_;
   std::optional<Draft> draft_;  ///< offered at the beginning
   ParametersTransfer transfer_;
-  std::uint64_t seen_changes_ = 0;  ///< of the line
+  std::uint64_t seen_changes_ = 0;  ///< of the link
   Page page_ = Page::configuration;
   std::array<ListPlace, kPages> places_;
   ListPlace start_;
@@ -115,8 +115,8 @@ class ParametersScreen final : public Screen {
   std::optional<ValueEdit> edit_;
   std::optional<PathPrompt> prompt_;
   std::optional<Seeking> seeking_;
-  std::optional<Asking> asking_;
-  bool leaving_ = false;  ///< a yes to the question leads back
+  Asking asking_;
+  bool leaving_ = false;  ///< the question about it was answered with yes
   mutable CellPosition cursor_{-1, -1};
   mutable Area list_area_;  ///< rows of the list, for clicks and pages
 };

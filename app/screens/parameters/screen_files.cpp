@@ -18,12 +18,11 @@ void ParametersScreen::after(const Result<void>& done, const std::string& said) 
 
 void ParametersScreen::unless_lost(const std::string& title, std::function<void()> what) {
   if (!controller_.unsaved()) return what();
-  asking_ =
-      Asking{{title,
-              fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
-                          controller_.changes(), controller_.changes() == 1 ? " is" : "s are"),
-              "go on, lose them", "stay"},
-             std::move(what)};
+  asking_.ask({title,
+               fmt::format("{} change{} here neither saved nor sent and would be lost. n, then s saves them first.",
+                           controller_.changes(), controller_.changes() == 1 ? " is" : "s are"),
+               "go on, lose them", "stay"},
+              std::move(what));
 }
 
 void ParametersScreen::prompt_for(std::string title, std::string help, const std::string& path,
@@ -85,7 +84,7 @@ void ParametersScreen::ask_where_to_save() {
              controller_.file(), [this](const std::string& path) {
                const std::string lost = path.empty() ? "" : controller_.overwrites(path);
                if (lost.empty()) return save_to(path);
-               asking_ = Asking{{"Save over it?", lost, "save", "do not save"}, [this, path] { save_to(path); }};
+               asking_.ask({"Save over it?", lost, "save", "do not save"}, [this, path] { save_to(path); });
              });
 }
 

@@ -56,10 +56,8 @@ void ParametersScreen::draw(Canvas& canvas, const Area& area) const {
     }
     draw_bottom(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
   }
-  if (asking_) {
-    cursor_ = {-1, -1};
-    draw_question(canvas, area, asking_->question);
-  }
+  if (asking_.active()) cursor_ = {-1, -1};
+  draw_question(canvas, area, asking_);
 }
 
 /// The page has one sentence instead of rows, and nothing is asked or told below it.
@@ -184,7 +182,7 @@ void ParametersScreen::draw_prompt(Canvas& canvas, const Area& area) const {
 CellPosition ParametersScreen::cursor(const Area& /*area*/) const { return cursor_; }
 
 std::vector<KeyHelp> ParametersScreen::keys() const {
-  if (asking_) return {{"y", asking_->question.yes}, {"n", asking_->question.no}};
+  if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
   if (prompt_) return {{"Enter", "take it"}, {"Tab", "complete the path"}, {"Esc", "give it up"}};
   if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
   if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};

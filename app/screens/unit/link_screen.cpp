@@ -1,4 +1,4 @@
-// LINK: the setting as a form with the ports there are, the doctor at work, the counts of the line.
+// LINK: the setting as a form with the ports there are, the doctor at work, the counts of the link.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -73,15 +73,11 @@ class LinkScreen final : public Screen {
       else if (page_ == Page::setting && body.rows < static_cast<int>(fields().size()) + 3)
         canvas.paragraph(bottom, 0, help_here(), Tone::faint);
     }
-    if (controller_.question()) draw_question(canvas, area, *controller_.question());
+    draw_question(canvas, area, controller_.asking());
   }
 
   [[nodiscard]] Step on_key(const Key& key) override {
-    if (controller_.question()) {
-      const Reply reply = reply_to(key);
-      if (reply != Reply::none) controller_.answer(reply == Reply::yes);
-      return stay();
-    }
+    if (answers(controller_.asking(), key)) return stay();
     if (editing_) {
       on_edit_key(key);
       return stay();

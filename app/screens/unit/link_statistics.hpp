@@ -1,4 +1,4 @@
-// The counts of a line in plain words: how many, and whether that is a cause for concern.
+// The counts of a link in plain words: how many, and whether that is a cause for concern.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ namespace ecs::app {
 struct StatisticsRow {
   std::string name;
   std::string value;
-  std::string meaning;  ///< what it says about the line
+  std::string meaning;  ///< what it says about the link
   Tone tone = Tone::plain;
 };
 [[nodiscard]] std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit);
-/// The line in one sentence, with what to do where it is not good.
+/// The link in one sentence, with what to do where it is not good.
 [[nodiscard]] StatisticsRow judgement(const WatchedUnit& unit);
 
 }  // namespace ecs::app

@@ -67,16 +67,11 @@ class LogScreen final : public Screen {
       canvas.paragraph(below, 0, entry.text, Tone::strong);
     }
     draw_bottom(canvas, {area.row + area.rows - 1, area.column + 1, 1, area.columns - 2});
-    if (question_) draw_question(canvas, area, *question_);
+    draw_question(canvas, area, asking_);
   }
 
   [[nodiscard]] Step on_key(const Key& key) override {
-    if (question_) {
-      const Reply reply = reply_to(key);
-      if (reply == Reply::yes) save(std::string(trimmed(text_.text())));
-      if (reply != Reply::none) question_.reset();
-      return stay();
-    }
+    if (answers(asking_, key)) return stay();
     if (typing()) {
       on_typing_key(key);
       return stay();
@@ -198,8 +193,9 @@ class LogScreen final : public Screen {
         bad_ = true;
         said_ = "expected a file name, got none";
       } else if (std::filesystem::exists(typed, error)) {
-        question_ = Question{fmt::format("Replace {}?", typed), "The file exists: what is in it is lost.", "replace",
-                             "keep it"};
+        asking_.ask(
+            {fmt::format("Replace {}?", typed), "The file exists: what is in it is lost.", "replace", "keep it"},
+            [this, typed] { save(typed); });
       } else {
         save(typed);
       }
@@ -229,7 +225,7 @@ class LogScreen final : public Screen {
   std::string sought_;
   std::string said_;  ///< about the log itself; not logged
   bool bad_ = false;
-  std::optional<Question> question_;
+  Asking asking_;
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ constexpr double kOld_s = 1.0;  ///< what is older is called old
 constexpr int kBarColumns = 11;
 constexpr double kStrip_s = 40.0;                      ///< of the unit's time
 constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
-constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the line
+constexpr std::chrono::milliseconds kSlowStrip{4000};  ///< where every cell takes its time on the link
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
 

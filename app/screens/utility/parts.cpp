@@ -52,25 +52,6 @@ int draw_axis_rows(Canvas& canvas, const Area& area, int row, const UnitView& un
   return r - row + 1;
 }
 
-void Asking::ask(Question question, std::function<void()> on_yes) {
-  question_ = std::move(question);
-  on_yes_ = std::move(on_yes);
-}
-
-bool Asking::on_key(const Key& key) {
-  if (!question_) return false;
-  const Reply reply = reply_to(key);
-  if (reply == Reply::none) return true;
-  question_.reset();
-  const auto on_yes = std::move(on_yes_);
-  if (reply == Reply::yes && on_yes) on_yes();
-  return true;
-}
-
-void Asking::draw(Canvas& canvas, const Area& area) const {
-  if (question_) draw_question(canvas, area, *question_);
-}
-
 void Prompt::ask(std::string label, Kind kind, const std::string& text,
                  std::function<void(const std::string&)> on_text) {
   label_ = std::move(label);

@@ -21,21 +21,6 @@ void draw_unit_row(Canvas& canvas, const Area& area, int row, const UnitView& un
 /// @return rows used
 int draw_axis_rows(Canvas& canvas, const Area& area, int row, const UnitView& unit, std::optional<Axis> chosen);
 
-/// A question that waits for its answer, and what is done after yes.
-class Asking {
- public:
-  void ask(Question question, std::function<void()> on_yes);
-  [[nodiscard]] bool active() const { return question_.has_value(); }
-  /// @return whether the key was for the question: while one waits, all are
-  bool on_key(const Key& key);
-  void draw(Canvas& canvas, const Area& area) const;
-  [[nodiscard]] const std::optional<Question>& question() const { return question_; }
-
- private:
-  std::optional<Question> question_;
-  std::function<void()> on_yes_;
-};
-
 /// A line of text asked for: a number, a file. Enter takes it, Esc drops it, Tab completes a path.
 class Prompt {
  public:
@@ -79,14 +64,14 @@ class UtilityScreen : public Screen {
     const Area inside = area.between_margins();
     draw_inside(canvas, inside);
     prompt_.draw(canvas, inside, prompt_row(inside));
-    asking_.draw(canvas, inside);
+    draw_question(canvas, inside, asking_);
   }
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
     const Area inside = area.between_margins();
     return prompt_.cursor(inside, prompt_row(inside));
   }
   [[nodiscard]] Step on_key(const Key& key) final {
-    if (asking_.on_key(key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
+    if (answers(asking_, key) || prompt_.on_key(key) || key.name == Key::Name::resized) return stay();
     controller_.message().clear();
     if (leaves_on(key)) return leave();
     on_command(key);

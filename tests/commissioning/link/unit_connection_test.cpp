@@ -10,8 +10,8 @@ namespace {
 
 Result<int> work_on(UnitConnection& connection, int& done) {
   JobControl control;
-  return connection.on_line(control, [&](UnitLink& line) -> Result<int> {
-    if (const auto off = line.client().output_off(); !off) return tl::unexpected(off.error());
+  return connection.with_link(control, [&](UnitLink& link) -> Result<int> {
+    if (const auto off = link.client().output_off(); !off) return tl::unexpected(off.error());
     return ++done;
   });
 }
@@ -41,8 +41,8 @@ TEST_CASE("cancelled work ends soon, and the link serves the next") {
   TaskRunner task;
   std::optional<Result<int>> result;
   const auto work = [&connection](JobControl& control) {
-    return connection.on_line(control, [](UnitLink& line) -> Result<int> {
-      const auto datum = line.client().test_datum(Axis::X, std::chrono::minutes(1));
+    return connection.with_link(control, [](UnitLink& link) -> Result<int> {
+      const auto datum = link.client().test_datum(Axis::X, std::chrono::minutes(1));
       if (!datum) return tl::unexpected(datum.error());
       return 1;
     });

@@ -11,14 +11,14 @@ const char* const kStale = "the unit has changed since: verify again";
 template <class Work>
 void as_another_host(LaserScreenDriver& driver, Work work) {
   JobControl control;
-  const Result<void> done = driver.unit->on_line(control, [&](UnitLink& line) -> Result<void> { return work(line); });
+  const Result<void> done = driver.unit->with_link(control, [&](UnitLink& link) -> Result<void> { return work(link); });
   REQUIRE(done);
 }
 
-Result<void> map_sent_over(UnitLink& line, const std::string& map, const std::string& params) {
+Result<void> map_sent_over(UnitLink& link, const std::string& map, const std::string& params) {
   const auto prepared = prepared_map(map, params);
   if (!prepared) return tl::unexpected(prepared.error());
-  const auto sent = send_map(line.client(), *prepared, map, false);
+  const auto sent = send_map(link.client(), *prepared, map, false);
   if (!sent) return tl::unexpected(sent.error());
   return {};
 }
@@ -82,8 +82,8 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   CHECK(driver.seen().find("commit") == std::string::npos);
   CHECK(driver.seen().find("made active as no. 1") != std::string::npos);
 
-  as_another_host(driver, [&](UnitLink& line) {
-    return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
   });
   SUBCASE("by itself within seconds while the step is open") {
     CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 10));
@@ -129,21 +129,21 @@ TEST_CASE(
   REQUIRE(driver.shows("saved: "));
   driver.type("9cy");
   CHECK(driver.seen().find("not known which map the unit holds: Enter compares") != std::string::npos);
-  as_another_host(driver, [&](UnitLink& line) {
-    return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
   verify_at(driver);
   CHECK(driver.controller().verified());
   CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
-  as_another_host(driver, [&](UnitLink& line) {
-    return map_sent_over(line, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "other.csv").string(), (folder.path / "other-parameters.toml").string());
   });
   driver.type("cy");
   CHECK(driver.until([&] {
     return driver.controller().message().text().find("what was compared was block check") != std::string::npos;
   }));
-  as_another_host(driver, [&](UnitLink& line) {
-    return map_sent_over(line, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
+  as_another_host(driver, [&](UnitLink& link) {
+    return map_sent_over(link, (folder.path / "map.csv").string(), (folder.path / "map-parameters.toml").string());
   });
   driver.type("cy");
   CHECK(driver.shows("the unit watches: reference every axis"));
@@ -163,7 +163,7 @@ TEST_CASE("a unit that was switched off and on has to be verified again") {
     CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
   }
   SUBCASE("while the line stayed open") {
-    as_another_host(driver, [](UnitLink& line) { return line.client().reset_unit(); });
+    as_another_host(driver, [](UnitLink& link) { return link.client().reset_unit(); });
     CHECK(driver.until([&] { return driver.seen().find(kStale) != std::string::npos; }, 30));
     CHECK(driver.seen().find("it was restarted") != std::string::npos);
   }

@@ -26,7 +26,8 @@ struct MemoryCase : StateFolder {
   }
   [[nodiscard]] std::vector<std::uint8_t> bytes_of_unit(Address address, std::size_t bytes) {
     JobControl control;
-    const auto read = unit->on_line(control, [&](UnitLink& line) { return line.client().read_memory(address, bytes); });
+    const auto read =
+        unit->with_link(control, [&](UnitLink& link) { return link.client().read_memory(address, bytes); });
     REQUIRE(read);
     return *read;
   }
@@ -88,8 +89,8 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
   type(one.screen, "w");
   replace_line(one.screen, "01");
   JobControl control;
-  REQUIRE(one.unit->on_line(
-      control, [](UnitLink& line) { return line.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
+  REQUIRE(one.unit->with_link(
+      control, [](UnitLink& link) { return link.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
   type(one.screen, "y");
   REQUIRE(shows(one.screen, "nothing was written"));
   CHECK(one.bytes_of_unit(0x48000, 1) == std::vector<std::uint8_t>{9});
@@ -108,7 +109,7 @@ TEST_CASE("protected memory and a unit that does not integrate refuse writing wi
   CHECK(contains(picture(one.screen), "commit records is protected"));
   one.go("100040");
   JobControl control;
-  REQUIRE(one.unit->on_line(control, [](UnitLink& line) { return line.client().enter_compensation(); }));
+  REQUIRE(one.unit->with_link(control, [](UnitLink& link) { return link.client().enter_compensation(); }));
   REQUIRE(until(one.screen, [&] { return one.unit->newest() && one.unit->newest()->mode != UnitMode::integration; }));
   type(one.screen, "w");
   CHECK(contains(picture(one.screen), "integration mode only"));
@@ -181,8 +182,8 @@ TEST_CASE("a search reads through the unit until it finds, and can be cancelled"
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   JobControl control;
-  REQUIRE(one.unit->on_line(control, [](UnitLink& line) {
-    return line.client().write_memory(0x4A123, std::vector<std::uint8_t>{0xCA, 0xFE});
+  REQUIRE(one.unit->with_link(control, [](UnitLink& link) {
+    return link.client().write_memory(0x4A123, std::vector<std::uint8_t>{0xCA, 0xFE});
   }));
   one.go("40000");
   type(one.screen, "/");

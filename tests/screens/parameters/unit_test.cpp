@@ -24,7 +24,7 @@ bool opens_again(const UnitConnection& line) {
 
 UnitParameters held_by(UnitConnection& line) {
   JobControl control;
-  const auto held = line.on_line(control, [](UnitLink& unit) { return receive_parameters(unit.client()); });
+  const auto held = line.with_link(control, [](UnitLink& unit) { return receive_parameters(unit.client()); });
   REQUIRE(held);
   return *held;
 }
@@ -99,9 +99,9 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
   auto line = std::make_shared<UnitConnection>("emulator");
   JobControl control;
   const auto mode = [&] {
-    return line->on_line(control, [](UnitLink& unit) { return unit.client().status(); }).value().mode;
+    return line->with_link(control, [](UnitLink& unit) { return unit.client().status(); }).value().mode;
   };
-  REQUIRE(line->on_line(control, [](UnitLink& unit) { return unit.client().enter_compensation(); }));
+  REQUIRE(line->with_link(control, [](UnitLink& unit) { return unit.client().enter_compensation(); }));
   REQUIRE(mode() == UnitMode::datuming);
   ParametersScreen screen(line);
   open_file(screen, one);

@@ -13,7 +13,7 @@ namespace {
 void send_mill(const UnitBench& bench) {
   const auto file = params::read_parameters("samples/mill/parameters.toml");
   REQUIRE(file);
-  REQUIRE(bench.on_line([&](UnitLink& line) { return send_parameters(line.client(), file->parameters, {}); }));
+  REQUIRE(bench.with_link([&](UnitLink& link) { return send_parameters(link.client(), file->parameters, {}); }));
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   const auto screen_made = output_screen(bench.controller);
   Screen& screen = *screen_made;
   close_relay(screen);
-  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_off(); }));
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_off(); }));
   REQUIRE(shows(screen, "The unit has opened the relay by itself"));
   CHECK(contains(picture(screen), "RELAY OPEN       nothing is put out"));
 }
@@ -107,12 +107,12 @@ TEST_CASE("what another host puts out is shown, and steps go on from there") {
   const auto screen_made = output_screen(bench.controller);
   Screen& screen = *screen_made;
   close_relay(screen);
-  REQUIRE(bench.on_line([](UnitLink& line) { return line.client().output_compensation(Axis::X, 30.0, true); }));
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_compensation(Axis::X, 30.0, true); }));
   REQUIRE(shows(screen, "Another host has changed the output of axis X: +30 um now"));
   CHECK(contains(picture(screen), "axis X is moved by +30 um"));
   (void)letter(screen, '+');
   REQUIRE(shows(screen, "axis X is moved by +31 um"));
-  const auto seen = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
+  const auto seen = bench.with_link([](UnitLink& link) { return link.client().monitor(); });
   REQUIRE(seen);
   CHECK(seen->axes[0].compensation_um == doctest::Approx(31.0).epsilon(0.01));
 }
@@ -140,7 +140,7 @@ TEST_CASE("leaving by any way opens the relay") {
     Screen& screen = *screen_made;
     close_relay(screen);
   }
-  const auto after = bench.on_line([](UnitLink& line) { return line.client().monitor(); });
+  const auto after = bench.with_link([](UnitLink& link) { return link.client().monitor(); });
   REQUIRE(after);
   CHECK_FALSE(after->axes[0].relay_closed);
 }

@@ -15,7 +15,7 @@ const std::vector<std::uint8_t> kAddFive{0x5A, 0x80, 0x4E, 0x75};
 const std::vector<std::uint8_t> kForever{0x60, 0xFE};
 
 void write(const UnitBench& bench, Address address, const std::vector<std::uint8_t>& code) {
-  REQUIRE(bench.on_line([&](UnitLink& line) { return line.client().write_memory(address, code); }));
+  REQUIRE(bench.with_link([&](UnitLink& link) { return link.client().write_memory(address, code); }));
 }
 
 /// Loads the program that never ends and starts it.

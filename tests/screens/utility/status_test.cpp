@@ -109,7 +109,7 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
     CHECK(contains(picture(screen), "Overwrite"));
     (void)letter(screen, 'n');
   }
-  const auto dump = bench.on_line([](UnitLink& line) { return take_dump(line.client(), "", DumpScope::active); });
+  const auto dump = bench.with_link([](UnitLink& link) { return take_dump(link.client(), "", DumpScope::active); });
   REQUIRE(dump);
   REQUIRE(write_file(dump_file, to_bytes(*dump)));
   const auto screen_made = status_screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
