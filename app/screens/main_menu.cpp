@@ -108,8 +108,8 @@ std::unique_ptr<Screen> main_menu(const Connection& connection) {
   add_sought(choices, connection);
   return std::make_unique<MenuScreen>(
       "ECS",
-      "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part "
-      "of it. The same actions exist as verbs for scripts: `ecs --help`.",
+      "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part of "
+      "it. The same actions exist as verbs for scripts: `ecs --help`.",
       std::move(choices));
 }
 

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "app/screens/unit/status_line.hpp"
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/outcome.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/event_log.hpp"
+#include "core/fault.hpp"
 
 namespace ecs::app {
 namespace {
@@ -32,6 +32,28 @@ std::optional<Asked> asked_for(const std::vector<std::string>& words) {
     }
   }
   return asked;
+}
+
+/// The unit in a few words, for the status line of every screen.
+StatusLine status_line_of(const WatchedUnit& unit, const std::optional<protocol::MonitorSample>& newest) {
+  StatusLine status;
+  status.link = unit.emulator ? "EMULATOR" : unit.link;
+  if (unit.lent) {
+    status.state = "busy";
+  } else if (!unit.problem.empty()) {
+    status.state = "no answer";
+    status.bad = true;
+  } else if (newest) {
+    status.state = ecs::name_of(newest->mode);
+    if (newest->fault != Fault::none) {
+      status.state += fmt::format(", FAULT {}", ecs::text_of(newest->fault).name);
+      status.bad = true;
+    }
+  } else {
+    status.state = unit.open ? "..." : "opening";
+  }
+  if (status.link.empty()) status.link = "line";
+  return status;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/ui/cells.hpp"
@@ -24,9 +25,6 @@ struct Step {
   Kind kind = Kind::stay;
   std::unique_ptr<Screen> next;
 };
-[[nodiscard]] Step stay();
-[[nodiscard]] Step back();
-[[nodiscard]] Step opened(std::unique_ptr<Screen> next);
 
 /// A key as help and the bottom line name it: {"d", "diagnose"}.
 struct KeyHelp {
@@ -55,5 +53,9 @@ class Screen {
   /// Work that would be lost by leaving; empty: none.
   [[nodiscard]] virtual std::string unsaved() const { return {}; }
 };
+
+[[nodiscard]] inline Step stay() { return {}; }
+[[nodiscard]] inline Step back() { return {Step::Kind::back, nullptr}; }
+[[nodiscard]] inline Step opened(std::unique_ptr<Screen> next) { return {Step::Kind::open, std::move(next)}; }
 
 }  // namespace ecs::app

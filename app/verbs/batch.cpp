@@ -87,9 +87,9 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
 
 extern const VerbDefinition kBatch = verb<BatchArguments>(
     "batch", "parameters and maps for many units, by a plan",
-    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
-    "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
-    "\"mill3.toml\"\n              map = \"mill3_map.csv\"",
+    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              link = "
+    "\"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = \"mill3.toml\"\n  "
+    "            map = \"mill3_map.csv\"",
     [](Verb& verb, BatchArguments& arguments) {
       verb.text("PLAN", arguments.plan, "plan file (TOML)", Need::required)
           .flag("--dry-run", arguments.dry_run, "check everything, write nothing");

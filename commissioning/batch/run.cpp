@@ -47,13 +47,10 @@ bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& repor
   if (unit.serial_number.empty()) report.notes.push_back("the plan gives no serial number: not checked");
   if (!unit.serial_number.empty() && report.serial_number != unit.serial_number) {
     fail(report, BatchState::wrong_unit,
-         {ProblemKind::refused,
-          fmt::format("expected the unit with serial number {}, found {}: skipped, untouched", unit.serial_number,
-                      report.serial_number),
-          {},
-          0,
-          0,
-          {}});
+         problem(ProblemKind::refused,
+                 fmt::format("expected the unit with serial number {}, found {}: skipped, untouched",
+                             unit.serial_number, report.serial_number))
+             .value());
     return true;
   }
   auto refused = load.map ? refused_map(other_unit(*load.map, report.serial_number), unit.map)

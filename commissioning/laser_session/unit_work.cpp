@@ -128,9 +128,8 @@ Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, c
     const auto now = holding_over(unit, link);
     if (!now) return tl::unexpected(now.error());
     if (const std::string why = other_than(expected, *now); !why.empty())
-      return problem(ProblemKind::refused, why +
-                                               ". It stays out of compensation; Enter compares again, step 8 sends "
-                                               "again");
+      return problem(ProblemKind::refused,
+                     why + ". It stays out of compensation; Enter compares again, step 8 sends again");
     return link.client().enter_compensation();
   });
 }

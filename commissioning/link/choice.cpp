@@ -49,9 +49,8 @@ Result<fs::path> machine_or_sample(std::string_view machine) {
   if (!sample)
     return problem(
         ProblemKind::link,
-        "no link is given or stored, and the sample machine samples/mill/machine.toml of the bundled emulator "
-        "is not found: give --link rtu:/dev/ttyUSB0:115200, --link tcp:HOST:PORT or "
-        "--link emulator:machine.toml");
+        "no link is given or stored, and the sample machine samples/mill/machine.toml of the bundled emulator is not "
+        "found: give --link rtu:/dev/ttyUSB0:115200, --link tcp:HOST:PORT or --link emulator:machine.toml");
   return *sample;
 }
 

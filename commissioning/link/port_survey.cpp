@@ -67,8 +67,8 @@ std::string way_to_permission(const std::string& device) {
     return fmt::format("run `sudo usermod -aG {} $USER`, then log out and in again", owner->gr_name);
   return fmt::format(
       "no group may use this port: as root write `KERNEL==\"{}\", GROUP=\"dialout\", MODE=\"0660\"` into "
-      "/etc/udev/rules.d/90-ecs.rules, run `udevadm control --reload` and `udevadm trigger`, and join the group "
-      "with `usermod -aG dialout` and your name",
+      "/etc/udev/rules.d/90-ecs.rules, run `udevadm control --reload` and `udevadm trigger`, and join the group with "
+      "`usermod -aG dialout` and your name",
       fs::path(device).filename().string());
 }
 
@@ -129,10 +129,9 @@ std::optional<PortTrouble> trouble_with(const std::string& device) {
   const auto ports = serial_ports();
   switch (lock.error().failure) {
     case protocol::LinkFailure::no_such_port:
-      trouble.action = ports.empty() ? std::string(
-                                           "this computer has no serial port now: plug the adapter in and look "
-                                           "at `dmesg`")
-                                     : fmt::format("ports there are: {}", fmt::join(ports, ", "));
+      trouble.action =
+          ports.empty() ? std::string("this computer has no serial port now: plug the adapter in and look at `dmesg`")
+                        : fmt::format("ports there are: {}", fmt::join(ports, ", "));
       break;
     case protocol::LinkFailure::no_permission:
       trouble.action = way_to_permission(device);

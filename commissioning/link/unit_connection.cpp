@@ -194,10 +194,10 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
     return tl::unexpected(now.error());
   }
   if (!shown || now->serial_number == shown->serial_number) return {};
-  const auto other = problem(ProblemKind::refused,
-                             fmt::format("another unit answers on this link: {} in place of {}; nothing was done. Look "
-                                         "what it is and holds, then ask again",
-                                         now->serial_number, shown->serial_number));
+  const auto other =
+      problem(ProblemKind::refused, fmt::format("another unit answers on this link: {} in place of {}; nothing was "
+                                                "done. Look what it is and holds, then ask again",
+                                                now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
   close();  // whoever shows the unit takes it for a new link, and reads everything anew
   next_try_ = {};

@@ -64,9 +64,9 @@ Result<void> stage(const OutputFile& file, StagedFiles& staged) {
   if (fs::exists(one.target, ignored)) {
     auto old = read_file(one.target);
     if (!old)
-      return output_problem(file.path, fmt::format("what is there cannot be kept in case another file fails ({}); "
-                                                   "no file was changed",
-                                                   old.error().message));
+      return output_problem(
+          file.path, fmt::format("what is there cannot be kept in case another file fails ({}); no file was changed",
+                                 old.error().message));
     one.old = std::move(*old);
   }
   one.beside = one.target.string() + fmt::format(".new-{}", ::getpid());
@@ -89,8 +89,7 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
   if (stuck.empty() && renamed == 0) return "no file was changed";
   if (stuck.empty()) return "the files before it were restored: nothing has changed";
   return fmt::format(
-      "{} could not be taken back and hold{} the new content, the others what they held: do not use them "
-      "together",
+      "{} could not be taken back and hold{} the new content, the others what they held: do not use them together",
       fmt::join(stuck, ", "), stuck.size() == 1 ? "s" : "");
 }
 

@@ -82,10 +82,10 @@ std::vector<std::string> objections_to_owner(const laser::MapHeader& header, con
   std::vector<std::string> objections = other_machine(header, with.identity);
   if (arguments.params.empty() && !arguments.unit && machine && !header.machine.empty() && !machine->name.empty() &&
       header.machine != machine->name)
-    objections.push_back(fmt::format(
-        "the map was made for machine \"{}\", {} is of \"{}\": take the right file, or give --other-machine if this is "
-        "meant",
-        header.machine, arguments.machine, machine->name));
+    objections.push_back(
+        fmt::format("the map was made for machine \"{}\", {} is of \"{}\": take the right file, or give "
+                    "--other-machine if this is meant",
+                    header.machine, arguments.machine, machine->name));
   return objections;
 }
 
@@ -96,10 +96,9 @@ void note_squareness_left_behind(ExportWork& work) {
     const auto named = [&](const laser::SourceFile& file) { return file.component == name_of(square); };
     const auto& sources = work.source.map.header.sources;
     if (values[index_of(square)] == 0.0 && std::any_of(sources.begin(), sources.end(), named))
-      work.notes.push_back(
-          fmt::format("{} was measured for this map, yet the parameters hold 0: give those that `map "
-                      "build --params-out` wrote",
-                      name_of(square)));
+      work.notes.push_back(fmt::format(
+          "{} was measured for this map, yet the parameters hold 0: give those that `map build --params-out` wrote",
+          name_of(square)));
   }
 }
 

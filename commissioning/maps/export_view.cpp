@@ -48,8 +48,8 @@ std::string residual_text(const ExportReport& report) {
   text += "both approaches; counted from the reference point, as a work offset is\n";
   if (report.work.errors_from == "the map")
     text += paragraph(
-        "From the map itself: what the map does not hold counts as zero, and what repeats badly is not in "
-        "it. --model predicts from an error model.");
+        "From the map itself: what the map does not hold counts as zero, and what repeats badly is not in it. --model "
+        "predicts from an error model.");
   return text;
 }
 

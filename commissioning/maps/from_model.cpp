@@ -61,8 +61,8 @@ void note_short_periods(MapFromModel& built, const Model& model) {
   for (const EffectInstance& effect : model.effects)
     if (const auto period = period_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
       built.notes.push_back(
-          fmt::format("{}: a table with a value every {} mm cannot follow its period of {:.4g} mm; give "
-                      "a smaller --increment, if the unit has room for it",
+          fmt::format("{}: a table with a value every {} mm cannot follow its period of {:.4g} mm; give a smaller "
+                      "--increment, if the unit has room for it",
                       to_text(effect), shortest(built.increment_mm), *period));
 }
 
@@ -130,10 +130,9 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
       for (const std::string& file : files_of(*step)) add_source(built, place, file);
     }
     if (step == nullptr)
-      built.notes.push_back(
-          fmt::format("{}: the model does not say which data it was fitted to; `ecs model fit -o` and "
-                      "`ecs model add` keep that",
-                      name));
+      built.notes.push_back(fmt::format(
+          "{}: the model does not say which data it was fitted to; `ecs model fit -o` and `ecs model add` keep that",
+          name));
     else if (step->effect.empty())
       built.compiled.map.header.processing.push_back(fmt::format("{} fitted to {}", name, step->data));
   }

@@ -47,10 +47,10 @@ bool exists(const std::string& path) {
 
 Result<void> output_is_free(const CaptureChoice& choice, const std::string& output, const std::string& part) {
   if (exists(part) && choice.resume.empty())
-    return problem(ProblemKind::usage,
-                   fmt::format("{} holds an unfinished capture: go on with `ecs laser capture --resume "
-                               "{}`, or remove it",
-                               part, part));
+    return problem(
+        ProblemKind::usage,
+        fmt::format("{} holds an unfinished capture: go on with `ecs laser capture --resume {}`, or remove it", part,
+                    part));
   if (exists(output) && !choice.force)
     return problem(ProblemKind::usage,
                    fmt::format("{} is there already: give another -o, or --force to replace it", output));
@@ -135,8 +135,8 @@ TriggerKind trigger_kind(const CaptureChoice& choice, bool typed) {
 Result<void> check_keyboard(const Keyboard* keyboard, TriggerKind kind, bool typed) {
   if (typed && kind != TriggerKind::typed)
     return problem(ProblemKind::usage,
-                   "--trigger sets only the time of a reading: give its source as well (--gauge, --readings, "
-                   "--follow or --display); without a trigger, values are typed");
+                   "--trigger sets only the time of a reading: give its source as well (--gauge, --readings, --follow "
+                   "or --display); without a trigger, values are typed");
   if (keyboard == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
     return problem(ProblemKind::usage,
                    "nobody can type here: give --trigger DEVICE.toml, or --trigger each with --readings");

@@ -147,10 +147,9 @@ void CaptureRun::settle() {
   const Result<void> written = writing_.get();
   part_is_safe_ = written.has_value();
   if (!part_is_safe_)
-    tell(CaptureNews::Kind::warning,
-         fmt::format("{} could not be written ({}): the readings are only in memory. Make room; it is tried again with "
-                     "the next reading",
-                     setup_.part, written.error().message));
+    tell(CaptureNews::Kind::warning, fmt::format("{} could not be written ({}): the readings are only in memory. Make "
+                                                 "room; it is tried again with the next reading",
+                                                 setup_.part, written.error().message));
 }
 
 bool CaptureRun::part_is_safe() {

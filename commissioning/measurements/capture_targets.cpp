@@ -134,8 +134,8 @@ Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
     plan = std::move(*read);
   } else if (const std::string names = lacking(arguments); !names.empty()) {
     return wrong_usage(
-        fmt::format("what is to be measured? Missing: {}; or give --plan PLAN.toml --row NAME, or --targets "
-                    "FILE.csv, or --resume FILE.part",
+        fmt::format("what is to be measured? Missing: {}; or give --plan PLAN.toml --row NAME, or --targets FILE.csv, "
+                    "or --resume FILE.part",
                     names));
   }
   if (const auto said = override_line(arguments, line); !said) return tl::unexpected(said.error());

@@ -42,8 +42,7 @@ Result<std::vector<devices::DeviceDescription>> described(const std::string& tex
       if (!std::filesystem::exists(named.name, error))
         why.message +=
             "; expected a device's description: `ecs laser devices --learn` makes one of a trigger, samples/devices "
-            "has one "
-            "of each kind, \"temper\" comes with the program";
+            "has one of each kind, \"temper\" comes with the program";
       return tl::unexpected(std::move(why));
     }
     found = {std::move(*read)};

@@ -49,11 +49,11 @@ Result<std::vector<Watched>> opened(const LearnChoice& choice) {
   }
   if (!watched.empty()) return watched;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  return problem(ProblemKind::link, present->empty()
-                                        ? "no HID device is plugged in: plug the trigger in, then try again"
-                                        : fmt::format("no HID device is \"{}\": `ecs laser devices` lists "
-                                                      "paths, ids and serial numbers",
-                                                      choice.device));
+  return problem(ProblemKind::link,
+                 present->empty()
+                     ? "no HID device is plugged in: plug the trigger in, then try again"
+                     : fmt::format("no HID device is \"{}\": `ecs laser devices` lists paths, ids and serial numbers",
+                                   choice.device));
 }
 
 /// Reads what is there; false: the device is gone.

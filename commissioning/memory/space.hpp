@@ -29,7 +29,7 @@ namespace ecs::commissioning {
 [[nodiscard]] bool touches_active_map(const protocol::UnitStatus& status, Address address, std::size_t bytes);
 /// Said before such a write.
 inline constexpr std::string_view kSpoilsMap =
-    "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; "
-    "`ecs map send` or `ecs memory load` makes it whole again";
+    "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; `ecs "
+    "map send` or `ecs memory load` makes it whole again";
 
 }  // namespace ecs::commissioning

@@ -40,10 +40,9 @@ Result<void> may_write(const MemoryBytes& memory, Address address, std::size_t b
 
 Result<void> may_write_in(UnitMode mode) {
   if (mode == UnitMode::integration) return {};
-  return problem(ProblemKind::refused,
-                 fmt::format("the unit is {}: it lets memory be written in integration mode only; ECS UTILITY, "
-                             "`utility mode integrate` first",
-                             ecs::name_of(mode)));
+  return problem(ProblemKind::refused, fmt::format("the unit is {}: it lets memory be written in integration mode "
+                                                   "only; ECS UTILITY, `utility mode integrate` first",
+                                                   ecs::name_of(mode)));
 }
 
 Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number, const ByteWrite& write) {

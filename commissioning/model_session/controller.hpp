@@ -39,7 +39,6 @@ class ModelController {
   /// What compensation would leave, and what it left; empty: not asked yet.
   [[nodiscard]] const std::vector<std::string>& after() const { return after_; }
   [[nodiscard]] const std::string& model_file() const { return files_.model; }
-  [[nodiscard]] bool has_machine() const { return !files_.machine.empty(); }
   [[nodiscard]] bool changed() const { return changed_; }
   /// Counts up with every fit: curves are made anew only then.
   [[nodiscard]] int generation() const { return generation_; }

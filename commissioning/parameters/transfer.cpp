@@ -124,8 +124,8 @@ void ParametersTransfer::take_read_to_send(UnitContent unit) {
 
 void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
   asking_.ask({fmt::format("Switch {} to integration mode?", title_of(unit)),
-               fmt::format("It is {} now and takes no parameters there. In integration mode it stops "
-                           "compensating: outputs go to 0, relays open. The machine must not be cutting.",
+               fmt::format("It is {} now and takes no parameters there. In integration mode it stops compensating: "
+                           "outputs go to 0, relays open. The machine must not be cutting.",
                            ecs::name_of(unit.mode)),
                "switch", "leave it"},
               [this] { read_to_send(true); });
@@ -169,8 +169,8 @@ void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   for (const Problem& objection : why.also) objections += "\n- " + objection.message;
   message_->say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
   asking_.ask({"Send them without the map?",
-               "The map in the unit does not fit these parameters and would be dropped: the unit does not "
-               "compensate until a map is sent." +
+               "The map in the unit does not fit these parameters and would be dropped: the unit does not compensate "
+               "until a map is sent." +
                    objections,
                "send, drop the map", "send nothing"},
               [this] { start_sending(owner_, UnfitMap::drop); });

@@ -51,8 +51,8 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
                                       [&](const laser::SourceFile& source) { return source.component == name; });
     if (measured && squareness_um_per_m(parameters, component) == 0.0)
       objections.push_back(
-          fmt::format("{} was measured for this map, but the parameters hold 0: use the parameters "
-                      "that `ecs map build --params-out` wrote",
+          fmt::format("{} was measured for this map, but the parameters hold 0: use the parameters that `ecs map build "
+                      "--params-out` wrote",
                       name));
   }
   return objections;
@@ -98,14 +98,14 @@ std::vector<std::string> no_room_for(std::span<const std::uint8_t> image, const 
   const ImageView view(image);
   const auto parameters = view.parameters();
   if (parameters && parameters->memory_modules > identity.memory_modules)
-    objections.push_back(fmt::format(
-        "the parameters count on {} axis memory modules, the unit has {}: put more modules into its rack, or set "
-        "memory_modules in the parameters to {}",
-        parameters->memory_modules, identity.memory_modules, identity.memory_modules));
+    objections.push_back(
+        fmt::format("the parameters count on {} axis memory modules, the unit has {}: put more modules into its rack, "
+                    "or set memory_modules in the parameters to {}",
+                    parameters->memory_modules, identity.memory_modules, identity.memory_modules));
   if (view.value_count() > identity.capacity_values)
     objections.push_back(
-        fmt::format("the map holds {} values, the unit holds at most {}: use a larger increment, or "
-                    "put more axis memory modules into its rack",
+        fmt::format("the map holds {} values, the unit holds at most {}: use a larger increment, or put more axis "
+                    "memory modules into its rack",
                     view.value_count(), identity.capacity_values));
   const std::size_t room = bank_bytes(static_cast<std::uint8_t>(std::min<int>(identity.memory_modules, kMostModules)));
   if (image.size() > room)

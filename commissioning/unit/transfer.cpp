@@ -72,35 +72,23 @@ Result<SendReport> send_head(protocol::UnitClient& client, Image image, const Un
   if (*held != parameters)
     return problem(ProblemKind::link,
                    "the parameters read back from the unit are not those sent: another host has changed them, or the "
-                   "unit's memory "
-                   "fails (`ecs utility ramtest`); read its status");
+                   "unit's memory fails (`ecs utility ramtest`); read its status");
   const auto status = client.status();
   if (!status) return after_commit(status.error());
   return SendReport{changed->size(), status->commit_sequence, false, false, {}};
 }
 
 tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
-  std::vector<Problem> problems{{ProblemKind::refused,
-                                 "the map in the unit does not fit these parameters; nothing was sent. Send a map for "
-                                 "them (`ecs map send MAP --params FILE` sends both), or give --force to send the "
-                                 "parameters and drop the map",
-                                 {},
-                                 0,
-                                 0,
-                                 {}}};
+  std::vector<Problem> problems{
+      {ProblemKind::refused,
+       "the map in the unit does not fit these parameters; nothing was sent. Send a map for them (`ecs map send MAP "
+       "--params FILE` sends both), or give --force to send the parameters and drop the map",
+       {},
+       0,
+       0,
+       {}}};
   for (const std::string& objection : objections) problems.push_back({ProblemKind::refused, objection, {}, 0, 0, {}});
   return tl::unexpected(folded(std::move(problems)));
-}
-
-VerifyReport compared(std::span<const std::uint8_t> expected, const Image& found, Address first) {
-  VerifyReport report{false, expected.size(), found.size(), 0, std::nullopt};
-  for (std::size_t i = 0; i < std::min(expected.size(), found.size()); ++i) {
-    if (expected[i] == found[i]) continue;
-    ++report.bytes_different;
-    if (!report.first_different) report.first_different = first + static_cast<Address>(i);
-  }
-  report.same = report.bytes_different == 0 && expected.size() == found.size();
-  return report;
 }
 
 }  // namespace
@@ -130,11 +118,10 @@ Result<UnitParameters> receive_parameters(protocol::UnitClient& client) {
   if (!bytes) return tl::unexpected(bytes.error());
   const auto parameters = decode_parameters(ByteView(*bytes).subspan(kPrefixBytes, kParameterBytes));
   if (load_big<std::uint32_t>(*bytes, prefix_at::magic) != kImageMagic || !parameters)
-    return problem(
-        ProblemKind::refused,
-        fmt::format("the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; look "
-                    "at it with `ecs memory show --unit`, and send parameters and map again",
-                    first));
+    return problem(ProblemKind::refused,
+                   fmt::format("the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; "
+                               "look at it with `ecs memory show --unit`, and send parameters and map again",
+                               first));
   return *parameters;
 }
 
@@ -172,15 +159,6 @@ Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParam
   report->map_dropped = kept.had_one && !report->map_kept;
   report->map_objections = std::move(kept.objections);
   return report;
-}
-
-Result<VerifyReport> verify_image(protocol::UnitClient& client, std::span<const std::uint8_t> expected,
-                                  const protocol::ProgressCallback& progress) {
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  const auto found = read_active_image(client, progress);
-  if (!found) return tl::unexpected(found.error());
-  return compared(expected, found->value_or(Image()), address_of(status->active_bank));
 }
 
 }  // namespace ecs::commissioning

@@ -53,15 +53,4 @@ struct SendReport {
 [[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
                                             const protocol::ProgressCallback& progress = {});
 
-/// Where the unit's active image differs from the one expected.
-struct VerifyReport {
-  bool same = false;
-  std::size_t bytes_expected = 0;
-  std::size_t bytes_found = 0;             ///< 0: the unit holds no image
-  std::size_t bytes_different = 0;         ///< over the common length
-  std::optional<Address> first_different;  ///< in the unit's address space
-};
-[[nodiscard]] Result<VerifyReport> verify_image(protocol::UnitClient& client, std::span<const std::uint8_t> expected,
-                                                const protocol::ProgressCallback& progress = {});
-
 }  // namespace ecs::commissioning

@@ -37,9 +37,9 @@ Question DatumRecordController::question(Axis axis) const {
   const std::string unsaved = unsaved_record_of();
   return {
       fmt::format("Record axis {} for {:.0f} seconds?", letter_of(axis), kDatumRecord_s),
-      fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon "
-                  "as the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away "
-                  "from the reference switch.{}{}",
+      fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon as "
+                  "the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away from the "
+                  "reference switch.{}{}",
                   letter_of(axis), kDatumRecord_s, emulator() ? " This is the emulator: g references its machine." : "",
                   unsaved.empty() ? "" : " The record of " + unsaved + " was not saved: this one takes its place."),
       "record", "not now"};

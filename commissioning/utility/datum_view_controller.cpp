@@ -29,15 +29,14 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
     return {"The switch did not change: the axis did not reach it, or it is not connected. Begin nearer to it."};
   if (seen.lack == Lack::clear_start)
     return {
-        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off "
-                    "first. Nothing is read from that. Move the axis well away from the switch and record again.",
+        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off first. "
+                    "Nothing is read from that. Move the axis well away from the switch and record again.",
                     seen.switch_changes)};
-  std::vector<std::string> hints{
-      fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; the routine "
-                  "allows half as much again.",
-                  seen.forward ? "forward" : "reverse", seen.approach_mm_min),
-      fmt::format("Reference switch initial state: the contact was {} before.",
-                  seen.initially_closed ? "closed" : "open")};
+  std::vector<std::string> hints{fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; "
+                                             "the routine allows half as much again.",
+                                             seen.forward ? "forward" : "reverse", seen.approach_mm_min),
+                                 fmt::format("Reference switch initial state: the contact was {} before.",
+                                             seen.initially_closed ? "closed" : "open")};
   if (seen.lack == Lack::marker) {
     hints.emplace_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
     return hints;
@@ -133,10 +132,12 @@ void DatumViewController::align() {
     return;
   }
   second_->shift_s = second_->shift_s != 0.0 ? 0.0 : *a - *b;
-  message_.say(second_->shift_s == 0.0 ? "Both begin at 0 s."
-                                       : fmt::format("The second is shifted by {:+.3f} s: the switches change first at "
-                                                     "the same time. a shifts it back.",
-                                                     second_->shift_s));
+  message_.say(
+      second_->shift_s == 0.0
+          ? "Both begin at 0 s."
+          : fmt::format(
+                "The second is shifted by {:+.3f} s: the switches change first at the same time. a shifts it back.",
+                second_->shift_s));
   show_all();
 }
 

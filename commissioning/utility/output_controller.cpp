@@ -65,10 +65,10 @@ OutputController::~OutputController() {
       connection_->with_link_to_any_unit(control, [](UnitLink& link) { return link.client().output_off(); })
           .has_value();
   if (!off && setting_.relay)
-    leave_word(fmt::format(
-        "axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after it "
-        "was asked last; until then {:+g} um may act on the axis",
-        letter_of(setting_.axis), setting_.um));
+    leave_word(
+        fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it by itself 60 s after "
+                    "it was asked last; until then {:+g} um may act on the axis",
+                    letter_of(setting_.axis), setting_.um));
 }
 
 /// What another host, or this one before, left switched on; what the unit has ended by itself.
@@ -115,10 +115,11 @@ Result<double> OutputController::value_in(const std::string& typed) const {
   if (!number) return problem(ProblemKind::usage, fmt::format("expected a value in um, found \"{}\"", typed));
   const double limit = parameters().output_limit_um;
   if (std::abs(*number) > limit)
-    return problem(ProblemKind::usage,
-                   fmt::format("{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit "
-                               "would refuse it",
-                               um_text(*number), letter_of(setting_.axis), limit));
+    return problem(
+        ProblemKind::usage,
+        fmt::format(
+            "{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit would refuse it",
+            um_text(*number), letter_of(setting_.axis), limit));
   return *number;
 }
 
@@ -199,10 +200,9 @@ void OutputController::off() {
       if (!seen) return tl::unexpected(seen.error());
       for (const Axis a : kAllAxes)
         if (seen->axes[index_of(a)].relay_closed)
-          return problem(ProblemKind::link,
-                         fmt::format("the unit answers that all is off, but shows the relay of {} closed: press o "
-                                     "again; if it stays, use the emergency stop",
-                                     letter_of(a)));
+          return problem(ProblemKind::link, fmt::format("the unit answers that all is off, but shows the relay of {} "
+                                                        "closed: press o again; if it stays, use the emergency stop",
+                                                        letter_of(a)));
       return Taken{{axis, 0.0, false}, std::nullopt};
     });
   });

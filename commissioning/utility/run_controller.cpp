@@ -38,13 +38,11 @@ Result<UserProgram> program_in(const std::string& address, const std::string& ar
   if (!start)
     problems.push_back(start.error());
   else if (*start % 2 != 0 || *start < kUserPrograms || *start > kLastStart)
-    problems.push_back({ProblemKind::usage,
-                        fmt::format("start address: expected an even address from 0x{:06X} to 0x{:06X}, found {}",
-                                    kUserPrograms, kLastStart, address),
-                        {},
-                        0,
-                        0,
-                        {}});
+    problems.push_back(
+        problem(ProblemKind::usage,
+                fmt::format("start address: expected an even address from 0x{:06X} to 0x{:06X}, found {}",
+                            kUserPrograms, kLastStart, address))
+            .value());
   else
     program.address = *start;
   const auto given = whole_number(argument, "argument");
@@ -55,12 +53,9 @@ Result<UserProgram> program_in(const std::string& address, const std::string& ar
   const auto wait = number_in(wait_s);
   if (!wait || !(*wait > 0.0) || *wait > kLongest_s)
     problems.push_back(
-        {ProblemKind::usage,
-         fmt::format("time limit: expected seconds above 0, at most {:.0f}, found \"{}\"", kLongest_s, wait_s),
-         {},
-         0,
-         0,
-         {}});
+        problem(ProblemKind::usage,
+                fmt::format("time limit: expected seconds above 0, at most {:.0f}, found \"{}\"", kLongest_s, wait_s))
+            .value());
   else
     program.wait_s = *wait;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
@@ -127,8 +122,8 @@ void RunController::ask(const Bytes& first) {
       fmt::format("Run the program at 0x{:06X}?", program_.address),
       (empty ? std::string("NO PROGRAM lies there, only zeros: MEMORY ACCESS writes one. ")
              : fmt::format("It begins with{}. ", words)) +
-          fmt::format("D0 is given {} (0x{:08X}). It may write to all RAM of the unit, the error map included, and "
-                      "is stopped after {:g} s; leaving its memory is a fault that the unit keeps.",
+          fmt::format("D0 is given {} (0x{:08X}). It may write to all RAM of the unit, the error map included, and is "
+                      "stopped after {:g} s; leaving its memory is a fault that the unit keeps.",
                       program_.argument, program_.argument, program_.wait_s),
       "run it", "leave it"};
 }

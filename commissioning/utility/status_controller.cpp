@@ -114,19 +114,19 @@ void StatusController::test_memory() {
     if (!result) return tl::unexpected(result.error());
     if (result->value == protocol::kUnused)
       return std::string("Every location of the axis memory holds what is written to it.");
-    return problem(ProblemKind::refused,
-                   fmt::format("The memory test failed at 0x{:06X}: replace that axis memory module, then send "
-                               "parameters and map again.",
-                               result->value));
+    return problem(
+        ProblemKind::refused,
+        fmt::format(
+            "The memory test failed at 0x{:06X}: replace that axis memory module, then send parameters and map again.",
+            result->value));
   });
 }
 
 Question StatusController::clear_question() const {
-  return {
-      "Let the unit forget its fault?",
-      "Fault, axis and address are lost: s saves them in a file first. The cause stays what it is; the unit does not "
-      "change its mode.",
-      "forget it", "keep it"};
+  return {"Let the unit forget its fault?",
+          "Fault, axis and address are lost: s saves them in a file first. The cause stays what it is; the unit does "
+          "not change its mode.",
+          "forget it", "keep it"};
 }
 
 void StatusController::clear_fault() {

@@ -57,7 +57,8 @@ TEST_CASE(
   auto gauge = bus.plug(fake::gauge_spec());
   const auto stick = bus.plug(fake::temper_spec(0x0C45, 0x7401));
   fake::answer_like_temper(*stick, {{0x80, 0x04, 0x14, 0x80, 0x13, 0x40, 0, 0}});  // 20.5 and 19.25 degC
-  LiveScreen screen("laser capture", words(out));
+  const auto screen_made = live_screen("laser capture", words(out));
+  Screen& screen = *screen_made;
   for (int k = 0; k < 18; ++k) {
     REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1), 30, 120));
     if (k == 7) {

@@ -35,11 +35,11 @@ class CurvesPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
     if (work.curves.empty())
-      return draw_nothing_yet(canvas, area,
-                              work.lines.empty()
-                                  ? "No measured lines yet: step 1 takes the files."
-                                  : "None of the measured lines serves a component of the chosen scope: step 6 says "
-                                    "what it needs.");
+      return draw_nothing_yet(
+          canvas, area,
+          work.lines.empty()
+              ? "No measured lines yet: step 1 takes the files."
+              : "None of the measured lines serves a component of the chosen scope: step 6 says what it needs.");
     const LaserHalves halves = laser_halves(area);
     const std::string hint = work.map.parameters ? "" : "p takes the parameters: then a row is a component of the map";
     const int hint_rows = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);

@@ -19,8 +19,6 @@ void LaserForm::go_to(const std::string& field) {
     if (fields_[k].name == field) place_.selected = static_cast<int>(k);
 }
 
-bool LaserForm::has_choices() const { return !fields_[static_cast<std::size_t>(place_.selected)].choices.empty(); }
-
 LaserForm::Layout LaserForm::layout(const Area& area) const {
   constexpr int kHelpRows = 3;
   Layout out;

@@ -34,7 +34,6 @@ class LaserForm {
   [[nodiscard]] CellPosition cursor(const Area& area) const;
   /// @return false: the form is done, taken or given up
   [[nodiscard]] bool on_key(const Key& key);
-  [[nodiscard]] bool has_choices() const;
 
  private:
   struct Layout {

@@ -106,11 +106,9 @@ class LeaveOutPage final : public LaserPage {
   std::string help() const override {
     return "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
            "file, and every later step follows by itself. What is left out stays in the curve as x; what lies far "
-           "outside "
-           "stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
+           "outside stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
            "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
-           "left "
-           "out of it, ? that readings stand out, ! that no curve comes of it.";
+           "left out of it, ? that readings stand out, ! that no curve comes of it.";
   }
 
  private:

@@ -121,10 +121,9 @@ class LinesPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
-           "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer "
-           "says where "
-           "an axis was parked: it is taken as 0, and Enter tells it. comp.: measured with compensation active, of no "
-           "use for a map.";
+           "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
+           "where an axis was parked: it is taken as 0, and Enter tells it. comp.: measured with compensation active, "
+           "of no use for a map.";
   }
 
  private:

@@ -42,8 +42,8 @@ class MapPage final : public LaserPage {
       draw_nothing_yet(canvas, area,
                        map.parameters_problem.empty()
                            ? (controller().choices().params_file.empty()
-                                  ? "Which components the map needs is in the parameters of the unit: p "
-                                    "takes their file, or receives what the unit holds."
+                                  ? "Which components the map needs is in the parameters of the unit: p takes their "
+                                    "file, or receives what the unit holds."
                                   : "The parameters are being read ...")
                            : map.parameters_problem);
       return;

@@ -109,12 +109,14 @@ class SendPage final : public LaserPage {
     const ReadyMap& ready = *controller().ready();
     host().ask(
         {fmt::format("Send the map to {}?", unit_text(controller().unit().snapshot())),
-         fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
-                     doubts_of(controller().work().map), ready.map->image.bytes.size(), ready.check,
-                     ready.active ? fmt::format("They replace what the unit holds ({}), which it keeps until "
-                                                "the new map is whole and checked",
-                                                check_text(ready.active))
-                                  : std::string("The unit holds no map yet, and takes this one whole or not at all")),
+         fmt::format(
+             "{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
+             doubts_of(controller().work().map), ready.map->image.bytes.size(), ready.check,
+             ready.active
+                 ? fmt::format(
+                       "They replace what the unit holds ({}), which it keeps until the new map is whole and checked",
+                       check_text(ready.active))
+                 : std::string("The unit holds no map yet, and takes this one whole or not at all")),
          "send", "not now"},
         [this] { controller().send(); });
     return true;

@@ -273,10 +273,9 @@ std::vector<KeyHelp> MemoryScreen::keys() const {
 }
 
 std::string MemoryScreen::help() const {
-  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what is under the "
-         "cursor "
-         "by name with its value, and the same bytes as plain numbers. Pages are read when they come into view; .. is "
-         "not read yet. [45] is the cursor, 45* differs from the file compared. Protected regions can be read only. "
+  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what is under the cursor by "
+         "name with its value, and the same bytes as plain numbers. Pages are read when they come into view; .. is not "
+         "read yet. [45] is the cursor, 45* differs from the file compared. Protected regions can be read only. "
          "Writing needs integration mode, asks first, is read back, and u writes the old bytes back.";
 }
 

@@ -133,10 +133,11 @@ void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
   if (!controller_.compares())
     return draw_paragraph(canvas, text, "Nothing is compared yet: c names a dump file to compare with what is shown.");
   if (controller_.differences().empty())
-    return draw_paragraph(canvas, text,
-                          fmt::format("No difference to {} in what is read. a on the page of the bytes reads a whole "
-                                      "region, s reads all memory.",
-                                      controller_.compared_file()));
+    return draw_paragraph(
+        canvas, text,
+        fmt::format(
+            "No difference to {} in what is read. a on the page of the bytes reads a whole region, s reads all memory.",
+            controller_.compared_file()));
   std::vector<ListRow> rows;
   for (const DifferenceRow& row : controller_.differences()) rows.push_back({text_of(row), Tone::plain});
   canvas.text({area.row, area.column, 1, area.columns}, 0, 2,
@@ -149,8 +150,8 @@ void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   const Area text{area.row + 1, area.column + 1, area.rows - 1, area.columns - 2};
   if (controller_.written().empty())
     return draw_paragraph(canvas, text,
-                          "Nothing was written this time. w on the page of the bytes writes at the cursor; "
-                          "it asks first, and u writes the old bytes back.");
+                          "Nothing was written this time. w on the page of the bytes writes at the cursor; it asks "
+                          "first, and u writes the old bytes back.");
   std::vector<ListRow> rows;
   for (const ByteWrite& write : controller_.written())
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});

@@ -70,8 +70,7 @@ class ModelForm final : public Screen {
     return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
            "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
            "begun there, and the screen finds from the measurements what else belongs into it. The machine file tells "
-           "lever arms and "
-           "pitches; without it fewer causes can be distinguished.";
+           "lever arms and pitches; without it fewer causes can be distinguished.";
   }
 
   [[nodiscard]] bool advance() override { return opening_.advance() || opening_.running(); }
@@ -115,10 +114,10 @@ class ModelForm final : public Screen {
     }
     asking_.ask(
         {"Begin a new model?",
-         fmt::format("{} does not exist yet. A new model begins with what every machine has: offset, "
-                     "slope and backlash of each curve that was measured. Then d finds what is missing, "
-                     "a adds it and the error falls.",
-                     named.model),
+         fmt::format(
+             "{} does not exist yet. A new model begins with what every machine has: offset, slope and backlash of "
+             "each curve that was measured. Then d finds what is missing, a adds it and the error falls.",
+             named.model),
          "begin it", "another file"},
         [this] { start(true); }, [this] { field_ = 0; });
   }

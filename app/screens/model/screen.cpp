@@ -178,9 +178,8 @@ std::string ModelScreen::help() const {
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
          "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise. After "
-         "tells "
-         "what compensation would leave (w), what it left when measured again (o), and writes the map (m). r shows one "
-         "run after the other.";
+         "tells what compensation would leave (w), what it left when measured again (o), and writes the map (m). r "
+         "shows one run after the other.";
 }
 
 std::string ModelScreen::unsaved() const {

@@ -147,10 +147,9 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   if (!controller_->diagnosis()) {
     canvas.paragraph(text, 1,
-                     controller_->busy()
-                         ? "The library is being tried on what the model leaves."
-                         : "Press d: every effect of the library is tried on what the model leaves, and "
-                           "weighed against noise made for this very data set.");
+                     controller_->busy() ? "The library is being tried on what the model leaves."
+                                         : "Press d: every effect of the library is tried on what the model leaves, "
+                                           "and weighed against noise made for this very data set.");
     return;
   }
   const model::Diagnosis& d = *controller_->diagnosis();
@@ -223,9 +222,8 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
     if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
     return wrapped(
         "w computes what compensation by the unit would leave of these errors, effect by effect. o opens files "
-        "measured "
-        "again with the unit compensating and puts what was achieved beside it. m compiles the model to a map for the "
-        "unit (PROCESS LASER DATA sends it).",
+        "measured again with the unit compensating and puts what was achieved beside it. m compiles the model to a map "
+        "for the unit (PROCESS LASER DATA sends it).",
         columns);
   }
   if (!controller_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);

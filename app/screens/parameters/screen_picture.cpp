@@ -75,8 +75,8 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
               {{"Enter  takes it up where it was left"}, {"d      drops it"}}, start_);
     row += 4;
     canvas.paragraph(inside, row,
-                     "It was neither saved to a file nor sent to a unit. Other parameters can be opened "
-                     "when it has been taken up and saved, or dropped.",
+                     "It was neither saved to a file nor sent to a unit. Other parameters can be opened when it has "
+                     "been taken up and saved, or dropped.",
                      Tone::faint);
     draw_message(canvas, inside.below(row + 3), message_);
     return;
@@ -212,8 +212,8 @@ std::vector<KeyHelp> ParametersScreen::keys() const {
 }
 
 std::string ParametersScreen::help() const {
-  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! a finding against the value, "
-         "* changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
+  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! a finding against the value, * "
+         "changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
          "survives a crash and is offered again.";
 }
 

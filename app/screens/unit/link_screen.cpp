@@ -121,11 +121,9 @@ class LinkScreen final : public Screen {
 
   [[nodiscard]] std::string help() const override {
     return "How the unit is reached. Set the fields, t lets the doctor try them and says step by step what it finds "
-           "and "
-           "what "
-           "to do (it only reads), u uses the setting now in all screens, s stores it for the next start. If another "
-           "setting "
-           "answers, it is offered. The statistics count what happened on the link since it was opened.";
+           "and what to do (it only reads), u uses the setting now in all screens, s stores it for the next start. If "
+           "another setting answers, it is offered. The statistics count what happened on the link since it was "
+           "opened.";
   }
 
   [[nodiscard]] bool advance() override { return controller_.advance(); }

@@ -114,10 +114,9 @@ class LogScreen final : public Screen {
 
   [[nodiscard]] std::string help() const override {
     return "The messages of the screens since the program began, newest last; the whole text of the marked message is "
-           "below the "
-           "list. All of it is in the file named above, with date and time, for copying and sending; s writes a copy "
-           "where "
-           "you say. To copy with the mouse hold Shift while selecting, as the screens use the mouse themselves.";
+           "below the list. All of it is in the file named above, with date and time, for copying and sending; s "
+           "writes a copy where you say. To copy with the mouse hold Shift while selecting, as the screens use the "
+           "mouse themselves.";
   }
 
   [[nodiscard]] bool advance() override {

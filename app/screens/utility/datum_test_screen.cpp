@@ -85,8 +85,7 @@ class DatumTestScreen final : public UtilityScreen<DatumTestController> {
   [[nodiscard]] std::string help() const override {
     return std::string(kDatumTestExplained) +
            " With the bundled emulator g references its machine, the axis under test first and the others when their "
-           "turn "
-           "comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
+           "turn comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
   }
 
  private:

@@ -110,13 +110,12 @@ class DatumViewScreen final : public UtilityScreen<DatumViewController> {
   void draw_empty(Canvas& canvas, const Area& area) const {
     int row =
         canvas.paragraph(area, 1,
-                         "A datum sequence is ten seconds of one axis being referenced: its speed over time, with "
-                         "the reference switch and the marker below. From it the datuming parameters are read off.");
-    row +=
-        2 + canvas.paragraph(area, 2 + row,
-                             "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this one "
-                             "makes a new record.",
-                             Tone::strong);
+                         "A datum sequence is ten seconds of one axis being referenced: its speed over time, with the "
+                         "reference switch and the marker below. From it the datuming parameters are read off.");
+    row += 2 + canvas.paragraph(area, 2 + row,
+                                "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this "
+                                "one makes a new record.",
+                                Tone::strong);
     if (controller_.draft())
       canvas.paragraph(
           area, row + 2,

@@ -15,9 +15,8 @@ constexpr int kBoxRow = 7;
 constexpr int kOutputPromptRow = 13;  ///< a proposal or an explanation follows
 constexpr const char* kScaleExplained =
     "To set the output scale: put a dial gauge on the axis and zero it, close the relay (r), step the value to the "
-    "size of your "
-    "largest error, press m and type what the gauge shows. The scale and polarity that follow are proposed here. "
-    "The converter alone is tested with the relay open: measure its voltage.";
+    "size of your largest error, press m and type what the gauge shows. The scale and polarity that follow are "
+    "proposed here. The converter alone is tested with the relay open: measure its voltage.";
 
 /// What the box says, and how.
 ListRow relay_row(const OutputController& controller) {
@@ -91,8 +90,7 @@ class OutputScreen final : public UtilityScreen<OutputController> {
                "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
                "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
                "Esc switch everything off; a second Esc leaves. If the link is lost the unit opens its relays by "
-               "itself "
-               "after 60 s without a question. ") +
+               "itself after 60 s without a question. ") +
            kScaleExplained;
   }
 

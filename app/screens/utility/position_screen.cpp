@@ -14,10 +14,9 @@ constexpr int kPositionAxisRow = 2;
 constexpr int kPositionPromptRow = 7;
 constexpr const char* kPositionExplained =
     "The unit adds up the counts of an axis's transducer. Here the number it shows for an axis is set to any value, "
-    "and "
-    "it counts on from there. Set an axis to 0, move it by a known distance and compare: a wrong sign is the wiring or "
-    "the sign of the position feedback scaling factor, a wrong length its size, a number that does not change the "
-    "transducer or its module. Nothing moves by this, and no axis becomes referenced.";
+    "and it counts on from there. Set an axis to 0, move it by a known distance and compare: a wrong sign is the "
+    "wiring or the sign of the position feedback scaling factor, a wrong length its size, a number that does not "
+    "change the transducer or its module. Nothing moves by this, and no axis becomes referenced.";
 
 class PositionScreen final : public UtilityScreen<PositionController> {
  public:

@@ -62,13 +62,9 @@ class RunScreen final : public UtilityScreen<RunController> {
 
   [[nodiscard]] std::string help() const override {
     return "Runs 68000 machine code that lies in the unit's system RAM. D0 holds the argument; RTS ends the program "
-           "and "
-           "D0 "
-           "is its result; the registers it left are shown. An access where nothing is, an illegal instruction or the "
-           "end of "
-           "the time limit ends it, and the unit keeps the fault user_software. Down moves on to the regions: Enter "
-           "there "
-           "takes an address.";
+           "and D0 is its result; the registers it left are shown. An access where nothing is, an illegal instruction "
+           "or the end of the time limit ends it, and the unit keeps the fault user_software. Down moves on to the "
+           "regions: Enter there takes an address.";
   }
 
   [[nodiscard]] bool advance() override {
@@ -122,8 +118,8 @@ class RunScreen final : public UtilityScreen<RunController> {
     if (!ended) {
       canvas.paragraph(
           area, 0,
-          "A program ends with RTS and returns D0. MEMORY ACCESS writes programs and their data into system "
-          "RAM; samples with an assembler are in samples/user_software. System RAM forgets without power.",
+          "A program ends with RTS and returns D0. MEMORY ACCESS writes programs and their data into system RAM; "
+          "samples with an assembler are in samples/user_software. System RAM forgets without power.",
           Tone::faint);
       return;
     }

@@ -41,11 +41,10 @@ class StatusScreen final : public UtilityScreen<StatusController> {
     if (page() == Page::memory)
       draw_scrolled(canvas, body, controller_.file()->memory, scroll_);
     else if (s == nullptr)
-      canvas.paragraph(
-          body, 0,
-          "Nothing was read yet. Without a unit, o opens a status file (s of this screen, `ecs utility status "
-          "--save`) or a memory dump (`ecs memory dump`): both decode here.",
-          Tone::faint);
+      canvas.paragraph(body, 0,
+                       "Nothing was read yet. Without a unit, o opens a status file (s of this screen, `ecs utility "
+                       "status --save`) or a memory dump (`ecs memory dump`): both decode here.",
+                       Tone::faint);
     else if (page() == Page::state)
       draw_state(canvas, body);
     else
@@ -100,14 +99,11 @@ class StatusScreen final : public UtilityScreen<StatusController> {
 
   [[nodiscard]] std::string help() const override {
     return "The state of the unit: mode, fault in plain words with what to do next, memory tests with their addresses, "
-           "the "
-           "loop; the address pointers (which value of every curve was selected last, and where it lies); the axes. It "
-           "is "
-           "read again every second. t tests every location of the axis memory, its contents stay. m changes between "
-           "integration and compensation mode and says first what moves. s saves everything with the registers as they "
-           "came; o opens such a file, or a memory dump, also without a unit. With the bundled emulator g references "
-           "its "
-           "machine.";
+           "the loop; the address pointers (which value of every curve was selected last, and where it lies); the "
+           "axes. It is read again every second. t tests every location of the axis memory, its contents stay. m "
+           "changes between integration and compensation mode and says first what moves. s saves everything with the "
+           "registers as they came; o opens such a file, or a memory dump, also without a unit. With the bundled "
+           "emulator g references its machine.";
   }
 
  private:

@@ -251,7 +251,7 @@ class VerbScreen final : public Screen {
       refused_ = true;
       return stay();
     }
-    if (runs_live(verb_.name())) return opened(std::make_unique<LiveScreen>(verb_.name(), words()));
+    if (runs_live(verb_.name())) return opened(live_screen(verb_.name(), words()));
     answer_.reset();
     lines_for_ = -1;
     reading_ = false;

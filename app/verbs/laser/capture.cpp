@@ -64,8 +64,8 @@ void take_target_options(Verb& verb, CaptureTargets& arguments) {
 extern const VerbDefinition kLaserCapture = verb<CaptureChoice>(
     "laser capture", "guides through the targets of a measurement, forward and back, and takes its readings",
     "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
-    "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml "
-    "--environment temper -o EXX.csv\n"
+    "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml --environment temper "
+    "-o EXX.csv\n"
     "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
     [](Verb& verb, CaptureChoice& arguments) {
       verb.text("-o,--output", arguments.output, "the measurement CSV to write; OUT.csv.part until it is complete")

@@ -27,7 +27,8 @@ std::vector<std::string> words(const ecs::StateFolder& folder) {
 
 TEST_CASE("a capture leads through its targets on the screen and ends with its file") {
   const ecs::StateFolder folder;
-  LiveScreen screen("laser capture", words(folder));
+  const auto screen_made = live_screen("laser capture", words(folder));
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "next: X forward to 0 mm (1 of 2"));
   enter(screen, "0.5");
   REQUIRE(shows(screen, "next: X forward to 50 mm (2 of 2"));
@@ -42,7 +43,8 @@ TEST_CASE("a capture leads through its targets on the screen and ends with its f
 
 TEST_CASE("escape leaves a capture with what was read in its part file") {
   const ecs::StateFolder folder;
-  LiveScreen screen("laser capture", words(folder));
+  const auto screen_made = live_screen("laser capture", words(folder));
+  Screen& screen = *screen_made;
   REQUIRE(shows(screen, "next: X forward to 0 mm"));
   enter(screen, "0.5");
   REQUIRE(shows(screen, "next: X forward to 50 mm"));
@@ -54,7 +56,8 @@ TEST_CASE("escape leaves a capture with what was read in its part file") {
 TEST_CASE("closing the screen ends the capture") {
   const ecs::StateFolder folder;
   {
-    LiveScreen screen("laser capture", words(folder));
+    const auto screen_made = live_screen("laser capture", words(folder));
+    Screen& screen = *screen_made;
     REQUIRE(shows(screen, "next: X forward to 0 mm"));
     enter(screen, "0.5");
     REQUIRE(shows(screen, "next: X forward to 50 mm"));
