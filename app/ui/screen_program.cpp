@@ -1,7 +1,6 @@
 #include "app/ui/screen_program.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "app/ui/key_line.hpp"

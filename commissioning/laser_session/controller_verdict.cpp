@@ -1,8 +1,6 @@
 // The map read back from the unit: the verdict, whether it still holds, compensation with it.
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "commissioning/laser_session/controller.hpp"
 
 namespace ecs::commissioning {

@@ -1,7 +1,5 @@
 #include "commissioning/laser_session/curves.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "commissioning/plot/curves.hpp"

@@ -3,11 +3,9 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/link/unit_connection.hpp"

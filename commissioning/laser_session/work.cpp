@@ -1,7 +1,5 @@
 #include "commissioning/laser_session/work.hpp"
 
-#include <algorithm>
-
 namespace ecs::commissioning {
 namespace {
 

@@ -1,7 +1,6 @@
 // Which link is used: the ports there are, the doctor that tries a setting, taking it, storing it.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>

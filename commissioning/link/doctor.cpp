@@ -1,11 +1,9 @@
 #include "commissioning/link/doctor.hpp"
 
 #include <array>
-#include <chrono>
 
 #include <fmt/format.h>
 
-#include "base/interrupt.hpp"
 #include "commissioning/link/port_survey.hpp"
 #include "commissioning/link/unit_link.hpp"
 

@@ -1,7 +1,5 @@
 #include "commissioning/link/unit_connection.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "commissioning/session/event_log.hpp"

@@ -4,8 +4,6 @@
 #include <mutex>
 #include <utility>
 
-#include <fmt/format.h>
-
 namespace ecs::commissioning {
 namespace {
 

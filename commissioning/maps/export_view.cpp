@@ -8,7 +8,6 @@
 
 #include "base/json.hpp"
 #include "base/paragraph.hpp"
-#include "base/text.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,7 +1,6 @@
 #include "commissioning/maps/source.hpp"
 
 #include "commissioning/unit/transfer.hpp"
-#include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
 
 namespace ecs::commissioning {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/clock.hpp"
 #include "commissioning/measurements/device_choice.hpp"
 #include "devices/sensor.hpp"
 
@@ -17,8 +18,6 @@ using namespace std::chrono_literals;
 constexpr auto kStep = 50ms;
 constexpr auto kBeforeNextTry = 1s;
 constexpr double kOldest_s = 10.0;
-
-double steady_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void pause(const std::stop_token& stop, std::chrono::milliseconds span) {
   for (const auto end = std::chrono::steady_clock::now() + span;

@@ -12,7 +12,6 @@
 
 #include "base/file.hpp"
 #include "base/plain_text.hpp"
-#include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 
 namespace ecs::commissioning {

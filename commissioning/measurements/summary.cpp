@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "base/text.hpp"
-
 namespace ecs::commissioning {
 namespace {
 

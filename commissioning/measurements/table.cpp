@@ -1,7 +1,5 @@
 #include "commissioning/measurements/table.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "commissioning/measurements/summary.hpp"

@@ -5,10 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-#include "base/json.hpp"
-#include "commissioning/memory/fields.hpp"
-
 namespace ecs::commissioning {
 namespace {
 

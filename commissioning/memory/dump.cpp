@@ -8,11 +8,9 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
-#include "base/text.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
-#include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,7 +1,6 @@
 #include "commissioning/memory/names.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 

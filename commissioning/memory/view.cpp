@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
-#include "base/text.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/status_view.hpp"

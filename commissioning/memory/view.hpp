@@ -1,8 +1,6 @@
 // Decoded memory in words and as JSON.
 #pragma once
 
-#include <string>
-
 #include "base/json_fwd.hpp"
 #include "commissioning/memory/decode.hpp"
 

@@ -1,7 +1,5 @@
 #include "commissioning/memory/write.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/json.hpp"

@@ -1,8 +1,6 @@
 // Where a model fails, as text of 80 columns and as JSON.
 #pragma once
 
-#include <string>
-
 #include "base/json_fwd.hpp"
 #include "model/fit/compare.hpp"
 

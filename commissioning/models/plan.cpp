@@ -1,7 +1,5 @@
 #include "commissioning/models/plan.hpp"
 
-#include <algorithm>
-
 #include "base/file.hpp"
 #include "base/text.hpp"
 

@@ -1,7 +1,6 @@
 // Parts of models, fits and diagnoses as text of 80 columns: places, values with sigmas, tests, shapes, the ladder.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

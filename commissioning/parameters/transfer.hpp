@@ -3,10 +3,8 @@
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "commissioning/link/unit_connection.hpp"

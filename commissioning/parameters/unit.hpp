@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/parameters/set.hpp"

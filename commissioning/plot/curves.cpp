@@ -1,6 +1,5 @@
 #include "commissioning/plot/curves.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>

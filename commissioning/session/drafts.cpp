@@ -1,7 +1,6 @@
 #include "commissioning/session/drafts.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <filesystem>
 
 #include <fmt/chrono.h>

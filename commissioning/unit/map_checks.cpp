@@ -1,7 +1,6 @@
 #include "commissioning/unit/map_checks.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,5 @@
 #include "commissioning/unit/transfer.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "commissioning/unit/map_checks.hpp"

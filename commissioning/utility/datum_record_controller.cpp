@@ -4,6 +4,7 @@
 
 #include "base/clock.hpp"
 #include "commissioning/utility/datum_view_controller.hpp"
+#include "commissioning/utility/reference.hpp"
 
 namespace ecs::commissioning {
 namespace {

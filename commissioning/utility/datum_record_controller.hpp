@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
+#include "commissioning/session/task_runner.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 #include "commissioning/utility/datum_live.hpp"
-#include "commissioning/utility/reference.hpp"
 #include "commissioning/utility/unit_view.hpp"
 
 namespace ecs::commissioning {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/utility/reference.hpp"
+
 namespace ecs::commissioning {
 namespace {
 

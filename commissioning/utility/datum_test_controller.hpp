@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "commissioning/session/task_runner.hpp"
 #include "commissioning/unit/utility_work.hpp"
 #include "commissioning/utility/datum_live.hpp"
-#include "commissioning/utility/reference.hpp"
 #include "commissioning/utility/unit_view.hpp"
 
 namespace ecs::commissioning {

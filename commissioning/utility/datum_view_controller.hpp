@@ -2,7 +2,6 @@
 // as a draft until it is saved.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 

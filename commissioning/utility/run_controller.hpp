@@ -1,7 +1,6 @@
 // RUN USER SOFTWARE: which program with which argument, what it returned, the registers it left.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>

@@ -10,7 +10,6 @@
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 #include "commissioning/unit/status_snapshot.hpp"
-#include "commissioning/utility/reference.hpp"
 
 namespace ecs::commissioning {
 

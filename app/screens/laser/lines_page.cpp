@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "app/screens/laser/page.hpp"
-#include "base/text.hpp"
 #include "commissioning/measurements/quantities.hpp"
 
 namespace ecs::app {

@@ -1,5 +1,4 @@
 // What the parameters screen does beyond a single value: files asked for, sending, receiving, finding by name.
-#include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,4 @@
 // RECORD DATUM SEQUENCE: which axis, ten seconds with what the unit sees meanwhile, then the graph opens.
-#include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -1,10 +1,7 @@
 #include "app/screens/utility/parts.hpp"
 
 #include <algorithm>
-#include <ctime>
-#include <filesystem>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "core/fault.hpp"

@@ -1,5 +1,4 @@
 // SET AXIS POSITION: the axes with what the unit shows for them, live; a position is typed, asked for, set.
-#include <algorithm>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,4 @@
 // RUN USER SOFTWARE: start address, argument and time limit, the regions to choose from, the result with the registers.
-#include <algorithm>
 
 #include <fmt/format.h>
 

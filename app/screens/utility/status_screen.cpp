@@ -3,7 +3,6 @@
 
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
-#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "commissioning/utility/status_controller.hpp"

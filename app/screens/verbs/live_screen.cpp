@@ -14,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/keyboard.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "app/verbs/registry.hpp"
