@@ -42,18 +42,19 @@ void ask_oracle(Case& drawn) {
 std::map<std::string, double> parameter_sigmas(const Case& drawn, std::size_t index) {
   const Term& term = drawn.hidden[index];
   std::vector<Column> jacobian;
-  const auto add = [&](const Term& other) {
-    for (const Column& column : columns_of(drawn.setup, other))
-      jacobian.push_back(whitened(drawn.setup, drawn.noise, column));
-    if (has_nonlinear(other.id) && other.id != "step")
-      jacobian.push_back(whitened(drawn.setup, drawn.noise, nonlinear_derivative(drawn.setup, other)));
+  const auto add = [&](const std::vector<Column>& columns) {
+    for (const Column& column : columns) jacobian.push_back(whitened(drawn.setup, drawn.noise, column));
   };
-  add(term);
+  const auto add_hidden = [&](const Term& hidden) {
+    add(columns_of(drawn.setup, hidden));
+    if (has_nonlinear(hidden.id) && hidden.id != "step") add({nonlinear_derivative(drawn.setup, hidden)});
+  };
+  add_hidden(term);
   const std::size_t own = jacobian.size();
   for (const Term& other : drawn.base)
-    if (!other.given) add(other);
+    if (!other.given) add(free_columns_of(drawn.setup, other));
   for (std::size_t k = 0; k < drawn.hidden.size(); ++k)
-    if (k != index) add(drawn.hidden[k]);
+    if (k != index) add_hidden(drawn.hidden[k]);
   const std::vector<Column> covariance = inverse_normal(jacobian);
   // Gradient of each named parameter, by differences in the coefficients and the nonlinear parameter.
   std::map<std::string, double> sigmas;
