@@ -1,14 +1,12 @@
-// Records and tables of an answer whose fields are listed once: two writers visit the list, one makes the JSON, one the
+// Records of an answer whose fields are listed once: two writers visit the list, one makes the JSON, one the
 // text. Answers in prose keep their own text. Only for .cpp files (heavy header).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "base/json.hpp"
@@ -59,54 +57,5 @@ using AnswerFields = std::vector<AnswerField>;
 /// Both.
 [[nodiscard]] Cell record_cell(std::string_view layout, const AnswerFields& fields);
 [[nodiscard]] Outcome outcome_of(const Cell& answer, int exit_code = kDone);
-
-template <class Row>
-struct AnswerColumn {
-  std::string_view key;      ///< in JSON and in the layout
-  std::string_view heading;  ///< of the text; empty where the layout does not name the column
-  std::function<Cell(const Row&)> cell;
-};
-
-/// JSON keys come in the order of the columns; the text shows those that its layout names, in the layout's order.
-template <class Row>
-class AnswerTable {
- public:
-  AnswerTable(std::string_view layout, std::vector<AnswerColumn<Row>> columns)
-      : layout_(layout), columns_(std::move(columns)) {}
-
-  [[nodiscard]] std::string heading() const {
-    AnswerFields fields;
-    for (const auto& column : columns_) fields.push_back({column.key, shown_cell(std::string(column.heading))});
-    return laid_out(layout_, fields) + "\n";
-  }
-  [[nodiscard]] std::string line(const Row& row) const { return laid_out(layout_, fields_of(row)) + "\n"; }
-  [[nodiscard]] Json object(const Row& row) const { return object_of(fields_of(row)); }
-  [[nodiscard]] AnswerFields fields_of(const Row& row) const {
-    AnswerFields fields;
-    for (const auto& column : columns_) fields.push_back({column.key, column.cell(row)});
-    return fields;
-  }
-
-  template <class Rows>
-  [[nodiscard]] std::string text(const Rows& rows) const {
-    std::string text = heading();
-    for (const Row& row : rows) text += line(row);
-    return text;
-  }
-  template <class Rows>
-  [[nodiscard]] Json array(const Rows& rows) const {
-    Json array = Json::array();
-    for (const Row& row : rows) array.push_back(object(row));
-    return array;
-  }
-  template <class Rows>
-  [[nodiscard]] Cell cell(const Rows& rows) const {
-    return {array(rows), text(rows)};
-  }
-
- private:
-  std::string_view layout_;
-  std::vector<AnswerColumn<Row>> columns_;
-};
 
 }  // namespace ecs

@@ -15,46 +15,26 @@ struct BatchArguments {
   bool dry_run = false;
 };
 
-const AnswerTable<BatchReport>& reports_table() {
-  using Row = BatchReport;
-  static const AnswerTable<Row> table(
-      "{name:<20} {serial_number:<14} {state:<14} {link}",
-      {{"name", "unit", [](const Row& r) { return word_cell(r.name); }},
-       {"link", "link",
-        [](const Row& r) {
-          return Cell{r.link, (r.is_emulator ? "EMULATOR " : "") + r.link};
-        }},
-       {"emulator", "",
-        [](const Row& r) {
-          return Cell{r.is_emulator, {}};
-        }},
-       {"serial_number", "serial number",
-        [](const Row& r) {
-          return Cell{text_or_null(r.serial_number), r.serial_number.empty() ? "unknown" : r.serial_number};
-        }},
-       {"state", "result", [](const Row& r) { return word_cell(name_of(r.state)); }},
-       {"bytes", "",
-        [](const Row& r) {
-          return Cell{r.bytes > 0 ? Json(r.bytes) : Json(nullptr), {}};
-        }},
-       {"notes", "",
-        [](const Row& r) {
-          return Cell{r.notes, {}};
-        }},
-       {"error", "", [](const Row& r) {
-          return Cell{r.problem ? problem_json(*r.problem) : Json(nullptr), {}};
-        }}});
-  return table;
+Cell report_cell(const BatchReport& r) {
+  std::string below;
+  if (r.problem) below += fmt::format("    {}\n", to_text(*r.problem));
+  for (const std::string& note : r.notes) below += fmt::format("    note: {}\n", note);
+  return record_cell(
+      "{name:<20} {serial_number:<14} {state:<14} {link}\n{error}",
+      {{"name", word_cell(r.name)},
+       {"link", {r.link, (r.is_emulator ? "EMULATOR " : "") + r.link}},
+       {"emulator", {r.is_emulator, ""}},
+       {"serial_number", {text_or_null(r.serial_number), r.serial_number.empty() ? "unknown" : r.serial_number}},
+       {"state", word_cell(name_of(r.state))},
+       {"bytes", {r.bytes > 0 ? Json(r.bytes) : Json(nullptr), ""}},
+       {"notes", {r.notes, ""}},
+       {"error", {r.problem ? problem_json(*r.problem) : Json(nullptr), below}}});
 }
 
-std::string reports_text(const std::vector<BatchReport>& reports) {
-  std::string text = reports_table().heading();
-  for (const BatchReport& report : reports) {
-    text += reports_table().line(report);
-    if (report.problem) text += fmt::format("    {}\n", to_text(*report.problem));
-    for (const std::string& note : report.notes) text += fmt::format("    note: {}\n", note);
-  }
-  return text;
+Cell reports_cell(const std::vector<BatchReport>& reports) {
+  Cell list{Json::array(), fmt::format("{:<20} {:<14} {:<14} link\n", "unit", "serial number", "result")};
+  for (const BatchReport& report : reports) list.add(report_cell(report));
+  return list;
 }
 
 Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
@@ -71,13 +51,12 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
   context.console.end_progress();
   context.console.message_prefix.clear();
   const int exit_code = exit_code_of(reports);
-  Json object{{"plan", arguments.plan},
-              {"dry_run", arguments.dry_run},
-              {"ok", exit_code == kDone},
-              {"units", reports_table().array(reports)}};
+  const Cell units = reports_cell(reports);
+  Json object{
+      {"plan", arguments.plan}, {"dry_run", arguments.dry_run}, {"ok", exit_code == kDone}, {"units", units.json}};
   if (const Problem* problem = first_problem(reports); problem != nullptr && exit_code > kDoesNotHold)
     object["error"] = problem_json(*problem);
-  std::string text = reports_text(reports);
+  std::string text = units.text;
   if (arguments.dry_run)
     text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";
   return Outcome{text, one_line(object), exit_code};

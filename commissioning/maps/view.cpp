@@ -32,29 +32,20 @@ Extremes extremes_of(const laser::MapTable& table) {
   return {*least, *most};
 }
 
-Cell start_cell(const laser::MapTable& table) {
-  if (table.position_mm.empty()) return {nullptr, "-"};
-  return {number_or_null(table.position_mm.front()), fmt::format("{:.6g}", table.position_mm.front())};
-}
-
-Cell increment_cell(const laser::MapTable& table) {
-  const auto step = increment_mm(table);
-  return {number_or_null(step), step ? fmt::format("{:.6g}", *step) : "varies"};
-}
-
-const AnswerTable<laser::MapTable>& map_tables() {
-  using Row = laser::MapTable;
-  static const AnswerTable<Row> table(
-      "{component:<4} {approach:<8} {start_mm:>12} {increment_mm:>14} {points:>7} {min:>11} {max:>11} {unit}",
-      {{"component", "", [](const Row& t) { return word_cell(name_of(t.component)); }},
-       {"approach", "approach", [](const Row& t) { return word_cell(word_for(t.approach)); }},
-       {"unit", "unit", [](const Row& t) { return word_cell(unit_of(t.component)); }},
-       {"start_mm", "start [mm]", start_cell},
-       {"increment_mm", "increment [mm]", increment_cell},
-       {"points", "points", [](const Row& t) { return count_cell(t.position_mm.size()); }},
-       {"min", "smallest", [](const Row& t) { return number_cell(extremes_of(t).least, 2); }},
-       {"max", "largest", [](const Row& t) { return number_cell(extremes_of(t).most, 2); }}});
-  return table;
+Cell table_cell(const laser::MapTable& table) {
+  const auto& p = table.position_mm;
+  const auto step_mm = increment_mm(table);
+  const Extremes extremes = extremes_of(table);
+  return record_cell(
+      "{component:<4} {approach:<8} {start_mm:>12} {increment_mm:>14} {points:>7} {min:>11} {max:>11} {unit}\n",
+      {{"component", word_cell(name_of(table.component))},
+       {"approach", word_cell(word_for(table.approach))},
+       {"unit", word_cell(unit_of(table.component))},
+       {"start_mm", p.empty() ? null_cell("-") : Cell{number_or_null(p.front()), fmt::format("{:.6g}", p.front())}},
+       {"increment_mm", {number_or_null(step_mm), step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"}},
+       {"points", count_cell(p.size())},
+       {"min", number_cell(extremes.least, 2)},
+       {"max", number_cell(extremes.most, 2)}});
 }
 
 }  // namespace
@@ -64,7 +55,11 @@ std::string_view word_for(Approach approach) {
   return approach == Approach::forward ? "forward" : "reverse";
 }
 
-std::string tables_text(const std::vector<laser::MapTable>& tables) { return map_tables().text(tables); }
+std::string tables_text(const std::vector<laser::MapTable>& tables) {
+  std::string text = "     approach   start [mm] increment [mm]  points    smallest     largest unit\n";
+  for (const laser::MapTable& table : tables) text += table_cell(table).text;
+  return text;
+}
 
 std::string header_view(const laser::MapHeader& header) {
   const std::string text = laser::header_text(header);
@@ -79,7 +74,7 @@ std::string findings_text(const std::vector<laser::MapFinding>& findings) {
 }
 
 Json table_json(const laser::MapTable& table, bool with_values) {
-  Json object = map_tables().object(table);
+  Json object = table_cell(table).json;
   if (with_values) {
     object["position_mm"] = table.position_mm;
     object["compensation"] = table.compensation;

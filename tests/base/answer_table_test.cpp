@@ -1,4 +1,4 @@
-// Tables of answers: text and JSON from the same columns.
+// Records of answers: text and JSON from the same fields.
 #include "base/answer_table.hpp"
 
 #include <limits>
@@ -8,40 +8,42 @@
 namespace ecs {
 namespace {
 
-struct Stop {
-  std::string axis;
-  std::optional<double> error_um;
-  bool referenced = false;
-};
+Cell stop_cell(const std::string& axis, const std::optional<double>& error_um, bool referenced) {
+  return record_cell("{error:>8}  {axis:<4} {letters}\n", {{"axis", word_cell(axis)},
+                                                           {"error", number_cell(error_um, 2)},
+                                                           {"referenced", yes_cell(referenced, "yes", "no")},
+                                                           {"letters", shown_cell(std::to_string(axis.size()))}});
+}
 
-const AnswerTable<Stop>& stops() {
-  static const AnswerTable<Stop> table(
-      "{error:>8}  {axis:<4} {letters}",
-      {{"axis", "axis", [](const Stop& s) { return word_cell(s.axis); }},
-       {"error", "error", [](const Stop& s) { return number_cell(s.error_um, 2); }},
-       {"referenced", "", [](const Stop& s) { return yes_cell(s.referenced, "yes", "no"); }},
-       {"letters", "letters", [](const Stop& s) { return shown_cell(std::to_string(s.axis.size())); }}});
-  return table;
+Cell two_stops() {
+  Cell list{Json::array(), "   error  axis letters\n"};
+  list.add(stop_cell("X", 1.234, true));
+  list.add(stop_cell("Y", {}, false));
+  return list;
 }
 
 }  // namespace
 
-TEST_CASE("a table's text follows its layout, with a dash where there is no number") {
-  CHECK(stops().text(std::vector<Stop>{{"X", 1.234, true}, {"Y", {}, false}}) ==
+TEST_CASE("a record's text follows its layout, with a dash where there is no number") {
+  CHECK(two_stops().text ==
         "   error  axis letters\n"
         "    1.23  X    1\n"
         "       -  Y    1\n");
 }
 
-TEST_CASE(
-    "a table's JSON has the keys in the order of the columns, null for no number, and nothing that is only shown") {
-  CHECK(one_line(stops().array(std::vector<Stop>{{"X", 1.234, true}, {"Y", {}, false}})) ==
+TEST_CASE("a record's JSON has the keys in the order of its fields, null for no number, and nothing only shown") {
+  CHECK(one_line(two_stops().json) ==
         R"([{"axis":"X","error":1.234,"referenced":true},{"axis":"Y","error":null,"referenced":false}])");
-  CHECK(one_line(stops().array(std::vector<Stop>{})) == "[]");
 }
 
 TEST_CASE("a number that is not finite is null in JSON") {
-  CHECK(one_line(stops().object({"X", std::numeric_limits<double>::quiet_NaN(), false})["error"]) == "null");
+  CHECK(one_line(stop_cell("X", std::numeric_limits<double>::quiet_NaN(), false).json["error"]) == "null");
+}
+
+TEST_CASE("a field without a key gives the keys of its object to the record") {
+  const Cell place = record_cell("", {{"axis", word_cell("X")}, {"sense", word_cell("EX")}});
+  CHECK(one_line(object_of({{"", place}, {"rms_um", number_cell(0.5, 3)}})) ==
+        R"({"axis":"X","sense":"EX","rms_um":0.5})");
 }
 
 }  // namespace ecs

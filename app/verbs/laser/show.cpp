@@ -25,36 +25,36 @@ Cell mean_cell(const std::vector<double>& readings) { return number_cell(laser::
 /// All of them in JSON, how many in the text.
 Cell readings_cell(const std::vector<double>& readings) { return {readings, fmt::format("{}", readings.size())}; }
 
-const AnswerTable<laser::TargetReadings>& targets_table() {
-  using Target = laser::TargetReadings;
-  static const AnswerTable<Target> table(
+Cell target_cell(const laser::TargetReadings& t) {
+  return record_cell(
       "{position_mm:>12} {mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
-      "{undirected:>4} {reversal:>12}",
-      {{"position_mm", "target [mm]", [](const Target& t) { return number_cell(t.position_mm, 4); }},
-       {"mean_forward", "forward", [](const Target& t) { return mean_cell(t.forward); }},
-       {"forward", "n", [](const Target& t) { return readings_cell(t.forward); }},
-       {"mean_reverse", "reverse", [](const Target& t) { return mean_cell(t.reverse); }},
-       {"reverse", "n", [](const Target& t) { return readings_cell(t.reverse); }},
-       {"mean_undirected", "unknown", [](const Target& t) { return mean_cell(t.undirected); }},
-       {"undirected", "n", [](const Target& t) { return readings_cell(t.undirected); }},
-       {"reversal", "reversal", [](const Target& t) { return shown_cell(number_cell(reversal(t), 3).text); }}});
-  return table;
+      "{undirected:>4} {reversal:>12}\n",
+      {{"position_mm", number_cell(t.position_mm, 4)},
+       {"mean_forward", mean_cell(t.forward)},
+       {"forward", readings_cell(t.forward)},
+       {"mean_reverse", mean_cell(t.reverse)},
+       {"reverse", readings_cell(t.reverse)},
+       {"mean_undirected", mean_cell(t.undirected)},
+       {"undirected", readings_cell(t.undirected)},
+       {"reversal", shown_cell(number_cell(reversal(t), 3).text)}});
 }
 
-const AnswerTable<ConditionSummary>& conditions_table() {
-  using Condition = ConditionSummary;
-  static const AnswerTable<Condition> table(
-      "  {name:<28} {least:>10} ... {most:<10} in {readings} readings",
-      {{"name", "", [](const Condition& c) { return word_cell(c.name); }},
-       {"readings", "", [](const Condition& c) { return count_cell(c.readings); }},
-       {"least", "",
-        [](const Condition& c) {
-          return Cell{number_or_null(c.least), fmt::format("{:.6g}", c.least)};
-        }},
-       {"most", "", [](const Condition& c) {
-          return Cell{number_or_null(c.most), fmt::format("{:.6g}", c.most)};
-        }}});
-  return table;
+Cell targets_cell(const std::vector<laser::TargetReadings>& targets) {
+  Cell list{Json::array(), fmt::format("{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n", "target [mm]",
+                                       "forward", "n", "reverse", "n", "unknown", "n", "reversal")};
+  for (const laser::TargetReadings& target : targets) list.add(target_cell(target));
+  return list;
+}
+
+Cell conditions_cell(const std::vector<ConditionSummary>& conditions) {
+  Cell list{Json::array(), {}};
+  for (const ConditionSummary& c : conditions)
+    list.add(record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} readings\n",
+                         {{"name", word_cell(c.name)},
+                          {"readings", count_cell(c.readings)},
+                          {"least", {number_or_null(c.least), fmt::format("{:.6g}", c.least)}},
+                          {"most", {number_or_null(c.most), fmt::format("{:.6g}", c.most)}}}));
+  return list;
 }
 
 std::string group_title(const laser::Group& group) {
@@ -67,8 +67,7 @@ std::string heading(const laser::MeasurementSet& set, const std::string& file, s
   for (const laser::MetadataEntry& entry : set.metadata)
     text += entry.key.empty() ? fmt::format("  {}\n", entry.value) : fmt::format("  {}: {}\n", entry.key, entry.value);
   for (const std::string& note : set.notes) text += fmt::format("  assumed: {}\n", note);
-  for (const ConditionSummary& condition : conditions_in(set)) text += conditions_table().line(condition);
-  return text + "\n";
+  return text;
 }
 
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
@@ -77,16 +76,16 @@ Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const laser::MeasurementSet& set = imported->set;
   Json object{{"file", arguments.file}, {"format", imported->format->title}};
   object.update(json_of(set));
-  std::string text = heading(set, arguments.file, imported->format->title);
+  const Cell conditions = conditions_cell(conditions_in(set));
+  std::string text = heading(set, arguments.file, imported->format->title) + conditions.text + "\n";
   text += lines_table(lines_in(set));
   const auto groups = laser::groups_of(set);
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    const auto targets = laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i]));
-    text += group_title(groups[i]) + targets_table().text(targets);
-    object["lines"][i]["by_target"] = targets_table().array(targets);
+    const Cell targets = targets_cell(laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i])));
+    text += group_title(groups[i]) + targets.text;
+    object["lines"][i]["by_target"] = targets.json;
   }
-  const auto conditions = conditions_in(set);
-  if (!conditions.empty()) object["conditions"] = conditions_table().array(conditions);
+  if (!conditions.json.empty()) object["conditions"] = conditions.json;
   return Outcome{text, one_line(object), kDone};
 }
 

@@ -47,45 +47,39 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
   return Predicted{std::move(plan.set), plan.has_readings};
 }
 
-template <std::size_t kCoordinate>
-Cell coordinate_cell(const laser::Reading& r) {
-  return {number_or_null(r.position_mm[kCoordinate]), position_text(r.position_mm[kCoordinate])};
+Cell prediction_cell(const laser::Reading& r, bool has_readings) {
+  const bool forward = r.approach == Approach::forward;
+  return record_cell(
+      has_readings ? "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} "
+                     "{predicted:>10} {measured:>10}\n"
+                   : "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} "
+                     "{predicted:>10}\n",
+      {{"row", integer_cell(r.row)},
+       {"axis", word_cell(axis_json(r.axis))},
+       {"sense", word_cell(name_of(r.sense))},
+       {"x_mm", position_cell(r.position_mm[0])},
+       {"y_mm", position_cell(r.position_mm[1])},
+       {"z_mm", position_cell(r.position_mm[2])},
+       {"approach", {static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")}},
+       {"unit", word_cell(laser::unit_of(r.sense))},
+       {"predicted", number_cell(r.error, 3)},
+       {"measured", number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3)}});
 }
 
-Cell approach_cell(const laser::Reading& r) {
-  if (r.approach == Approach::unknown) return {0, ""};
-  return {static_cast<int>(r.approach), r.approach == Approach::forward ? "fwd" : "rev"};
-}
-
-AnswerTable<laser::Reading> rows_table(bool has_readings) {
-  using Row = laser::Reading;
-  return {has_readings ? "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {predicted:>10} "
-                         "{measured:>10}"
-                       : "{row:>6} {axis:<4} {sense:<5} {x_mm:>10} {y_mm:>10} {z_mm:>10} {approach:>3} {predicted:>10}",
-          {{"row", "row",
-            [](const Row& r) {
-              return Cell{r.row, fmt::format("{}", r.row)};
-            }},
-           {"axis", "axis", [](const Row& r) { return word_cell(axis_json(r.axis)); }},
-           {"sense", "sense", [](const Row& r) { return word_cell(name_of(r.sense)); }},
-           {"x_mm", "x", coordinate_cell<0>},
-           {"y_mm", "y", coordinate_cell<1>},
-           {"z_mm", "z", coordinate_cell<2>},
-           {"approach", "dir", approach_cell},
-           {"unit", "", [](const Row& r) { return word_cell(laser::unit_of(r.sense)); }},
-           {"predicted", "predicted", [](const Row& r) { return number_cell(r.error, 3); }},
-           {"measured", "measured", [has_readings](const Row& r) {
-              return number_cell(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3);
-            }}}};
-}
-
-std::string predictions_text(const Predicted& p, const AnswerTable<laser::Reading>& table) {
+/// The text has the first rows only.
+Cell predictions_cell(const Predicted& p) {
   constexpr std::size_t kMostRows = 40;
   const auto& rows = p.set.readings;
-  std::string text = table.text(std::span(rows).first(std::min(rows.size(), kMostRows)));
+  Cell list{Json::array(), "   row axis sense          x          y          z dir  predicted"};
+  list.text += p.has_readings ? "   measured\n" : "\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Cell one = prediction_cell(rows[i], p.has_readings);
+    if (i >= kMostRows) one.text.clear();
+    list.add(one);
+  }
   if (rows.size() > kMostRows)
-    text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
-  return text;
+    list.text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
+  return list;
 }
 
 Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments) {
@@ -101,18 +95,15 @@ Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments)
   if (!plan) return tl::unexpected(plan.error());
   const auto result = predicted(*model, *machine, std::move(*plan), arguments.model);
   if (!result) return tl::unexpected(result.error());
-  const AnswerTable<laser::Reading> table = rows_table(result->has_readings);
-  std::string text = predictions_text(*result, table);
+  Cell predictions = predictions_cell(*result);
   if (!arguments.output.empty()) {
     if (const auto written = laser::write_measurement_set(arguments.output, result->set); !written)
       return tl::unexpected(written.error());
-    text = fmt::format("{} predictions written to {}\n", result->set.readings.size(), arguments.output);
+    predictions.text = fmt::format("{} predictions written to {}\n", result->set.readings.size(), arguments.output);
   }
-  return Outcome{text,
-                 one_line(Json{{"points", result->set.readings.size()},
-                               {"output", text_or_null(arguments.output)},
-                               {"predictions", table.array(result->set.readings)}}),
-                 kDone};
+  return outcome_of(record_cell("{predictions}", {{"points", count_cell(result->set.readings.size())},
+                                                  {"output", text_cell(arguments.output)},
+                                                  {"predictions", predictions}}));
 }
 
 }  // namespace

@@ -124,36 +124,25 @@ std::string found_text(const FoundAnswer& answer) {
   return paragraph(text, 0, 2);
 }
 
-const AnswerTable<ParameterScore>& parameters_table() {
-  using Row = ParameterScore;
-  static const AnswerTable<Row> table("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}",
-                                      {{"effect", "", [](const Row& p) { return word_cell(p.effect); }},
-                                       {"name", "parameter",
-                                        [](const Row& p) {
-                                          return Cell{p.name, fmt::format("{} {}", p.effect, p.name)};
-                                        }},
-                                       {"truth", "hidden",
-                                        [](const Row& p) {
-                                          return Cell{number_or_null(p.hidden), few_digits(p.hidden, 5)};
-                                        }},
-                                       {"found", "found",
-                                        [](const Row& p) {
-                                          return Cell{number_or_null(p.found), few_digits(p.found, 5)};
-                                        }},
-                                       {"sigma", "sigma",
-                                        [](const Row& p) {
-                                          return Cell{number_or_null(p.sigma), p.sigma ? few_digits(*p.sigma, 2) : "-"};
-                                        }},
-                                       {"sigmas_off", "off by", [](const Row& p) {
-                                          const auto off = p.sigmas_off();
-                                          return Cell{number_or_null(off), off ? fmt::format("{:+.1f} s", *off) : "-"};
-                                        }}});
-  return table;
+Cell scores_cell(const std::vector<ParameterScore>& scores) {
+  Cell list{Json::array(),
+            fmt::format("{:<32} {:>12} {:>12} {:>10} {:>8}\n", "parameter", "hidden", "found", "sigma", "off by")};
+  for (const ParameterScore& p : scores) {
+    const auto off = p.sigmas_off();
+    list.add(record_cell("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}\n",
+                         {{"effect", word_cell(p.effect)},
+                          {"name", {p.name, fmt::format("{} {}", p.effect, p.name)}},
+                          {"truth", {number_or_null(p.hidden), few_digits(p.hidden, 5)}},
+                          {"found", {number_or_null(p.found), few_digits(p.found, 5)}},
+                          {"sigma", {number_or_null(p.sigma), p.sigma ? few_digits(*p.sigma, 2) : "-"}},
+                          {"sigmas_off", {number_or_null(off), off ? fmt::format("{:+.1f} s", *off) : "-"}}}));
+  }
+  return list;
 }
 
 std::string case_text(const Revealed& r) {
   std::string text = hidden_text(r.truth) + found_text(r.answer);
-  if (!r.score.parameters.empty()) text += "\n" + parameters_table().text(r.score.parameters);
+  if (!r.score.parameters.empty()) text += "\n" + scores_cell(r.score.parameters).text;
   text += "\n";
   text += paragraph(fmt::format("{}: {}", r.score.right ? "RIGHT" : "WRONG", r.score.why), 0, 2);
   if (r.score.rms_ratio)
@@ -170,7 +159,7 @@ Json case_json(const Revealed& r) {
           {"found", found_names(r.answer)},
           {"verdict", r.answer.verdict},
           {"where", r.answer.where},
-          {"parameters", parameters_table().array(r.score.parameters)},
+          {"parameters", scores_cell(r.score.parameters).json},
           {"rms_after_um", number_or_null(r.answer.rms_after_um)},
           {"true_model_rms_um", r.truth.true_model_rms_um > 0.0 ? Json(r.truth.true_model_rms_um) : Json(nullptr)},
           {"rms_ratio", number_or_null(r.score.rms_ratio)}};

@@ -32,37 +32,31 @@ struct MonitorArguments : VerbArguments {
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
 
-struct SampledAxis {
-  Axis axis = Axis::X;
-  AxisSample sample;
-};
-
-const AnswerTable<SampledAxis>& axes_table() {
-  static const AnswerTable<SampledAxis> table(
+Cell axis_cell(Axis axis, const AxisSample& a) {
+  return record_cell(
       "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
-      "{compensation_um:>7} {output_counts:>6} {relay_closed}",
-      {{"axis", "axis", [](const SampledAxis& a) { return shown_cell(std::string(1, letter_of(a.axis))); }},
-       {"position_mm", "position/mm", [](const SampledAxis& a) { return number_cell(a.sample.position_mm, 4); }},
-       {"speed_mm_min", "speed/(mm/min)", [](const SampledAxis& a) { return number_cell(a.sample.speed_mm_min, 1); }},
-       {"referenced", "ref", [](const SampledAxis& a) { return yes_cell(a.sample.referenced, "yes", "no"); }},
-       {"switch", "switch", [](const SampledAxis& a) { return yes_cell(a.sample.switch_active, "on", "off"); }},
-       {"marker", "marker", [](const SampledAxis& a) { return yes_cell(a.sample.marker, "seen", "-"); }},
-       {"approach", "approach", [](const SampledAxis& a) { return word_cell(name_of(a.sample.approach)); }},
-       {"compensation_um", "comp/um", [](const SampledAxis& a) { return number_cell(a.sample.compensation_um, 2); }},
-       {"output_counts", "D/A",
-        [](const SampledAxis& a) {
-          return Cell{a.sample.output_counts, fmt::format("{}", a.sample.output_counts)};
-        }},
-       {"relay_closed", "relay",
-        [](const SampledAxis& a) { return yes_cell(a.sample.relay_closed, "closed", "open"); }}});
-  return table;
+      "{compensation_um:>7} {output_counts:>6} {relay_closed}\n",
+      {{"axis", shown_cell(std::string(1, letter_of(axis)))},
+       {"position_mm", number_cell(a.position_mm, 4)},
+       {"speed_mm_min", number_cell(a.speed_mm_min, 1)},
+       {"referenced", yes_cell(a.referenced, "yes", "no")},
+       {"switch", yes_cell(a.switch_active, "on", "off")},
+       {"marker", yes_cell(a.marker, "seen", "-")},
+       {"approach", word_cell(name_of(a.approach))},
+       {"compensation_um", number_cell(a.compensation_um, 2)},
+       {"output_counts", integer_cell(a.output_counts)},
+       {"relay_closed", yes_cell(a.relay_closed, "closed", "open")}});
 }
 
-std::vector<SampledAxis> sampled_axes(const MonitorSample& sample) {
-  std::vector<SampledAxis> rows;
-  for (const Axis axis : kAllAxes)
-    if (const AxisSample& one = sample.axes[index_of(axis)]; one.present) rows.push_back({axis, one});
-  return rows;
+Cell axes_cell(const MonitorSample& sample) {
+  Cell axes{Json::object(), "axis position/mm speed/(mm/min) ref switch marker approach comp/um    D/A relay\n"};
+  for (const Axis axis : kAllAxes) {
+    if (!sample.axes[index_of(axis)].present) continue;
+    const Cell one = axis_cell(axis, sample.axes[index_of(axis)]);
+    axes.json[std::string(1, letter_of(axis))] = one.json;
+    axes.text += one.text;
+  }
+  return axes;
 }
 
 Json surroundings_json(const Surroundings& surroundings) {
@@ -73,22 +67,16 @@ Json surroundings_json(const Surroundings& surroundings) {
 }
 
 Json sample_json(const MonitorSample& sample, const std::string& link) {
-  Json axes = Json::object();
-  for (const SampledAxis& row : sampled_axes(sample))
-    axes[std::string(1, letter_of(row.axis))] = axes_table().object(row);
-  return Json{{"number", sample.number},
-              {"time_s", time_s(sample)},
-              {"mode", ecs::name_of(sample.mode)},
-              {"fault", ecs::text_of(sample.fault).name},
-              {"axes", axes},
-              {"link", link}};
+  return Json{{"number", sample.number},           {"time_s", time_s(sample)},
+              {"mode", ecs::name_of(sample.mode)}, {"fault", ecs::text_of(sample.fault).name},
+              {"axes", axes_cell(sample).json},    {"link", link}};
 }
 
 std::string sample_text(const MonitorSample& sample) {
   return fmt::format(
              "{:.3f} s, {}{}\n", time_s(sample), ecs::name_of(sample.mode),
              sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", ecs::text_of(sample.fault).name)) +
-         axes_table().text(sampled_axes(sample));
+         axes_cell(sample).text;
 }
 
 /// Samples until the count is reached, a signal comes or the link is lost.
