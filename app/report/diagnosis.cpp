@@ -95,7 +95,7 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
   out.rms_um = *rms;
   out.rms_after_um = number_in(object, "rms_after_um");
   out.noise_um = number_in(object, "noise_um").value_or(0.0);
-  out.blanks = count_in(object, "blanks");
+  out.noise_replicates = count_in(object, "blanks");
   for (const Json& one : member(object, "candidates"))
     if (one.is_object()) out.effects.push_back(effect_of(one));
   std::stable_sort(out.effects.begin(), out.effects.end(),

@@ -38,7 +38,7 @@ struct ReportedDiagnosis {
   double rms_um = 0.0;
   std::optional<double> rms_after_um;
   double noise_um = 0.0;
-  std::size_t blanks = 0;
+  std::size_t noise_replicates = 0;
   std::vector<ReportedEffect> effects;  ///< named ones first
   std::vector<ReportedDependence> where;
   std::vector<std::string> notes;

@@ -112,9 +112,9 @@ std::string verdict_text(const ReportedDiagnosis& d) {
       variables.empty() ? "" : "; it depends on ", fmt::join(variables, ", "));
 }
 
-std::string false_naming_text(const ReportedEffect& effect, std::size_t blanks) {
+std::string false_naming_text(const ReportedEffect& effect, std::size_t noise_replicates) {
   if (!effect.false_naming) return "\u2013";
-  const double least = 1.0 / (static_cast<double>(blanks) + 1.0);
+  const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
   return *effect.false_naming <= least ? fmt::format("< {:.2g}\u202f%", 100.0 * least)
                                        : fmt::format("{:.2g}\u202f%", 100.0 * *effect.false_naming);
 }
@@ -133,7 +133,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                           : std::string("\u2013");
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
                text(effect.explainable_share ? percent(*effect.explainable_share) : "\u2013"), text(held),
-               text(false_naming_text(effect, d.blanks))});
+               text(false_naming_text(effect, d.noise_replicates))});
   }
   return table.empty() ? Markup() : table.markup();
 }
@@ -170,11 +170,11 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
   if (!where.empty())
     body +=
         paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
-  if (d.blanks > 0 && !d.effects.empty())
+  if (d.noise_replicates > 0 && !d.effects.empty())
     body += paragraph_of(fmt::format("False naming: how often noise alone, in {} made-up data sets of the same design, "
                                      "makes any candidate look as good. Held out: rms of readings that the effect was "
                                      "not fitted to.",
-                                     d.blanks),
+                                     d.noise_replicates),
                          "class=\"small\"");
   if (!d.notes.empty()) body += element("div", list_of(d.notes), "class=\"small\"");
   return body;

@@ -10,9 +10,9 @@
 namespace ecs::app {
 namespace {
 
-struct BatchArguments {
-  std::string plan;
-  bool dry_run = false;
+struct BatchArguments : VerbArguments {
+  const std::string& plan = text("PLAN", "plan file (TOML)", Need::required);
+  const bool& dry_run = flag("--dry-run", "check everything, write nothing");
 };
 
 Cell report_cell(const BatchReport& r) {
@@ -66,13 +66,9 @@ Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {
 
 extern const VerbDefinition kBatch = verb<BatchArguments>(
     "batch", "parameters and maps for many units, by a plan",
-    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              link = "
-    "\"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = \"mill3.toml\"\n  "
-    "            map = \"mill3_map.csv\"",
-    [](Verb& verb, BatchArguments& arguments) {
-      verb.text("PLAN", arguments.plan, "plan file (TOML)", Need::required)
-          .flag("--dry-run", arguments.dry_run, "check everything, write nothing");
-    },
+    "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              "
+    "link = \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
+    "\"mill3.toml\"\n              map = \"mill3_map.csv\"",
     batch);
 
 }  // namespace ecs::app

@@ -9,8 +9,9 @@
 namespace ecs::app {
 namespace {
 
-struct DoctorArguments {
-  bool save = false;
+struct DoctorArguments : VerbArguments {
+  const bool& save = flag("--save", "store the link, if it works, as the one to use without --link");
+  const Access access = uses_link();
 };
 
 Json finding_json(const DoctorFinding& finding) {
@@ -71,10 +72,6 @@ Result<Outcome> examine(VerbContext& context, const DoctorArguments& arguments) 
 
 extern const VerbDefinition kDoctor = verb<DoctorArguments>(
     "doctor", "why a link does not work, and what to do; reads only",
-    "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save",
-    [](Verb& verb, DoctorArguments& arguments) {
-      verb.flag("--save", arguments.save, "store the link, if it works, as the one to use without --link").uses_link();
-    },
-    examine);
+    "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save", examine);
 
 }  // namespace ecs::app

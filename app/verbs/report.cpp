@@ -119,7 +119,8 @@ std::string report_text(const ReportContent& content, const Judgement& j, const 
                             page.replaced ? ", replaced" : "");
 }
 
-Result<void> spares_sources(const ReportArguments& arguments, const ReportFiles& files, const ReportContent& content) {
+Result<void> check_page_not_source(const ReportArguments& arguments, const ReportFiles& files,
+                                   const ReportContent& content) {
   std::vector<std::string> inputs = arguments.data;
   for (const auto* path :
        {&files.plan, &files.machine, &files.map, &files.params, &files.model, &files.diagnosis, &files.status})
@@ -142,7 +143,8 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& arguments) {
     return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
   const auto content = report_content(context, arguments);
   if (!content) return tl::unexpected(content.error());
-  if (auto spared = spares_sources(arguments, *files, *content); !spared) return tl::unexpected(spared.error());
+  if (auto distinct = check_page_not_source(arguments, *files, *content); !distinct)
+    return tl::unexpected(distinct.error());
   const Judgement judgement = judgement_of(*content);
   const Page page{report_page(*content, judgement), std::filesystem::exists(arguments.output, ignored)};
   if (auto written = write_file(arguments.output, page.html); !written) return tl::unexpected(written.error());

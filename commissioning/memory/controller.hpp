@@ -1,4 +1,4 @@
-// The memory that one looks at: a unit's, read page by page as it is needed, or a dump's. Where the cursor stands, what
+// The memory that one looks at: a unit's, read page by page as it is needed, or a dump's. Where the cursor is, what
 // is sought, compared, written and taken back.
 #pragma once
 

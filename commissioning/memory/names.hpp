@@ -1,4 +1,4 @@
-// What stands where in memory, by name: commit records, prefix, parameters, table directory, values of the tables in
+// What lies where in memory, by name: commit records, prefix, parameters, table directory, values of the tables in
 // their unit, header.
 #pragma once
 

@@ -63,8 +63,8 @@ std::string summary(const Diagnosis& d) {
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
-std::string false_naming_text(double chance, std::size_t blanks) {
-  const double least = 1.0 / (static_cast<double>(blanks) + 1.0);
+std::string false_naming_text(double chance, std::size_t noise_replicates) {
+  const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
   return chance <= least ? fmt::format("< {:.2g} %", 100.0 * least) : fmt::format("{:.2g} %", 100.0 * chance);
 }
 
@@ -180,7 +180,7 @@ std::string verdict_sentence(const Diagnosis& diagnosis) {
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("{} candidates were tried, and {} blanks of noise alone on the same design",
+      paragraph(fmt::format("{} candidates were tried, and {} simulated data sets of noise alone on the same design",
                             d.candidates_tried, d.noise_replicates));
   return record_cell("{verdict}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
                      {{"observations", {d.observations, ""}},

@@ -135,7 +135,7 @@ Judged judged_single(const HiddenTruth& truth, const FoundAnswer& answer) {
     return {false, fmt::format("{} was not named: the verdict is {}", hidden.name, answer.verdict)};
   const FoundEffect& first = answer.candidates.front();
   if (lists(first, hidden.name) && to_text(first.effect) != hidden.name)
-    return {true, fmt::format("{} stands in the group of {}", hidden.name, to_text(first.effect))};
+    return {true, fmt::format("{} belongs to the group of {}", hidden.name, to_text(first.effect))};
   if (is_answer(hidden, first)) return {true, hidden.name + " is named first"};
   if (to_text(first.effect) == hidden.name) return {false, hidden.name + " is named, with another approach or sensor"};
   return {false, fmt::format("{} was hidden, {} is named first", hidden.name, to_text(first.effect))};

@@ -34,7 +34,7 @@ struct HiddenTruth {
   std::vector<std::string> variables;  ///< of structure outside the library
   double true_model_rms_um = 0.0;      ///< 0: not known
   std::string text;                    ///< one plain sentence
-  std::string json;                    ///< as it stands in the file
+  std::string json;                    ///< as the file has it
 };
 
 /// From `truth.sealed` or `truth.json` of the folder; refuses a folder without either and a truth of another form.

@@ -249,10 +249,11 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   std::vector<std::string> inputs = arguments.files;
   inputs.push_back(arguments.params);
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = check_output_not_input(output, inputs); !spared) return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(output, inputs); !distinct)
+      return tl::unexpected(distinct.error());
   if (!arguments.params_out.empty())
-    if (const auto spared = check_output_not_input(arguments.params_out, {arguments.output}); !spared)
-      return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(arguments.params_out, {arguments.output}); !distinct)
+      return tl::unexpected(distinct.error());
   auto files = read_files(arguments);
   if (!files) return tl::unexpected(files.error());
   const std::vector<Problem> warnings = files->tables.warnings;

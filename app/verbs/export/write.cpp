@@ -34,7 +34,8 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   for (const controllers::ExportFile& file : made.files)
     files.push_back({folder ? (std::filesystem::path(output) / file.name).string() : output, file.content});
   for (const OutputFile& file : files)
-    if (const auto spared = check_output_not_input(file.path, inputs); !spared) return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(file.path, inputs); !distinct)
+      return tl::unexpected(distinct.error());
   if (folder)
     if (const auto done = make_folder(output); !done) return tl::unexpected(done.error());
   return write_together(files);

@@ -77,8 +77,8 @@ Result<void> write_set(const std::string& output, const laser::MeasurementSet& s
 }
 
 Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
-  if (const auto spared = check_output_not_input(arguments.output, arguments.files); !spared)
-    return tl::unexpected(spared.error());
+  if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
+    return tl::unexpected(distinct.error());
   std::vector<laser::MeasurementSet> sets;
   std::vector<Json> files;
   std::string text;

@@ -49,8 +49,8 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseArguments& argume
     return problem(
         ProblemKind::usage,
         "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
-  if (const auto spared = check_output_not_input(arguments.output, {arguments.file}); !spared)
-    return tl::unexpected(spared.error());
+  if (const auto distinct = check_output_not_input(arguments.output, {arguments.file}); !distinct)
+    return tl::unexpected(distinct.error());
   const auto imported = read_with_notes(context, arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   if (arguments.back) return taken_back(arguments, imported->set);

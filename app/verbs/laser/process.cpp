@@ -220,8 +220,8 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
   if (!arguments.plot.empty())
     if (const auto format = plot_format_of(arguments.plot); !format) return tl::unexpected(format.error());
   for (const std::string& output : {arguments.output, arguments.plot})
-    if (const auto spared = check_output_not_input(output, {arguments.file}); !spared)
-      return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(output, {arguments.file}); !distinct)
+      return tl::unexpected(distinct.error());
   const auto exclusions = exclusions_of(arguments.exclude_runs, arguments.exclude_rows);
   if (!exclusions) return tl::unexpected(exclusions.error());
   const auto imported = read_with_notes(context, arguments.file, arguments.import);

@@ -270,8 +270,8 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (!arguments.from_model.empty()) return from_model(context, arguments);
   if (const auto enough = enough_given(arguments); !enough) return tl::unexpected(enough.error());
   for (const std::string& output : {arguments.output, arguments.params_out})
-    if (const auto spared = check_output_not_input(output, arguments.files); !spared)
-      return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(output, arguments.files); !distinct)
+      return tl::unexpected(distinct.error());
   const auto b = built(arguments);
   if (!b) return tl::unexpected(b.error());
   if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));

@@ -20,14 +20,19 @@
 namespace ecs::app {
 namespace {
 
-struct InvestigateArguments {
-  std::string model;
-  std::string machine;
-  std::string params;
-  std::string workshop;
-  std::string watch;
-  double minutes = 0.0;
-  std::string output;
+struct InvestigateArguments : VerbArguments {
+  const std::string& model = text("MODEL", "model file (.toml)", Need::required);
+  const std::string& machine = text("--machine", "the machine (.toml): travels, lever arms, pitches", Need::required);
+  const std::string& params = text(
+      "--params", "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it");
+  const std::string& workshop = text(
+      "--workshop", "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well");
+  const std::string& watch =
+      text("--watch", "folder into which a person puts the readings; what was given is kept in its ledger.json");
+  const double& minutes = number("--minutes", "that the runs may take, set-up and waiting included", 0.0,
+                                 Need::required, 0.0, kMostMinutes);
+  const std::string& output = text("-o,--output", "the model with the causes found; may be MODEL itself");
+  const Access access = uses_link();
 };
 
 constexpr double kMostMinutes = 100'000.0;
@@ -90,8 +95,8 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   if (arguments.workshop.empty() == arguments.watch.empty())
     return problem(ProblemKind::usage, "expected either --workshop SOCKET or --watch FOLDER");
   for (const std::string& input : {arguments.machine, arguments.params})
-    if (const auto spared = check_output_not_input(arguments.output, {input}); !spared)
-      return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(arguments.output, {input}); !distinct)
+      return tl::unexpected(distinct.error());
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(context.console, arguments.machine);
@@ -120,20 +125,6 @@ extern const VerbDefinition kModelInvestigate = verb<InvestigateArguments>(
     "model investigate", "measure and diagnose until one cause is left, then compensate and measure again",
     "ecs model investigate model.toml --machine machine.toml --workshop /tmp/shop --minutes 120 -o found.toml\n"
     "  ecs model investigate model.toml --machine machine.toml --watch readings --minutes 240",
-    [](Verb& verb, InvestigateArguments& arguments) {
-      verb.text("MODEL", arguments.model, "model file (.toml)", Need::required)
-          .text("--machine", arguments.machine, "the machine (.toml): travels, lever arms, pitches", Need::required)
-          .text("--params", arguments.params,
-                "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it")
-          .text("--workshop", arguments.workshop,
-                "socket of a running `ecs-emulator serve`, which measures by itself; it names the link as well")
-          .text("--watch", arguments.watch,
-                "folder into which a person puts the readings; what was given is kept in its ledger.json")
-          .number("--minutes", arguments.minutes, "that the runs may take, set-up and waiting included", Need::required,
-                  0.0, kMostMinutes)
-          .text("-o,--output", arguments.output, "the model with the causes found; may be MODEL itself")
-          .uses_link();
-    },
     investigate);
 
 }  // namespace ecs::app

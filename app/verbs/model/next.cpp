@@ -121,7 +121,8 @@ Result<Outcome> propose(VerbContext& context, const NextArguments& arguments) {
   std::vector<std::string> inputs = arguments.common.data;
   inputs.insert(inputs.end(), {arguments.common.model, arguments.common.machine});
   for (const std::string& output : {arguments.program, arguments.targets})
-    if (const auto spared = check_output_not_input(output, inputs); !spared) return tl::unexpected(spared.error());
+    if (const auto distinct = check_output_not_input(output, inputs); !distinct)
+      return tl::unexpected(distinct.error());
   const auto work = model_work(context.console, arguments.common);
   if (!work) return tl::unexpected(work.error());
   const auto diagnosis = model::diagnose(work->model, work->data);

@@ -83,10 +83,10 @@ Cell predictions_cell(const Predicted& p) {
 }
 
 Result<Outcome> predict(VerbContext& context, const PredictArguments& arguments) {
-  if (const auto spared =
+  if (const auto distinct =
           check_output_not_input(arguments.output, {arguments.points, arguments.model, arguments.machine});
-      !spared)
-    return tl::unexpected(spared.error());
+      !distinct)
+    return tl::unexpected(distinct.error());
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(context.console, arguments.machine);

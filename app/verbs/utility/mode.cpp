@@ -48,7 +48,7 @@ Result<Outcome> integrate(UnitLink& unit) {
 /// Follows the unit until it compensates, gives up or the time is over.
 Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
   const auto end = Clock::now() + std::chrono::duration<double>(wait_s);
-  for (std::string told;;) {
+  for (std::string noted;;) {
     const auto snapshot = take_snapshot(unit.client(), unit.name());
     if (!snapshot) return tl::unexpected(snapshot.error());
     const UnitMode mode = snapshot->status.mode;
@@ -58,8 +58,8 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
                                             ? std::string("the unit went back to integration mode")
                                             : fault_sentence(snapshot->status));
     const std::string stages = stages_of(*snapshot);
-    if (stages != told) context.console.note(fmt::format("datuming: {}", stages));
-    told = stages;
+    if (stages != noted) context.console.note(fmt::format("datuming: {}", stages));
+    noted = stages;
     if (Clock::now() >= end)
       return outcome_of(
           *snapshot,
