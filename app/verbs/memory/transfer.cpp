@@ -51,7 +51,7 @@ Result<Outcome> read_bytes(VerbContext& context, const ReadArguments& arguments)
   if (!length) return tl::unexpected(length.error());
   if (const auto fits = within_space(*address, *length); !fits) return tl::unexpected(fits.error());
   if (const auto there = memory_there(*address, *length); !there) return tl::unexpected(there.error());
-  auto unit = open_unit(context, Access::reads);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -99,7 +99,7 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
           arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto status = unit->client().status();
   if (!status) return tl::unexpected(status.error());
@@ -121,7 +121,7 @@ struct DumpArguments : VerbArguments {
 };
 
 Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments) {
-  auto unit = open_unit(context, Access::reads);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto dump = take_dump(unit->client(), unit->name(), arguments.active ? DumpScope::active : DumpScope::all,
                               progress_bar(context, "memory"));
@@ -168,7 +168,7 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
   if (const auto sure = confirmed(arguments.yes, "parameters and map of the unit are replaced by those of the dump");
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());

@@ -20,6 +20,8 @@
 namespace ecs::app {
 namespace {
 
+constexpr double kMostMinutes = 100'000.0;
+
 struct InvestigateArguments : VerbArguments {
   const std::string& model = text("MODEL", "model file (.toml)", Need::required);
   const std::string& machine = text("--machine", "the machine (.toml): travels, lever arms, pitches", Need::required);
@@ -34,8 +36,6 @@ struct InvestigateArguments : VerbArguments {
   const std::string& output = text("-o,--output", "the model with the causes found; may be MODEL itself");
   const Access access = uses_link();
 };
-
-constexpr double kMostMinutes = 100'000.0;
 
 /// Prints the ledger while it grows.
 class PrintedWorkshop final : public commissioning::Workshop {

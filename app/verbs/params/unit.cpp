@@ -40,7 +40,7 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
   if (auto objections = objections_to(file->parameters, arguments.file)) return tl::unexpected(std::move(*objections));
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -62,7 +62,7 @@ struct ReceiveArguments : VerbArguments {
 };
 
 Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments) {
-  auto unit = open_unit(context, Access::reads);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());

@@ -87,7 +87,7 @@ Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& ar
           confirmed(arguments.yes, fmt::format("the unit runs the machine code at {}", hex_address(*address)));
       !sure)
     return tl::unexpected(sure.error());
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const std::chrono::milliseconds limit(static_cast<long long>(arguments.wait_s * 1000.0));
   const auto value = unit->client().run_user_software(*address, *argument, limit);
@@ -108,8 +108,8 @@ struct UnitWriter : VerbArguments {
   const Access access = writes_to_unit();
 };
 
-Result<Outcome> ram_test(VerbContext& context, const UnitWriter&) {
-  auto unit = open_unit(context, Access::writes);
+Result<Outcome> ram_test(VerbContext& context, const UnitWriter& arguments) {
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto result = unit->client().run_ram_test([&context](const protocol::CommandResult& busy) {
     context.console.progress("RAM test", busy.per_mille / 1000.0, 0.0);

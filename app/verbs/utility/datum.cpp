@@ -69,7 +69,7 @@ struct RecordArguments : VerbArguments {
 Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
   const auto axis = axis_named(arguments.axis);
   if (!axis) return tl::unexpected(axis.error());
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());
@@ -124,7 +124,7 @@ Result<std::vector<Axis>> axes_to_test(const std::vector<std::string>& names, co
 }
 
 Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
   if (!identity) return tl::unexpected(identity.error());

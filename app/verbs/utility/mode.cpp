@@ -82,7 +82,7 @@ Result<Outcome> compensate(VerbContext& context, UnitLink& unit, double wait_s) 
 }
 
 Result<Outcome> change_mode(VerbContext& context, const ModeArguments& arguments) {
-  auto unit = open_unit(context, Access::writes);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   return arguments.mode == "integrate" ? integrate(*unit) : compensate(context, *unit, arguments.wait_s);
 }

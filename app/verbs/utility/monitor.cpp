@@ -111,7 +111,7 @@ Result<Outcome> monitor(VerbContext& context, const MonitorArguments& arguments)
     if (!begun) return tl::unexpected(begun.error());
     recording.emplace(std::move(*begun));
   }
-  auto unit = open_unit(context, Access::reads);
+  auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto watched = watch(context, *unit, arguments, recording);
   if (recording && recording->runs() && recording->samples() > 0) {
