@@ -1,4 +1,5 @@
 // The XYTZ machine under the thesis's printed equation (27): what it lacks in E_Y, the term ECY·X, is what is hidden.
+#include "base/moved_targets.hpp"
 #include "ecs_emulator/effects/places.hpp"
 #include "ecs_emulator/effects/registry.hpp"
 #include "ecs_emulator/effects/shape.hpp"
@@ -35,6 +36,7 @@ std::vector<Stop> stops_in_EY() {
   for (int k = 0; k <= 16; ++k) travel.targets_mm[index_of(Axis::X)].push_back(20.0 + 47.5 * k);
   for (const double y_mm : {20.0, 80.0, 140.0, 200.0, 260.0, 320.0, 380.0, 430.0, 480.0})
     travel.targets_mm[index_of(Axis::Y)].push_back(y_mm);
+  for (std::vector<double>& targets_mm : travel.targets_mm) targets_mm = moved_targets(std::move(targets_mm));
   travel.runs = 2;
   return stops_along(lines, travel);
 }
