@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "model/fit/compare.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -51,23 +52,28 @@ struct Follows {
   }
 };
 
-/// The line through the readings with the least and the greatest value of `column`, if all others lie on it.
-std::optional<Follows> line_over(const Observations& present, const Column& extra, const std::string& column) {
+/// The line through the readings with the least and the greatest value of `column`, if all others lie on it. Every
+/// `step`-th reading counts.
+std::optional<Follows> line_over(const Observations& present, const Column& extra, const std::string& column,
+                                 std::size_t step) {
   constexpr double kSame = 1e-5;  // of the range: the last digit of a cell
-  std::size_t least = 0, greatest = 0;
-  std::vector<double> x;
-  for (std::size_t k = 0; k < present.size(); ++k) {
-    x.push_back(column.empty() ? 0.0 : variable_of(present, k, column));
-    if (std::isnan(x[k]) || std::isnan(extra[k])) return std::nullopt;
-    if (x[k] < x[least]) least = k;
-    if (x[k] > x[greatest]) greatest = k;
+  double least = kBeyondAll, greatest = -kBeyondAll, low = kBeyondAll, high = -kBeyondAll;
+  double at_least = 0.0, at_greatest = 0.0;
+  for (std::size_t k = 0; k < present.size(); k += step) {
+    const double x = column.empty() ? 0.0 : variable_of(present, k, column);
+    if (std::isnan(x) || std::isnan(extra[k])) return std::nullopt;
+    if (x < least) at_least = extra[k];
+    if (x > greatest) at_greatest = extra[k];
+    least = std::min(least, x);
+    greatest = std::max(greatest, x);
+    low = std::min(low, extra[k]);
+    high = std::max(high, extra[k]);
   }
-  Follows line{column, extra[least], 0.0};
-  if (x[greatest] > x[least]) line.slope = (extra[greatest] - extra[least]) / (x[greatest] - x[least]);
-  line.at_zero -= line.slope * x[least];
-  const auto [low, high] = std::minmax_element(extra.begin(), extra.end());
-  for (std::size_t k = 0; k < present.size(); ++k)
-    if (std::abs(line.at(present, k) - extra[k]) > kSame * (*high - *low)) return std::nullopt;
+  Follows line{column, at_least, 0.0};
+  if (greatest > least) line.slope = (at_greatest - at_least) / (greatest - least);
+  line.at_zero -= line.slope * least;
+  for (std::size_t k = 0; k < present.size(); k += step)
+    if (std::abs(line.at(present, k) - extra[k]) > kSame * (high - low)) return std::nullopt;
   return line;
 }
 
@@ -77,8 +83,11 @@ std::optional<Follows> follows(const Observations& present, const Column& extra)
   columns.insert(columns.end(), {"humidity_pct", "travel_since_reversal_mm"});
   for (const auto& [sensor, degC] : present.sensors_degC) columns.push_back(sensor);
   columns.emplace_back("time_s");
-  for (const std::string& column : columns)
-    if (auto line = line_over(present, extra, column)) return line;
+  constexpr std::size_t kFewReadings = 50;  // show of most columns that they are no line
+  for (const std::string& column : columns) {
+    if (!line_over(present, extra, column, 1 + present.size() / kFewReadings)) continue;
+    if (auto line = line_over(present, extra, column, 1)) return line;
+  }
   return std::nullopt;
 }
 
