@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
@@ -41,6 +42,10 @@ constexpr double kTellingChance = 1e-3, kTellingShare = 0.01;
 /// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
 constexpr double kFewestSpare = 6.0;
 
+/// A credible set holds the cause with this probability; a cause is proved by this e-value, and is most of what is
+/// above noise from this share on: the verdicts of docs/model.md.
+constexpr double kCredible = 0.99, kProved = 100.0, kMostExplained = 0.9;
+
 double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
 
 /// An even choice of readings: every reading of rare kinds is likely to stay.
@@ -62,8 +67,24 @@ struct RankedCandidate {
   Choice choice;
   bool named = false;
   std::vector<EffectInstance> rivals;
+  double probability = 0.0;
+  std::vector<SetMember> set{};
+  std::vector<double> values{};  ///< of the searched parameter that fit as well
+  std::optional<double> e_value{};
 };
 
+/// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
+std::vector<SetMember> credible_set(std::vector<SetMember> alternatives) {
+  std::stable_sort(alternatives.begin(), alternatives.end(),
+                   [](const SetMember& a, const SetMember& b) { return a.probability > b.probability; });
+  double sum = 0.0;
+  std::size_t count = 0;
+  while (count < alternatives.size() && sum < kCredible) sum += alternatives[count++].probability;
+  alternatives.resize(count);
+  return alternatives;
+}
+
+/// @param named  the members of the solution are
 std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
   std::vector<RankedCandidate> list;
   const auto instance = [&](const Choice& choice) { return effect_of(found.families[choice.family].effect, choice); };
@@ -75,23 +96,48 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     return std::any_of(list.begin(), list.end(),
                        [&](const RankedCandidate& t) { return same_candidate(t.effect, effect); });
   };
-  for (const Group* group : groups) {
-    RankedCandidate one{instance(group->member), group->member, named, {}};
-    for (const Choice& rival : group->rivals) one.rivals.push_back(instance(rival));
-    list.push_back(one);
+  std::vector<std::map<std::string, double>> probability_in(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = *groups[g];
+    std::vector<Choice> alternatives{group.member};
+    alternatives.insert(alternatives.end(), group.rivals.begin(), group.rivals.end());
+    alternatives.insert(alternatives.end(), group.weaker.begin(), group.weaker.end());
+    const std::vector<double> shares = probabilities_of(alternatives);
+    std::vector<SetMember> members;
+    for (std::size_t i = 0; i < alternatives.size(); ++i) {
+      members.push_back({to_text(instance(alternatives[i])), shares[i]});
+      probability_in[g].try_emplace(members.back().name, shares[i]);
+    }
+    RankedCandidate one{instance(group.member),           group.member, named,        {}, shares.front(),
+                        credible_set(std::move(members)), group.values, group.e_value};
+    for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
+    list.push_back(std::move(one));
   }
   const std::size_t members = list.size();
+  const auto probability_of = [&](std::size_t g, const EffectInstance& effect) {
+    const auto found_in = probability_in[g].find(to_text(effect));
+    return found_in == probability_in[g].end() ? 0.0 : found_in->second;
+  };
   for (std::size_t g = 0; g < members; ++g)
     for (const Choice& rival : groups[g]->rivals) {
       if (listed(instance(rival))) continue;
-      RankedCandidate one{instance(rival), rival, false, {list[g].effect}};
+      RankedCandidate one{instance(rival), rival, false, {list[g].effect}, probability_of(g, instance(rival)),
+                          list[g].set};
       for (const Choice& other : groups[g]->rivals)
         if (other.family != rival.family) one.rivals.push_back(instance(other));
-      list.push_back(one);
+      list.push_back(std::move(one));
     }
-  for (const Group* group : groups)
-    for (const Choice& weaker : group->weaker)
-      if (!listed(instance(weaker)) && list.size() < kMostListed) list.push_back({instance(weaker), weaker, false, {}});
+  for (std::size_t g = 0; g < members; ++g)
+    for (const Choice& weaker : groups[g]->weaker)
+      if (!listed(instance(weaker)) && list.size() < kMostListed)
+        list.push_back({instance(weaker), weaker, false, {}, probability_of(g, instance(weaker)), {}});
+  if (list.empty()) {  // nothing found: the closest, against none of them
+    std::vector<Choice> alternatives = found.closest;
+    alternatives.emplace_back();
+    const std::vector<double> shares = probabilities_of(alternatives);
+    for (std::size_t i = 0; i < found.closest.size(); ++i)
+      list.push_back({instance(found.closest[i]), found.closest[i], false, {}, shares[i], {}});
+  }
   return list;
 }
 
@@ -139,9 +185,16 @@ struct ReportInput {
   const Model& model;
   const Regressors& regressors;
   const Base& base;
+  const MatrixXd columns;  ///< of the model, its own terms where the solution has them
   const Found& found;
   const DiagnoseOptions& options;
 };
+
+/// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
+double explainable_share(double rms_um, double rms_after_um, double noise_um) {
+  const double above_noise = rms_um * rms_um - noise_um * noise_um;
+  return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
+}
 
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const Whitener& whitener,
                        const Parts& parts, const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
@@ -150,21 +203,23 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.effect = ranked.effect;
   candidate.named = ranked.named;
   const Columns columns = columns_on(in.regressors, ranked);
-  const LinearProblem problem = joined_with(in.base.columns, in.base.target, columns);
+  const LinearProblem problem = joined_with(in.columns, in.base.target, columns);
   const VectorXd residual = residual_of(problem, whitener);
   candidate.rms_after_um = rms_of(residual);
   candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
-  const double above_noise = rms_um * rms_um - noise.pure.noise_um * noise.pure.noise_um;
-  if (above_noise > 0.0)
-    candidate.explainable_share =
-        std::clamp((rms_um * rms_um - candidate.rms_after_um * candidate.rms_after_um) / above_noise, 0.0, 1.0);
+  candidate.explainable_share = explainable_share(rms_um, candidate.rms_after_um, noise.pure.noise_um);
+  candidate.probability = ranked.probability;
+  candidate.set = ranked.set;
+  candidate.e_value = ranked.e_value;
+  if (!ranked.values.empty())
+    candidate.parameters_set[std::string(ranked.effect.definition().searched_parameter())] = ranked.values;
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
       probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, noise.pure.dof)));
   const double least = 1.0 / (static_cast<double>(in.found.replicate_scores.size()) + 1.0);  // they show no less
   candidate.false_naming = std::max(least, tail_probability(in.found.replicate_scores, ranked.choice.score()));
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
-  candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.base.columns.cols());
+  candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.columns.cols());
   if (prove) {
     candidate.held_out_rms_before_um = held_out_before;
     candidate.held_out_rms_um =
@@ -180,13 +235,10 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   return candidate;
 }
 
-void take_parameters(Candidate& candidate, const Fit& after) {
-  for (const EffectFit& effect : after.effects) {
-    if (!same_candidate(effect.effect, candidate.effect)) continue;
-    candidate.parameters = effect.parameters;
-    candidate.effect.curve = effect.effect.curve;
-    candidate.effect.fitted = effect.effect.fitted;
-  }
+void take_parameters(Candidate& candidate, const EffectFit& after) {
+  candidate.parameters = after.parameters;
+  candidate.effect.curve = after.effect.curve;
+  candidate.effect.fitted = after.effect.fitted;
 }
 
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
@@ -227,7 +279,17 @@ Diagnosis too_few(const Observations& data, const Base& base) {
 Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
   const bool noise = noise_left(found, options);
   if (found.solution.chosen.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
-  return noise ? Verdict::missing_effect : Verdict::unexplained_structure;
+  return noise && found.objection.empty() ? Verdict::missing_effect : Verdict::unexplained_structure;
+}
+
+/// Whether a cause alone is proved and explains nearly all, although more is left.
+bool explains_most(const ReportInput& in, const RankedCandidate& first) {
+  if (!in.found.objection.empty() || first.e_value.value_or(0.0) < kProved) return false;
+  if (!is_pitch_or_no_wave(in.found.families[first.choice.family], first.choice)) return false;
+  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
+  const VectorXd left =
+      residual_of(joined_with(in.columns, in.base.target, columns_on(in.regressors, first)), whitener);
+  return explainable_share(rms_of(in.base.residual), rms_of(left), in.found.noise.pure.noise_um) >= kMostExplained;
 }
 
 std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
@@ -238,6 +300,7 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Regressors&
 
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
+  if (!found.objection.empty()) return found.objection;
   if (found.cross_validated_share < kLeastCrossValidated)
     return fmt::format(
         "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
@@ -257,11 +320,20 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.observations = data.size();
   diagnosis.rms_um = rms_of(in.base.residual);
   diagnosis.verdict = verdict_of(in.found, in.options);
-  diagnosis.candidates_tried = in.found.families.size();
+  diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
 
+  std::vector<RankedCandidate> order = ranked_candidates(in.found, diagnosis.verdict == Verdict::missing_effect);
+  if (diagnosis.verdict == Verdict::unexplained_structure && !in.found.groups.empty() &&
+      explains_most(in, order.front())) {
+    diagnosis.verdict = Verdict::partly_explained;
+    order.front().named = true;
+  }
   Model with = in.model;
-  const std::vector<RankedCandidate> order = ranked_candidates(in.found, diagnosis.verdict == Verdict::missing_effect);
+  for (const Choice& own : in.found.solution.own) {
+    const std::size_t effect = in.base.own[own.family - in.found.candidates_tried];
+    with.effects[effect].fitted[std::string(with.effects[effect].definition().searched_parameter())] = own.nonlinear;
+  }
   for (const RankedCandidate& ranked : order)
     if (ranked.named) with.effects.push_back(ranked.effect);
   Fit after;
@@ -279,21 +351,24 @@ Result<Diagnosis> reported(const ReportInput& in) {
 
   const Parts parts = parts_of(data);
   const double held_out_before =
-      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.base.columns, in.base.target);
+      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.columns, in.base.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
     Candidate candidate = candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um,
                                        held_out_before, i < kMostProved);
-    if (candidate.named) take_parameters(candidate, after);
+    if (candidate.named)
+      take_parameters(candidate, after.effects[in.model.effects.size() + i]);  // named ones are first
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
     candidate.because = reason_for(candidate, diagnosis, data);
     candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals);
     diagnosis.candidates.push_back(std::move(candidate));
   }
-  if (diagnosis.verdict == Verdict::adequate) diagnosis.candidates.clear();
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
+  if (in.found.bad_run)
+    std::stable_partition(diagnosis.where.begin(), diagnosis.where.end(),
+                          [](const Dependence& one) { return one.variable == "run"; });
   diagnosis.notes = untried_effects(data);
-  if (diagnosis.verdict == Verdict::unexplained_structure && !in.found.solution.chosen.empty())
+  if (diagnosis.verdict != Verdict::missing_effect && !in.found.solution.chosen.empty())
     diagnosis.notes.push_back(why_not_explained(in.found));
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   return diagnosis;
@@ -307,6 +382,8 @@ std::string_view name_of(Verdict verdict) {
       return "adequate";
     case Verdict::missing_effect:
       return "missing_effect";
+    case Verdict::partly_explained:
+      return "partly_explained";
     default:
       return "unexplained_structure";
   }
@@ -321,16 +398,18 @@ Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const 
   if (!base) return tl::unexpected(base.error());
   if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare)
     return too_few(data, *base);
+  const auto report = [&](const Found& found) {
+    return reported({model, regressors, *base, columns_with_own(*base, regressors, found), found, options});
+  };
   if (data.size() <= options.largest_search)
-    return reported(
-        {model, regressors, *base, searched(regressors, *base, all_candidates(model, regressors), options), options});
+    return report(searched(model, regressors, *base, all_candidates(model, regressors), options));
 
   const Observations part = subset(data, even_choice(data.size(), options.largest_search));
   const Regressors part_regressors(part);
   const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
   if (!part_base) return tl::unexpected(part_base.error());
-  const Found found = searched(part_regressors, *part_base, all_candidates(model, part_regressors), options);
-  auto diagnosis = reported({model, regressors, *base, found, options});
+  auto diagnosis =
+      report(searched(model, part_regressors, *part_base, all_candidates(model, part_regressors), options));
   if (diagnosis)
     diagnosis->notes.push_back(
         fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}", part.size(), data.size()));

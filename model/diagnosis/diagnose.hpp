@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ namespace ecs::model {
 enum class Verdict : std::uint8_t {
   adequate,               ///< what is left is noise
   missing_effect,         ///< the first candidates bring the residual down to noise
+  partly_explained,       ///< the first candidate is proved and explains nearly all, but structure is left
   unexplained_structure,  ///< the residual depends on something that no effect of the library explains
 };
 [[nodiscard]] std::string_view name_of(Verdict verdict);
@@ -33,6 +35,12 @@ struct DiagnoseOptions {
   const std::atomic<bool>* cancelled = nullptr;  ///< set by another thread: `refused`, soon; null: nobody stops it
 };
 
+/// A member of a credible set.
+struct SetMember {
+  std::string name;  ///< "effect:axis:sense-or-code"
+  double probability = 0.0;
+};
+
 struct Candidate {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
@@ -42,8 +50,13 @@ struct Candidate {
   double explainable_share = 0.0;  ///< of what is above noise: (rms² − rms_after²)/(rms² − noise²), 0 … 1
   double p_value = 1.0;            ///< nominal
   double false_naming = 1.0;       ///< chance that noise alone makes any candidate look as good
-  std::optional<double> held_out_rms_um;            ///< fitted on some runs or blocks, tested on the others
-  std::optional<double> held_out_rms_before_um;     ///< the same without the effect
+  std::optional<double> held_out_rms_um;         ///< fitted on some runs or blocks, tested on the others
+  std::optional<double> held_out_rms_before_um;  ///< the same without the effect
+  double probability = 0.0;                      ///< among the alternatives for the same part of the residual, 0 … 1
+  std::vector<SetMember> set;     ///< the fewest alternatives that hold the cause with 0.99, likeliest first
+  std::optional<double> e_value;  ///< e_value.hpp, divided by the number of candidates tried; absent: no split shows it
+  /// By name: all values that fit within Δχ² 9 (a period); the interval (a place).
+  std::map<std::string, std::vector<double>> parameters_set;
   std::size_t skipped = 0;                          ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::string because;                              ///< one sentence with the evidence

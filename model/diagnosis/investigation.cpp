@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "model/diagnosis/e_value.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/outliers.hpp"
 #include "model/fit/report.hpp"
@@ -46,6 +50,8 @@ constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
 /// Scores of noise are between these; sixty halvings of that find the level to the last digit.
 constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
 constexpr int kHalvings = 60;
+/// Candidates shown where nothing is found.
+constexpr std::size_t kClosest = 3;
 
 MatrixXf without_absorbed(const MatrixXd& q, MatrixXf noise_replicates) {
   if (q.cols() == 0) return noise_replicates;
@@ -65,15 +71,20 @@ double score_at(const std::vector<double>& replicate_scores, double chance) {
   return high;
 }
 
-LinearProblem joined(const Base& base, const Search& search, const std::vector<Choice>& chosen) {
+MatrixXd beside(MatrixXd columns, const MatrixXd& more) {
+  columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
+  columns.rightCols(more.cols()) = more;
+  return columns;
+}
+
+LinearProblem joined(const Base& base, const Search& search, const Solution& solution) {
   LinearProblem all{base.columns, base.target};
-  for (const Choice& choice : chosen) {
-    const Columns columns = search.columns_of(choice);
-    if (columns.fixed.size() > 0) all.target -= columns.fixed;
-    const Index had = all.columns.cols();
-    all.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
-    all.columns.rightCols(columns.of.cols()) = columns.of;
-  }
+  for (const std::vector<Choice>* choices : {&solution.own, &solution.chosen})
+    for (const Choice& choice : *choices) {
+      const Columns columns = search.columns_of(choice);
+      if (columns.fixed.size() > 0) all.target -= columns.fixed;
+      all.columns = beside(std::move(all.columns), columns.of);
+    }
   return all;
 }
 
@@ -92,25 +103,56 @@ bool changed(const NoiseModel& a, const NoiseModel& b) {
   return false;
 }
 
-/// Share of what is above noise that the effects predict at targets they were not fitted to, beyond what the model
-/// absorbs of both.
+/// Share of what is above noise that the effects predict where they were not fitted, beyond what the model absorbs of
+/// both: at left-out targets where a line has enough of them, in left-out runs where there are, the lesser.
 double cross_validated_share_of(const Observations& data, const Search& search, const Whitener& whitener,
-                                const std::vector<Choice>& chosen) {
-  const MatrixXd& q = search.base().q;
+                                const Solution& solution) {
+  const Space model = search.solution({}, solution.own).space;
   const auto beyond = [&](const MatrixXd& raw) {
     MatrixXd white = whitener(raw);
-    white.noalias() -= q * (q.transpose() * white).eval();
+    white.noalias() -= model.q * (model.q.transpose() * white).eval();
     return white;
   };
-  LinearProblem left{MatrixXd(q.rows(), 0), search.base().y};
-  for (const Choice& choice : chosen) {
+  LinearProblem left{MatrixXd(model.q.rows(), 0), model.y};
+  for (const Choice& choice : solution.chosen) {
     const Columns columns = search.columns_of(choice);
     if (columns.fixed.size() > 0) left.target -= beyond(columns.fixed).col(0);
-    const Index had = left.columns.cols();
-    left.columns.conservativeResize(Eigen::NoChange, had + columns.of.cols());
-    left.columns.rightCols(columns.of.cols()) = beyond(columns.of);
+    left.columns = beside(std::move(left.columns), beyond(columns.of));
   }
-  return cross_validated_part(parts_by_target(data), left.columns, left.target, search.base().y);
+  const Parts runs = parts_of(data);
+  const auto share = [&](const Parts& parts) {
+    return cross_validated_part(parts, left.columns, left.target, model.y);
+  };
+  const double by_part = share(runs);
+  if (!has_targets_to_leave_out(data)) return by_part;
+  const double by_target = share(parts_by_target(data));
+  return runs.by_run ? std::min(by_part, by_target) : by_target;
+}
+
+/// What speaks against the effects found: a run that explains as much, waves that can be anything.
+void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
+           Found& found) {
+  const Observations& data = regressors.data();
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    std::vector<Choice> others = chosen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const Solution rest = search.solution(others, found.solution.own);
+    const auto run = best_run_offset(data, whitener, rest.space);
+    const Choice& member = found.groups[i].member;
+    const LinearProblem without = joined(base, search, rest);
+    found.groups[i].e_value = e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
+                                         found.families[member.family].effect);
+    if (found.groups[i].e_value) *found.groups[i].e_value /= static_cast<double>(found.candidates_tried);
+    if (run && run_comes_first(*run, found.families[member.family].effect, member.score()) &&
+        (!found.bad_run || run->gain > found.bad_run->gain))
+      found.bad_run = run;
+  }
+  if (found.bad_run)
+    found.objection =
+        fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
+  else
+    found.objection = objection_to_waves(data, found.families, chosen);
 }
 
 }  // namespace
@@ -125,18 +167,23 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   Base base;
   base.core = fitted(*assembly, regressors, {plain, true});
   const Observations& data = regressors.data();
-  base.columns = assembly->columns();
-  base.columns.conservativeResize(static_cast<Index>(data.size()), Eigen::NoChange);
+  base.columns.resize(static_cast<Index>(data.size()), 0);
   base.target =
       Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly->fixed(data.size());
   base.residual = base.core.residual;
-  for (std::size_t s = 0; s < assembly->slots.size(); ++s)  // a small error of a fitted period is absorbed too
-    for (std::size_t j = 0; j < assembly->slots[s].nonlinear.size(); ++j) {
-      if (!assembly->slots[s].nonlinear_free[j] || !assembly->slots[s].has_slope()) continue;
-      const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), assembly->slots[s].columns.cols());
-      base.columns.conservativeResize(Eigen::NoChange, base.columns.cols() + 1);
-      base.columns.rightCols(1) = assembly->slope(s, j, sizes, regressors);
+  for (std::size_t s = 0; s < assembly->slots.size(); ++s) {
+    const Slot& slot = assembly->slots[s];
+    if (slot.is_sought(data)) {
+      base.own.push_back(s);
+      continue;
     }
+    base.columns = beside(std::move(base.columns), slot.columns);
+    for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
+      if (!slot.nonlinear_free[j] || !slot.has_slope()) continue;
+      const VectorXd sizes = base.core.sizes.segment(assembly->first_column(s), slot.columns.cols());
+      base.columns = beside(std::move(base.columns), assembly->slope(s, j, sizes, regressors));
+    }
+  }
   if (fit != nullptr) *fit = reported(*assembly, regressors, base.core);
   return base;
 }
@@ -146,18 +193,28 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
   return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
 }
 
-Found searched(const Regressors& regressors, const Base& base, const std::vector<EffectInstance>& candidates,
-               const DiagnoseOptions& options) {
+MatrixXd columns_with_own(const Base& base, const Regressors& regressors, const Found& found) {
+  MatrixXd columns = base.columns;
+  for (const Choice& own : found.solution.own)
+    columns = beside(std::move(columns), regressors.columns(found.families[own.family].effect, own.nonlinear).of);
+  return columns;
+}
+
+Found searched(const Model& model, const Regressors& regressors, const Base& base,
+               const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   const MatrixXd smooth = smooth_columns(data);
+  std::vector<EffectInstance> own;
+  for (const std::size_t i : base.own) own.push_back(model.effects[i]);
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_of(data, base.residual, smooth, found.left_out);
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
-    const Search search(regressors, whitener, base.columns, base.target, candidates, options.cancelled);
+    const Search search(regressors, whitener, base.columns, base.target, candidates, own, options.cancelled);
     found.families = search.families();
+    found.candidates_tried = search.candidates();
     const MatrixXf noise_replicates = without_absorbed(
         search.base().q,
         whitener(simulated_noise(data, found.noise, options.noise_replicates, found.left_out)).cast<float>());
@@ -168,7 +225,7 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     }
     const double n = static_cast<double>(data.size());
     found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
-    const VectorXd residual = residual_of(joined(base, search, found.solution.chosen), whitener);
+    const VectorXd residual = residual_of(joined(base, search, found.solution), whitener);
     if (round < kMostRounds) {
       const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
       const NoiseModel noise = noise_of(data, residual, smooth, outliers);
@@ -180,27 +237,31 @@ Found searched(const Regressors& regressors, const Base& base, const std::vector
     }
     found.groups = groups_of(search, found.solution, found.entry_score);
     for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
-    found.solution = search.refined(found.solution.chosen);
+    found.solution = search.refined(found.solution.chosen, found.solution.own);
     const Structure structure(data, whitener, noise_freedom);
-    found.before = structure.tests(search.base());
-    found.structure_p_before = chance_of_largest(found.before, structure.largest_of(search.base(), noise_replicates));
+    const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
+      return chance_of_largest(tests, structure.largest_of(space, without_absorbed(space.q, noise_replicates)));
+    };
+    const Space& alone = search.alone().space;
+    found.before = structure.tests(alone);
+    found.structure_p_before = chance_beside(alone, found.before);
     if (!found.solution.chosen.empty())
-      found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution.chosen);
+      found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution);
     if (found.cross_validated_share < kLeastCrossValidatedAlone &&
         found.structure_p_before > kStructureChance * options.false_naming_limit) {
       // no structure but for an effect without proof: that is noise
-      found.solution = search.solution({});
+      found.solution = search.alone();
       found.groups.clear();
       found.cross_validated_share = 1.0;
     }
     if (found.solution.chosen.empty()) {
       found.after = found.before;
       found.structure_p_after = found.structure_p_before;
+      found.closest = search.expand(alone, kClosest);
     } else {
+      judge(regressors, base, search, whitener, found);
       found.after = structure.tests(found.solution.space);
-      found.structure_p_after = chance_of_largest(
-          found.after,
-          structure.largest_of(found.solution.space, without_absorbed(found.solution.space.q, noise_replicates)));
+      found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
     return found;
   }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
@@ -21,9 +22,10 @@ inline constexpr double kLeastCrossValidatedAlone = 0.5;
 
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {
-  Eigen::MatrixXd columns;   ///< of the fitted sizes and nonlinear parameters
-  Eigen::VectorXd target;    ///< readings less the part held
-  Eigen::VectorXd residual;  ///< of the fit
+  Eigen::MatrixXd columns;       ///< of the fitted sizes and nonlinear parameters, without those of `own`
+  std::vector<std::size_t> own;  ///< effects of the model whose searched parameter is free, with nothing held
+  Eigen::VectorXd target;        ///< readings less the part held
+  Eigen::VectorXd residual;      ///< of the fit
   CoreFit core;
 };
 
@@ -32,11 +34,16 @@ struct Found {
   Solution solution;
   std::vector<Group> groups;
   std::vector<Family> families;
+  std::size_t candidates_tried = 0;
   std::vector<double> replicate_scores;      ///< best of each noise replicate
   std::vector<StructureTest> before, after;  ///< structure of the residual without and with the effects found
   double structure_p_before = 1.0, structure_p_after = 1.0;
   double entry_score = 0.0;
-  double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted at targets not fitted to
+  double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
+                                       ///< fitted to, the lesser
+  std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
+  std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
+  std::string objection;               ///< why the effects found are no causes although they explain, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;
 };
@@ -52,9 +59,12 @@ struct LinearProblem {
 /// Fits the model with every function of its curves. @param fit  where the fit is reported too; may be null
 [[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit);
 
+/// Columns of the model, its own terms at the values that a solution gives them.
+[[nodiscard]] Eigen::MatrixXd columns_with_own(const Base& base, const Regressors& regressors, const Found& found);
+
 [[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
 
-[[nodiscard]] Found searched(const Regressors& regressors, const Base& base,
+[[nodiscard]] Found searched(const Model& model, const Regressors& regressors, const Base& base,
                              const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);
 
 /// Whether the effects found leave nothing but noise.

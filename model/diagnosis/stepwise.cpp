@@ -7,6 +7,7 @@
 #include <set>
 
 #include "model/effects/definition.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -38,6 +39,11 @@ constexpr double kNearGain = 0.8, kNearGainMovable = 0.5;
 constexpr double kSimplerMargin = 3.0 * kIndistinguishable;
 /// Weaker explanations kept for the list of a group.
 constexpr std::size_t kMostWeaker = 6;
+/// Values of a searched parameter listed, at the utmost; a peak on the grid may be lower than itself refined by this
+/// share of its gain (three values tried a turn over the travel: a sixth of a turn off at the ends); a value is a fact
+/// of the machine within a percent.
+constexpr std::size_t kMostValues = 200;
+constexpr double kCoarse = 0.2, kSameFact = 0.01;
 /// Free functions that shapes over one axis may have together: two, and this share of its targets. More follow any
 /// values at all.
 constexpr double kFreeFunctions = 2.0, kFunctionsATarget = 0.7;
@@ -104,6 +110,37 @@ bool is_alike(const Search& search, const Choice& member, const Choice& other) {
   return parameters <= member.parameters + 1;
 }
 
+/// Values of a searched parameter that fit within Δχ² 9 of the best (a profile likelihood), those of the machine first.
+std::vector<double> values_that_fit(const Search& search, const Space& space, const Choice& member) {
+  const Family& family = search.families()[member.family];
+  const EffectDefinition& definition = family.effect.definition();
+  if (!definition.traits.periodic && definition.search.has_slope) return {};
+  std::vector<double> values;
+  for (const Choice& peak : search.peaks_of(space, member.family)) {
+    if (values.size() >= kMostValues) break;
+    if (peak.gain < member.gain - kIndistinguishable - (definition.traits.periodic ? kCoarse * member.gain : 0.0))
+      continue;
+    const Choice choice = search.refined_choice(space, member.family, peak.nonlinear);
+    if (choice.gain < member.gain - kIndistinguishable) continue;
+    const bool known = definition.traits.periodic && std::any_of(values.begin(), values.end(), [&](double value) {
+                         const ValueRange peak_range =
+                             definition.search.limits(search.data(), family.effect, family.acting, value);
+                         return choice.nonlinear >= peak_range.least && choice.nonlinear <= peak_range.greatest;
+                       });
+    if (!known) values.push_back(choice.nonlinear);
+  }
+  if (values.empty()) values.push_back(member.nonlinear);
+  if (!definition.search.has_slope) {
+    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+    return {*least, *greatest};
+  }
+  std::stable_partition(values.begin(), values.end(), [&](double value) {
+    return std::any_of(family.facts.begin(), family.facts.end(),
+                       [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+  });
+  return values;
+}
+
 double worth(const Solution& solution, double entry_score) {
   return solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
 }
@@ -113,7 +150,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
   for (int round = 0; round < kExchanges; ++round) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
-      const Solution rest = search.solution(without_member(best.chosen, i));
+      const Solution rest = search.refined(without_member(best.chosen, i), best.own);
       if (worth(rest, entry_score) >= worth(best, entry_score)) {
         best = rest;
         changed = true;
@@ -122,7 +159,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
       for (const Choice& other : search.expand(rest.space, kExchangeExact)) {
         if (other.score() < best.chosen[i].score() - 2.0 * kIndistinguishable) break;
         if (other.family == best.chosen[i].family) continue;
-        Solution tried = search.refined(with(rest.chosen, other));
+        Solution tried = search.refined(with(rest.chosen, other), rest.own);
         if (!plausible(search, tried.chosen)) continue;
         if (worth(tried, entry_score) > worth(best, entry_score) + kLeastProgress) {
           best = std::move(tried);
@@ -140,7 +177,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
 }  // namespace
 
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
-  Solution best = search.solution({});
+  Solution best = search.alone();
   std::vector<Solution> beam{best};
   std::set<std::vector<std::size_t>> seen;
   for (std::size_t depth = 0; depth < options.most_effects && !beam.empty(); ++depth) {
@@ -153,7 +190,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
         if (list[i].gain < (depth < 2 ? options.entry_gain : options.late_gain)) continue;
         const auto chosen = with(state.chosen, list[i]);
         if (!seen.insert(key_of(chosen)).second) continue;
-        Solution tried = search.refined(chosen);
+        Solution tried = search.refined(chosen, state.own);
         if (plausible(search, tried.chosen)) next.push_back(std::move(tried));
       }
     }
@@ -170,7 +207,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
   std::vector<Group> groups;
   for (std::size_t i = 0; i < solution.chosen.size(); ++i) {
-    const Solution rest = search.solution(without_member(solution.chosen, i));
+    const Solution rest = search.solution(without_member(solution.chosen, i), solution.own);
     Group group;
     group.member = search.choice_at(rest.space, solution.chosen[i].family, solution.chosen[i].nonlinear);
     group.member.columns = solution.chosen[i].columns;
@@ -184,6 +221,9 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       }
       const Choice exactly = search.refined_choice(rest.space, other.family, other.nonlinear);
       if (exactly.score() > other.score()) other = exactly;
+      if (!solution.own.empty())  // the model's own terms may take another place beside the rival
+        other.gain = std::max(other.gain, group.member.gain + solution.space.chi2() -
+                                              search.refined(with(rest.chosen, other), rest.own).space.chi2());
       const bool same_fit = is_alike(search, group.member, other) &&
                             other.gain >= group.member.gain - kIndistinguishable &&
                             other.score() >= group.member.score() - kRivalScoreMargin;
@@ -205,9 +245,22 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (simpler) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
+    group.values = values_that_fit(search, rest.space, group.member);
     groups.push_back(std::move(group));
   }
   return groups;
+}
+
+std::vector<double> probabilities_of(const std::vector<Choice>& alternatives) {
+  double best = -kBeyondAll, sum = 0.0;
+  for (const Choice& choice : alternatives) best = std::max(best, choice.score());
+  std::vector<double> shares;
+  for (const Choice& choice : alternatives) {
+    shares.push_back(std::exp(0.5 * (choice.score() - best)));
+    sum += shares.back();
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
 }
 
 }  // namespace ecs::model

@@ -2,6 +2,7 @@
 // and the rivals that do as well. Internal to model/ (Eigen). Does not live here: the gains themselves (search.hpp).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "model/fit/search.hpp"
@@ -23,8 +24,15 @@ struct Group {
   Choice member;
   std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more
   std::vector<Choice> weaker;  ///< the next best, best first
+  /// Of its searched parameter: all that fit within Δχ² 9 of the best, the facts of the machine first; of one without a
+  /// derivative (a place) the least and the greatest.
+  std::vector<double> values;
+  std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
 };
 /// One group per effect of the solution, in its order.
 [[nodiscard]] std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score);
+
+/// Probability of each of these alternatives for one cause, in their order; they add up to 1.
+[[nodiscard]] std::vector<double> probabilities_of(const std::vector<Choice>& alternatives);
 
 }  // namespace ecs::model

@@ -179,6 +179,35 @@ void add_approach(const Observations& data, const std::vector<double>& scaled, s
   if (!functions.empty()) out.push_back({"approach", functions.matrix()});
 }
 
+/// Products of two coordinates that vary in readings of one sense: a twist.
+void add_products(const Observations& data, std::vector<Variable>& out) {
+  struct Pair {
+    Axis a, b;
+    const char* name;
+  };
+  for (const Pair& pair : {Pair{Axis::X, Axis::Y, "x_mm*y_mm"}, Pair{Axis::X, Axis::Z, "x_mm*z_mm"},
+                           Pair{Axis::Y, Axis::Z, "y_mm*z_mm"}}) {
+    Functions functions(data.size());
+    for (const Sense sense : senses_of(data)) {
+      std::vector<double> a, b;
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (data.sense[k] == sense) {
+          a.push_back(data.p_mm(k, pair.a));
+          b.push_back(data.p_mm(k, pair.b));
+        }
+      const auto [a0, a1] = std::minmax_element(a.begin(), a.end());
+      const auto [b0, b1] = std::minmax_element(b.begin(), b.end());
+      if (*a1 - *a0 <= kSamePlace_mm || *b1 - *b0 <= kSamePlace_mm) continue;
+      functions.add([&](std::size_t k) {
+        if (data.sense[k] != sense) return 0.0;
+        return (data.p_mm(k, pair.a) - 0.5 * (*a0 + *a1)) * (data.p_mm(k, pair.b) - 0.5 * (*b0 + *b1)) /
+               ((*a1 - *a0) * (*b1 - *b0));
+      });
+    }
+    if (!functions.empty()) out.push_back({pair.name, functions.matrix()});
+  }
+}
+
 void add_runs(const Observations& data, const std::vector<double>& scaled, std::vector<Variable>& out) {
   Functions functions(data.size());
   for (const Sense sense : senses_of(data))
@@ -270,6 +299,7 @@ std::vector<Variable> variables_of(const Observations& data) {
   std::vector<Variable> out;
   const std::vector<double> scaled = scaled_positions(data);
   add_positions(data, scaled, out);
+  add_products(data, out);
   add_approach(data, scaled, out);
   add_runs(data, scaled, out);
   add_time(data, out);

@@ -22,8 +22,11 @@ constexpr double kLeastStep = 0.02;
 constexpr std::size_t kFewestTargets = 6;
 /// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice.
 constexpr double kHighestTurns = 5.0;
-/// Fewer turns over the travel are a curve, not a period.
-constexpr double kFewestTurns = 1.5;
+/// Fewer turns over the travel are a slope or a curve, not a period.
+constexpr double kFewestTurns = 2.0;
+/// A fit moves a frequency by at most so many turns over the travel: further away is another peak, for the search to
+/// try.
+constexpr double kPeak = 0.5;
 /// Frequencies tried per 1/travel: three keep the nearest within a sixth of a turn over the travel (VanderPlas 2018:
 /// five to ten; here the best are refined).
 constexpr double kOversampling = 3.0;
@@ -87,6 +90,15 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   return tried;
 }
 
+/// Within the peak of the start, at least two whole turns inside the travel.
+ValueRange period_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double start) {
+  const auto [first, last] = acting_range(data, acting, *effect.axis);
+  const double travel = last - first;
+  if (travel <= 0.0) return {start, start};
+  const double lowest = kFewestTurns / travel, frequency = std::max(lowest, 1.0 / std::abs(start));
+  return {1.0 / (frequency + kPeak / travel), 1.0 / std::max(lowest, frequency - kPeak / travel)};
+}
+
 double assumed_period(const Observations& plan, const EffectInstance& effect, const Acting& acting) {
   const auto& axis = plan.machine.axes[index_of(*effect.axis)];
   if (axis && axis->screw_pitch_mm) return *axis->screw_pitch_mm;
@@ -125,7 +137,7 @@ EffectDefinition cyclic() {
             }
           },
       .column_sets = {{0, 1}, {0, 1, 2, 3}},
-      .search = {.tried = periods, .assumed = assumed_period},
+      .search = {.tried = periods, .assumed = assumed_period, .limits = period_limits},
       .along_axis = [](const Site& site) { return site.once(site.places >= kFewestTargets); },
       .of_reversal =
           [](const Site& site) {

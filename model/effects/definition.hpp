@@ -109,6 +109,9 @@ enum class Need : std::uint8_t {
   known
 };
 
+/// Targets from which a curve over a line is looked for: ISO 230-2:2014 asks for five a line at least.
+inline constexpr std::size_t kFewestCurveTargets = 5;
+
 /// What an effect looks like at a limit of a searched parameter or of its data.
 enum class Limit : std::uint8_t { at_least, at_greatest, tied_to_runs };
 struct Becomes {
@@ -157,9 +160,12 @@ struct SearchDefinition {
                        std::size_t most) = nullptr;
   /// Value to plan with where neither the model nor a fit gives one. @param plan  readings still to be taken
   double (*assumed)(const Observations& plan, const EffectInstance& effect, const Acting& acting) = nullptr;
-  bool has_slope = true;      ///< the contribution has a derivative in it
-  bool either_sign = false;   ///< a fit may take it through 0
-  bool within_tried = false;  ///< a fit keeps it between half the least and twice the greatest value tried
+  /// Range in which a search or a fit that begins at `start` keeps it; beyond, the effect is another one
+  /// (`turns_into`). Null: any value of the sign of the start.
+  ValueRange (*limits)(const Observations& data, const EffectInstance& effect, const Acting& acting,
+                       double start) = nullptr;
+  bool has_slope = true;     ///< the contribution has a derivative in it
+  bool either_sign = false;  ///< a fit may take it through 0
 };
 
 /// A sense and an axis of a data set at which candidates are sought.

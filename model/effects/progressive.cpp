@@ -18,7 +18,7 @@ EffectDefinition progressive() {
       .traits = {.is_curve = true, .shape_of_position = true, .is_smooth = true, .one_per_axis = true},
       .preference = 20,
       .curve_factor = [](const ReadingAt&) { return 1.0; },
-      .along_axis = [](const Site& site) { return site.once(site.places >= 6); },
+      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestCurveTargets); },
   };
 }
 

@@ -19,7 +19,7 @@ EffectDefinition reversal_curve() {
           {.is_curve = true, .of_approach = true, .shape_of_position = true, .is_smooth = true, .one_per_axis = true},
       .preference = 20,
       .curve_factor = [](const ReadingAt& at) { return 0.5 * at.approach(); },
-      .of_reversal = [](const Site& site) { return site.once(site.places >= 6); },
+      .of_reversal = [](const Site& site) { return site.once(site.places >= kFewestCurveTargets); },
   };
 }
 

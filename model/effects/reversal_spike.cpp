@@ -9,21 +9,25 @@
 namespace ecs::model::effects {
 namespace {
 
-/// Lengths: from a third of the shortest travel since a reversal (a thousandth of the longest at least) to one and a
-/// half of the longest; about five of the sixteen are different trials.
-constexpr double kShortestOfTravel = 0.3, kLeastOfLongest = 1e-3, kLongestOfTravel = 1.5, kTrialsOfTravel = 5.0;
+/// Lengths: from a third of the shortest travel since a reversal (a thousandth of the longest at least; below, nothing
+/// is left at the first reading) to half of the longest (beyond, it does not decay: a backlash); about five of the
+/// sixteen are different trials.
+constexpr double kShortestOfTravel = 1.0 / 3.0, kLeastOfLongest = 1e-3, kLongestOfTravel = 0.5, kTrialsOfTravel = 5.0;
 constexpr std::size_t kLengths = 16;
 /// Assumed for planning: a fifth of the longest travel, no less than this [mm]; well inside what a plan can show.
 constexpr double kLengthsAssumed = 5.0, kLeastLength_mm = 1e-3;
 
-TriedValues decay_lengths(const Observations& data, const EffectInstance&, const Acting& acting, std::size_t) {
+ValueRange decay_length_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
+  const auto [least, greatest] = extent_of(data.travel_since_reversal_mm, acting);
+  return {std::max(kShortestOfTravel * least, kLeastOfLongest * greatest), kLongestOfTravel * greatest};
+}
+
+TriedValues decay_lengths(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty()) return tried;
-  const auto [least, greatest] = extent_of(data.travel_since_reversal_mm, acting);
   tried.values.clear();
-  if (greatest > 0.0)
-    tried.values = logarithmic(std::max(kShortestOfTravel * least, kLeastOfLongest * greatest),
-                               kLongestOfTravel * greatest, kLengths);
+  const auto [least, greatest] = decay_length_limits(data, effect, acting, 0.0);
+  if (greatest > 0.0) tried.values = logarithmic(least, greatest, kLengths);
   tried.independent = kTrialsOfTravel;
   return tried;
 }
@@ -56,7 +60,7 @@ EffectDefinition reversal_spike() {
           [](const ReadingAt& at, std::span<double> row) {
             row[0] = at.approach() * std::exp(-at.data.travel_since_reversal_mm[at.k] / at.searched);
           },
-      .search = {.tried = decay_lengths, .assumed = assumed_decay_length, .within_tried = true},
+      .search = {.tried = decay_lengths, .assumed = assumed_decay_length, .limits = decay_length_limits},
       .of_reversal = [](const Site& site) { return site.once(); },
   };
 }

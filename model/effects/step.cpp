@@ -7,13 +7,16 @@
 namespace ecs::model::effects {
 namespace {
 
+/// Targets on either side: fewer are readings that are wrong together, not a joint.
+constexpr std::size_t kBesides = 3;
+
 /// Halfway between neighbouring targets; no more than a choice of processor time allows.
 TriedValues places(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t) {
   constexpr std::size_t kMost = 200;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   const std::size_t stride = std::max<std::size_t>(1, p.size() / kMost);
   TriedValues tried;
-  for (std::size_t i = stride; i < p.size(); i += stride) tried.values.push_back(0.5 * (p[i] + p[i - 1]));
+  for (std::size_t i = kBesides; i + kBesides <= p.size(); i += stride) tried.values.push_back(0.5 * (p[i] + p[i - 1]));
   tried.independent = static_cast<double>(p.size());
   return tried;
 }

@@ -10,19 +10,24 @@
 namespace ecs::model::effects {
 namespace {
 
-/// Time constants: a twentieth to one and a half of the time measured (beyond, an exponential is an offset or a line);
-/// ten of them, a factor of 1.5 apart, about four of which are different trials.
-constexpr double kShortestTimes = 20.0, kLongestOfTime = 1.5, kTrialsOfTime = 4.0;
+/// Time constants: a fiftieth of the time measured to all of it (beyond, an exponential is an offset or a line); ten of
+/// them, a factor of 1.5 apart, about four of which are different trials.
+constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
 constexpr std::size_t kTimes = 10;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
+
+ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
+  const double last_s = extent_of(data.time_s, acting).second;
+  return {last_s / kShortestTimes, last_s};
+}
 
 TriedValues time_constants(const Observations& data, const EffectInstance&, const Acting& acting, std::size_t) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty()) return tried;
   const double last_s = extent_of(data.time_s, acting).second;
   tried.values.clear();
-  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, kLongestOfTime * last_s, kTimes);
+  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, last_s, kTimes);
   tried.independent = kTrialsOfTime;
   return tried;
 }
@@ -61,7 +66,7 @@ EffectDefinition warm_up() {
           },
       .column_sets = {{0}, {1}, {0, 1}},
       .column_sets_elsewhere = {{1}, {1, 0}},
-      .search = {.tried = time_constants, .assumed = assumed_time_constant, .within_tried = true},
+      .search = {.tried = time_constants, .assumed = assumed_time_constant, .limits = time_constant_limits},
       .of_sense = [](const Site& site) { return site.once(!site.any_axis_varies); },
       .along_axis = [](const Site& site) { return site.once(); },
   };

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
 
 namespace ecs::model {
 namespace {
@@ -69,6 +70,14 @@ Result<Slot> library_slot(const EffectInstance& effect, const Regressors& regres
 }
 
 }  // namespace
+
+bool Slot::is_sought(const Observations& data) const {
+  constexpr std::size_t kFewValues = 16;  // enough to see that there are some
+  if (formulas || nonlinear.size() != 1 || !nonlinear_free.front()) return false;
+  if (!effect.parameters.empty() || effect.traits().fixed_size || acting.rows.size() < 2) return false;
+  const TriedValues tried = tried_values(data, effect, acting, kFewValues);
+  return tried.values.size() + tried.facts.size() > 1;
+}
 
 Result<Assembly> Assembly::of(const Model& model, const Regressors& regressors) {
   Assembly assembly;

@@ -10,6 +10,7 @@
 #include "model/effects/tried_values.hpp"
 #include "model/fit/outliers.hpp"
 #include "model/fit/search.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -18,7 +19,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t kFewValues = 16;  ///< of a searched parameter, for its range alone
+constexpr std::size_t kFewValues = 2;  ///< of a searched parameter, where the first will do
+constexpr double kNoValue = 1.0;       ///< of a searched parameter that these data give no range
+/// A term varies by at most so many times the range of the readings it acts on, else other terms cancel it; directions
+/// of unit columns below 1 - 0.995, a correlation of 0.995 between two, are hardly seen (both: the convention of the
+/// effect library, docs/physics.md).
+constexpr double kMostOfRange = 3.0, kCollinear = 0.005;
+/// Weight in a unit direction from which a column takes part in it.
+constexpr double kPartOfDirection = 0.1;
+/// Readings up to which a fitted value is sought anew: the search of one effect takes a few milliseconds there.
+constexpr std::size_t kMostSoughtAnew = 4000;
 
 VectorXd readings_of(const Observations& data) {
   return Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()));
@@ -80,28 +90,41 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
   return s;
 }
 
-/// Sets every nonlinear parameter that has no value yet by the search of that effect alone.
+/// A value for a parameter that cannot be sought.
+double first_tried(const Observations& data, const Slot& slot) {
+  const TriedValues tried = tried_values(data, slot.effect, slot.acting, kFewValues);
+  return tried.values.empty() ? kNoValue : tried.values.front();
+}
+
+/// Sets the nonlinear parameters of library effects to where they do best together, over their whole ranges: those
+/// that have no value yet; where the readings are few enough also those of a former fit, which may be a lesser minimum.
 void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener) {
-  const VectorXd y = readings_of(regressors.data());
+  const Observations& data = regressors.data();
+  const VectorXd y = readings_of(data);
+  MatrixXd others(y.size(), 0);
+  VectorXd rest = y;
+  std::vector<EffectInstance> sought;
+  std::vector<std::size_t> slots;
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     Slot& slot = assembly.slots[s];
-    if (slot.formulas || slot.nonlinear.empty() || !std::isnan(slot.nonlinear.front())) continue;
-    MatrixXd others(y.size(), 0);
-    VectorXd rest = y;
-    for (std::size_t other = 0; other < assembly.slots.size(); ++other) {
-      const Slot& o = assembly.slots[other];
-      if (other == s || o.fixed.size() == 0) continue;
-      others.conservativeResize(Eigen::NoChange, others.cols() + o.columns.cols());
-      others.rightCols(o.columns.cols()) = o.columns;
-      rest -= o.fixed;
+    const bool without_value = !slot.formulas && !slot.nonlinear.empty() && std::isnan(slot.nonlinear.front());
+    if (slot.is_sought(data) && (without_value || data.size() <= kMostSoughtAnew)) {
+      sought.push_back(slot.effect);
+      slots.push_back(s);
+      continue;
     }
-    const Search search(regressors, whitener, others, rest, {slot.effect});
-    const auto found = search.expand(search.base(), 1);
-    const TriedValues tried = tried_values(regressors.data(), slot.effect, slot.acting, kFewValues);
-    slot.nonlinear.front() = !found.empty()          ? found.front().nonlinear
-                             : !tried.values.empty() ? tried.values.front()
-                                                     : 1.0;
+    if (without_value) slot.nonlinear.front() = first_tried(data, slot);
     assembly.renew(s, regressors);
+    others.conservativeResize(Eigen::NoChange, others.cols() + slot.columns.cols());
+    others.rightCols(slot.columns.cols()) = slot.columns;
+    rest -= slot.fixed;
+  }
+  if (sought.empty()) return;
+  const Search search(regressors, whitener, others, rest, {}, sought);
+  const std::vector<Choice>& found = search.alone().own;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    assembly.slots[slots[i]].nonlinear.front() = found[i].nonlinear;
+    assembly.renew(slots[i], regressors);
   }
 }
 
@@ -158,7 +181,7 @@ struct Limits {
   double greatest = std::numeric_limits<double>::infinity();
 };
 
-/// Far shorter or longer than the readings tell, an exponential is an offset or a line under another name.
+/// Where a fit keeps a nonlinear parameter: beyond, the effect is another one under its name.
 Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) {
   if (slot.formulas) {
     const UserParameter& parameter = slot.effect.user[slot.user_nonlinear[j]];
@@ -167,13 +190,9 @@ Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) 
   }
   const SearchDefinition& search = slot.effect.definition().search;
   if (search.either_sign) return {};
-  const double now = std::abs(slot.nonlinear[j]);
-  Limits limits{1e-3 * now, std::numeric_limits<double>::infinity()};
-  if (!search.within_tried) return limits;
-  const TriedValues tried = tried_values(regressors.data(), slot.effect, slot.acting, kFewValues);
-  if (tried.values.empty()) return limits;
-  const auto [least, greatest] = std::minmax_element(tried.values.begin(), tried.values.end());
-  return {std::min(0.5 * *least, now), std::max(2.0 * *greatest, now)};
+  if (search.limits == nullptr || slot.acting.rows.empty()) return {1e-3 * std::abs(slot.nonlinear[j])};
+  const ValueRange range = search.limits(regressors.data(), slot.effect, slot.acting, slot.nonlinear[j]);
+  return {range.least, range.greatest};
 }
 
 void set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::vector<FreeNonlinear>& free,
@@ -186,10 +205,65 @@ void set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::
   }
 }
 
+/// Difference between the greatest and the least value at some rows.
+double range_at(const std::vector<std::size_t>& rows, const VectorXd& values) {
+  double least = kBeyondAll, greatest = -kBeyondAll;
+  for (const std::size_t k : rows) {
+    least = std::min(least, values(static_cast<Index>(k)));
+    greatest = std::max(greatest, values(static_cast<Index>(k)));
+  }
+  return rows.empty() ? 0.0 : greatest - least;
+}
+
+/// Whether a term varies by more than kMostOfRange times what the readings do: others cancel it.
+bool cancels(const Assembly& assembly, const Observations& data, const VectorXd& sizes) {
+  const VectorXd readings = readings_of(data);
+  for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
+    const Slot& slot = assembly.slots[s];
+    if (slot.columns.cols() == 0) continue;
+    const VectorXd part = slot.columns * sizes.segment(assembly.first_column(s), slot.columns.cols());
+    if (range_at(slot.acting.rows, part) > kMostOfRange * range_at(slot.acting.rows, readings)) return true;
+  }
+  return false;
+}
+
+/// The smallest solution where terms cancel each other: directions that the data hardly see are left out one by one
+/// (truncated singular value decomposition: Hansen 1987), worst first, until no term exceeds what the readings hold.
+Solved smallest(const Assembly& assembly, const Observations& data, const MatrixXd& white, const VectorXd& y,
+                Solved now) {
+  VectorXd norm = white.colwise().norm();
+  for (Index j = 0; j < norm.size(); ++j)
+    if (norm(j) <= 0.0) norm(j) = 1.0;
+  const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> seen(scaled.transpose() * scaled);
+  const VectorXd right = seen.eigenvectors().transpose() * (scaled.transpose() * y);
+  for (Index dropped = 1; dropped < norm.size() && seen.eigenvalues()(dropped - 1) < kCollinear; ++dropped) {
+    const VectorXd direction = seen.eigenvectors().col(dropped - 1);
+    for (Index j = 0; j < norm.size(); ++j) {
+      if (std::abs(direction(j)) < kPartOfDirection) continue;
+      now.undetermined[static_cast<std::size_t>(j)] = true;
+      for (Index m = 0; m < norm.size(); ++m)
+        if (m != j && std::abs(direction(m)) >= kPartOfDirection)
+          now.collides[static_cast<std::size_t>(j)].push_back(m);
+    }
+    const Index kept = norm.size() - dropped;
+    now.sizes =
+        norm.cwiseInverse().asDiagonal() *
+        VectorXd(seen.eigenvectors().rightCols(kept) * right.tail(kept).cwiseQuotient(seen.eigenvalues().tail(kept)));
+    now.rank = kept;
+    if (!cancels(assembly, data, now.sizes)) break;
+  }
+  now.white_residual = y - white * now.sizes;
+  now.chi2 = now.white_residual.squaredNorm();
+  return now;
+}
+
 Solved solved_now(const Assembly& assembly, const Observations& data, const Whitener& whitener) {
   const MatrixXd columns = assembly.columns();
-  const VectorXd rest = readings_of(data) - assembly.fixed(data.size());
-  return solved(whitener(columns), whitener(rest), columns.colwise().norm());
+  const MatrixXd white = whitener(columns);
+  const VectorXd rest = whitener(VectorXd(readings_of(data) - assembly.fixed(data.size())));
+  Solved now = solved(white, rest, columns.colwise().norm());
+  return cancels(assembly, data, now.sizes) ? smallest(assembly, data, white, rest, std::move(now)) : now;
 }
 
 /// Gauss-Newton over nonlinear parameters and sizes together, halved until χ² falls.
@@ -248,6 +322,16 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
 
 }  // namespace
 
+namespace {
+
+bool varies(const Observations& data, const std::vector<std::size_t>& rows, Axis a) {
+  return std::any_of(rows.begin(), rows.end(), [&](std::size_t k) {
+    return std::abs(data.p_mm(k, a) - data.p_mm(rows.front(), a)) > kSamePlace_mm;
+  });
+}
+
+}  // namespace
+
 MatrixXd smooth_columns(const Observations& data) {
   std::vector<VectorXd> columns;
   const auto n = static_cast<Index>(data.size());
@@ -282,6 +366,9 @@ MatrixXd smooth_columns(const Observations& data) {
         if (f < 8) add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
       }
     }
+    for (const auto& [a, b] : {std::pair{Axis::X, Axis::Y}, {Axis::X, Axis::Z}, {Axis::Y, Axis::Z}})
+      if (varies(data, rows, a) && varies(data, rows, b))
+        add([&](std::size_t k) { return data.p_mm(k, a) * data.p_mm(k, b); });
   }
   MatrixXd matrix(n, static_cast<Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];

@@ -23,6 +23,8 @@ namespace {
 constexpr std::size_t kMostParts = 5;
 /// Runs from which whole runs are held out: with two each part would be fitted to one run alone.
 constexpr std::size_t kFewestRuns = 3;
+/// Targets of a line from which targets are left out: two in each of five parts.
+constexpr std::size_t kFewestTargets = 10;
 /// Neighbours held out together where there are no runs: a choice; single ones would be predicted by correlated noise.
 constexpr std::size_t kBlock = 4;
 /// A column of which less than this is left beside the others (of its norm) depends on them: half the digits of a
@@ -65,6 +67,14 @@ Parts parts_by_target(const Observations& data) {
     parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
   }
   return parts;
+}
+
+bool has_targets_to_leave_out(const Observations& data) {
+  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  return std::all_of(targets.begin(), targets.end(),
+                     [](const auto& each) { return distinct(each.second, kSamePlace_mm).size() >= kFewestTargets; });
 }
 
 VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {

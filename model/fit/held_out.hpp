@@ -19,6 +19,8 @@ struct Parts {
 
 /// Every fifth target of a line together, so that a prediction has to bridge places it has not seen.
 [[nodiscard]] Parts parts_by_target(const Observations& data);
+/// Whether every line has so many targets that a fifth of them can be left out and bridged.
+[[nodiscard]] bool has_targets_to_leave_out(const Observations& data);
 
 /// Share of what is above noise that columns predict in rows which they were not fitted to, each row weighed by how
 /// well the other parts can predict it at all; at most 1, below 0 where they predict worse than nothing. All whitened.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "model/fit/noise.hpp"
@@ -18,8 +19,12 @@ constexpr std::size_t kReach = 3;
 constexpr std::size_t kFewestInPass = 4;
 /// Repeats below which the median of the others is one reading.
 constexpr std::size_t kFewestRepeats = 3;
-/// Readings below which no scale is known well enough, and of which at most one may be an outlier: isolated means rare.
-constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 12;
+/// Readings below which no scale is known well enough; of so many at most one may be an outlier (5 %): isolated means
+/// rare.
+constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 20;
+/// Where more look odd, only those that stand apart from the rest by this factor are outliers: what lies in between is
+/// shape. A choice.
+constexpr double kApart = 2.0;
 /// Beyond the largest of n normal deviates by this much: the scale is estimated, and noise has longer tails. A choice.
 constexpr double kMargin = 2.5;
 /// √(2 ln n) holds for many; below this n it is taken at this n.
@@ -76,6 +81,14 @@ std::vector<double> from_repeats(const Observations& data, const Eigen::VectorXd
   return distance;
 }
 
+/// How many of those that look odd, the oddest first, are isolated.
+std::size_t isolated(const std::vector<std::pair<double, std::size_t>>& odd, std::size_t most) {
+  if (odd.size() <= std::max<std::size_t>(most, 1)) return odd.size();
+  for (std::size_t count = most; count > 0; --count)
+    if (odd[count - 1].first > kApart * odd[count].first) return count;
+  return 0;
+}
+
 }  // namespace
 
 std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
@@ -104,8 +117,8 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
       const bool odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
       if (odd) found.emplace_back(std::isnan(by_near) ? by_repeats : by_near, k);
     }
-    if (found.size() * kReadingsAnOutlier > rows.size()) continue;  // too many to be isolated
-    for (const auto& each : found) out[each.second] = true;
+    std::sort(found.begin(), found.end(), std::greater<>());
+    for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
   return out;
 }

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
+#include <tuple>
 
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
 #include "model/fit/gains.hpp"
+#include "model/fit/statistics.hpp"
 #include "model/fit/user_start.hpp"
 
 namespace ecs::model {
@@ -22,6 +23,10 @@ using Eigen::VectorXd;
 constexpr double kUnseenPeriod = 8.0;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
+/// A refinement goes so far beyond the neighbours on the grid, in distances to the nearer one.
+constexpr double kBeyondNeighbour = 1.2;
+/// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
+constexpr double kAtLimit = 0.005;
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
@@ -37,15 +42,6 @@ double mean_step(const Observations& data, const Family& family) {
   for (const std::size_t k : family.acting.rows) p.push_back(data.p_mm(k, *family.effect.axis));
   p = distinct(std::move(p), 1e-6);
   return p.size() < 2 ? 0.0 : (p.back() - p.front()) / static_cast<double>(p.size() - 1);
-}
-
-/// Least and greatest value of the nonlinear parameter that is tried; 0 and 0: none.
-std::pair<double, double> range_of(const Family& family) {
-  std::vector<double> tried = family.grid;
-  tried.insert(tried.end(), family.facts.begin(), family.facts.end());
-  if (tried.empty()) return {0.0, 0.0};
-  const auto [least, greatest] = std::minmax_element(tried.begin(), tried.end());
-  return {*least, *greatest};
 }
 
 }  // namespace
@@ -72,7 +68,8 @@ void absorb(Space& space, const MatrixXd& white_columns) {
 }
 
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
-               const std::vector<EffectInstance>& candidates, const std::atomic<bool>* cancelled)
+               const std::vector<EffectInstance>& candidates, const std::vector<EffectInstance>& own,
+               const std::atomic<bool>* cancelled)
     : regressors_(regressors), whitener_(whitener), cancelled_(cancelled) {
   base_.y = whitener(residual);
   base_.q.resize(base_.y.size(), 0);
@@ -85,7 +82,10 @@ Search::Search(const Regressors& regressors, const Whitener& whitener, const Mat
     targets_[index_of(a)] = distinct(std::move(p), 1e-4).size();
   }
   build_families(candidates);
+  candidates_ = families_.size();
+  build_families(own);
   build_bank();
+  alone_ = best_alone();
 }
 
 void Search::build_families(const std::vector<EffectInstance>& candidates) {
@@ -171,33 +171,24 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   if (definition.searched_parameter().empty() || family.grid.size() + family.facts.size() <= 1 ||
       !definition.search.has_slope)
     return best;
-  // neighbours on the grid bound the search; periods are searched in frequency
+  // periods are searched in frequency
   const bool inverse = family.effect.traits().periodic;
   const auto to = [&](double v) { return inverse ? 1.0 / v : v; };
-  double width = 0.0;
-  if (inverse) {
-    double least = 1e300, greatest = -1e300;
-    for (const std::size_t k : family.acting.rows) {
-      const double p = regressors_.data().p_mm(k, *family.effect.axis);
-      least = std::min(least, p);
-      greatest = std::max(greatest, p);
-    }
-    width = 0.4 / std::max(greatest - least, 1e-9);
-  } else {
-    width = 1e300;
+  const double centre = to(nonlinear);
+  double low = -std::numeric_limits<double>::max(), high = std::numeric_limits<double>::max();
+  if (definition.search.limits != nullptr) {
+    const ValueRange range = definition.search.limits(regressors_.data(), family.effect, family.acting, nonlinear);
+    std::tie(low, high) = std::minmax({to(range.least), to(range.greatest)});
+  }
+  if (!inverse) {  // neighbours on the grid bound the search
+    double width = kBeyondAll;
     for (const double value : family.grid)
       if (value != nonlinear) width = std::min(width, std::abs(value - nonlinear));
-    width *= 1.2;
+    low = std::max(low, centre - kBeyondNeighbour * width);
+    high = std::min(high, centre + kBeyondNeighbour * width);
   }
-  const double centre = to(nonlinear);
-  // Shorter time constants than those tried pass for a constant; longer periods than those tried for a curve, shorter
-  // ones for anything. However often it is refined, a value stays among those that were tried.
-  const auto [shortest, longest] = range_of(family);
-  const double floor = inverse ? std::min(centre, 0.8 / longest) : shortest;
-  const double ceiling = inverse ? std::max(centre, 1.25 / shortest) : std::numeric_limits<double>::max();
   const auto at = [&](double v) { return exactly(to(v)); };
   constexpr double kGolden = 0.6180339887498949;
-  double low = std::max(floor, centre - width), high = std::min(ceiling, centre + width);
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   Choice at_a = at(a), at_b = at(b);
   for (int i = 0; i < 14; ++i) {
@@ -217,7 +208,17 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
     for (const Choice* c : {&at_a, &at_b})
       if (c->score() > best.score()) best = *c;
   }
+  if (at_limit(f, best.nonlinear)) best.gain = 0.0;
   return best;
+}
+
+bool Search::at_limit(std::size_t f, double nonlinear) const {
+  const Family& family = families_[f];
+  const EffectDefinition& definition = family.effect.definition();
+  if (definition.search.limits == nullptr || family.grid.size() + family.facts.size() <= 1) return false;
+  const ValueRange range = definition.search.limits(regressors_.data(), family.effect, family.acting, kBeyondAll);
+  if (nonlinear > (1.0 - kAtLimit) * range.greatest) return true;
+  return !definition.traits.periodic && nonlinear < (1.0 + kAtLimit) * range.least;
 }
 
 Columns Search::columns_of(const Choice& choice) const {
@@ -231,11 +232,13 @@ Columns Search::columns_of(const Choice& choice) const {
   return chosen;
 }
 
-Solution Search::solution(const std::vector<Choice>& chosen) const {
+Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
   Solution solution;
   solution.chosen = chosen;
+  solution.own = own;
   solution.space = base_;
-  solution.chi2_before = base_.chi2();
+  for (const Choice& choice : own) absorb(solution.space, whitener_(columns_of(choice).of));
+  solution.chi2_before = own.empty() ? base_.chi2() : alone_.space.chi2();
   for (Choice& choice : solution.chosen) {
     const Columns columns = columns_of(choice);
     const double before = solution.space.chi2();
@@ -251,25 +254,61 @@ Solution Search::solution(const std::vector<Choice>& chosen) const {
   return solution;
 }
 
-Solution Search::refined(const std::vector<Choice>& chosen) const {
-  Solution best = solution(chosen);
+Choice Search::best_own(const Space& space, std::size_t f) const {
+  const std::vector<Choice> peaks = peaks_of(space, f);
+  const Family& family = families_[f];
+  Choice best;
+  best.family = f;
+  best.nonlinear = family.grid.empty() ? family.facts.front() : family.grid.front();
+  if (!peaks.empty())
+    best =
+        family.effect.traits().periodic ? best_period(space, peaks) : refined_choice(space, f, peaks.front().nonlinear);
+  best.columns.resize(family.effect.definition().column_count());
+  std::iota(best.columns.begin(), best.columns.end(), Index{0});
+  return best;
+}
+
+Solution Search::best_alone() const {
+  std::vector<Choice> own;
+  for (std::size_t f = candidates_; f < families_.size(); ++f) own.push_back(best_own(solution({}, own).space, f));
+  Solution best = own.size() > 1 ? refined({}, own) : solution({}, own);
+  best.chi2_before = best.space.chi2();
+  return best;
+}
+
+namespace {
+
+std::vector<Choice> with_one(std::vector<Choice> choices, std::size_t i, const Choice& one) {
+  choices[i] = one;
+  return choices;
+}
+std::vector<Choice> without_one(std::vector<Choice> choices, std::size_t i) {
+  choices.erase(choices.begin() + static_cast<std::ptrdiff_t>(i));
+  return choices;
+}
+
+}  // namespace
+
+Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
+  Solution best = solution(chosen, own);
   const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
     const EffectDefinition& definition = families_[c.family].effect.definition();
     return definition.traits.is_curve || !definition.searched_parameter().empty();
   });
-  if (chosen.size() < 2 || !movable) return best;
+  const auto take = [&](Solution tried) {
+    if (tried.score() > best.score()) best = std::move(tried);
+  };
+  if (own.empty() && (chosen.size() < 2 || !movable)) return best;
   for (int round = 0; round < 3; ++round) {
     const double before = best.score();
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const Solution rest = solution(best.chosen, without_one(best.own, i));
+      take(solution(best.chosen, with_one(best.own, i, best_own(rest.space, best.own[i].family))));
+    }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      std::vector<Choice> others = best.chosen;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-      const Solution rest = solution(others);
-      Choice again = refined_choice(rest.space, best.chosen[i].family, best.chosen[i].nonlinear);
-      if (again.gain <= 0.0) continue;
-      std::vector<Choice> all = others;
-      all.insert(all.begin() + static_cast<std::ptrdiff_t>(i), again);
-      Solution tried = solution(all);
-      if (tried.score() > best.score()) best = std::move(tried);
+      const Solution rest = solution(without_one(best.chosen, i), best.own);
+      const Choice again = refined_choice(rest.space, best.chosen[i].family, best.chosen[i].nonlinear);
+      if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;
   }

@@ -53,6 +53,7 @@ struct Choice {
 /// A set of effects added to the model.
 struct Solution {
   std::vector<Choice> chosen;
+  std::vector<Choice> own;  ///< terms of the model whose searched parameter is free, each at its value beside `chosen`
   Space space;
   double chi2_before = 0.0;
   double cost = 0.0;
@@ -64,28 +65,41 @@ struct SearchStopped {};
 
 class Search {
  public:
-  /// @param base      columns that the model absorbs (not whitened)
+  /// @param base      columns that the model absorbs (not whitened), without those of `own`
   /// @param residual  readings less what the model holds fixed (not whitened)
+  /// @param own       terms of the model whose searched parameter is free: it is sought anew beside every set of
+  /// effects
   /// @param cancelled  looked at from family to family; null: nobody stops it
   Search(const Regressors& regressors, const Whitener& whitener, const Eigen::MatrixXd& base,
          const Eigen::VectorXd& residual, const std::vector<EffectInstance>& candidates,
-         const std::atomic<bool>* cancelled = nullptr);
+         const std::vector<EffectInstance>& own = {}, const std::atomic<bool>* cancelled = nullptr);
 
+  /// Of the candidates, then of the model's own terms.
   [[nodiscard]] const std::vector<Family>& families() const { return families_; }
+  [[nodiscard]] std::size_t candidates() const { return candidates_; }
+  /// What is absorbed whatever the model's own terms do.
   [[nodiscard]] const Space& base() const { return base_; }
+  /// The model as it is, its own terms at their best.
+  [[nodiscard]] const Solution& alone() const { return alone_; }
   /// Number of different targets of an axis while it moves.
   [[nodiscard]] std::size_t targets(Axis axis) const { return targets_[index_of(axis)]; }
 
   /// The problem with these effects added, sizes fitted together, nonlinear parameters as they are.
-  [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const;
-  /// The same, nonlinear parameters refined together.
-  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen) const;
+  [[nodiscard]] Solution solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
+  [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const { return solution(chosen, alone_.own); }
+  /// The same, nonlinear parameters refined together; those of the model's own terms sought over their whole range.
+  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
+  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen) const { return refined(chosen, alone_.own); }
 
   /// Best choice of every family that gains anything beyond `space`, best score first. The `exact` best are refined.
   [[nodiscard]] std::vector<Choice> expand(const Space& space, std::size_t exact = 8) const;
 
   /// Columns of a choice in readings' units: fitted part and fixed part.
   [[nodiscard]] Columns columns_of(const Choice& choice) const;
+
+  /// Scores of all values of a family beyond `space`, best first.
+  [[nodiscard]] std::vector<Choice> peaks_of(const Space& space, std::size_t family) const;
+  [[nodiscard]] const Observations& data() const { return regressors_.data(); }
 
   /// For noise alone (columns of `blanks`: independent, of size one, base removed): best score of each column.
   [[nodiscard]] std::vector<double> best_scores(const Eigen::MatrixXf& blanks) const;
@@ -146,13 +160,20 @@ class Search {
   [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
                                               const Eigen::VectorXd& y) const;
   /// A period refined, its double and other peaks tried as well.
+  /// At a limit of its range: it is another effect under its name.
+  [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
+  /// An own term at the best of all its values beside what `space` absorbs, with all its columns.
+  [[nodiscard]] Choice best_own(const Space& space, std::size_t family) const;
+  [[nodiscard]] Solution best_alone() const;
 
   const Regressors& regressors_;
   const Whitener& whitener_;
   const std::atomic<bool>* cancelled_;
   Space base_;
+  Solution alone_;
+  std::size_t candidates_ = 0;  ///< families before those of the model's own terms
   std::vector<Family> families_;
   PerAxis<std::size_t> targets_{};
   std::vector<FamilyBank> banks_;

@@ -63,7 +63,7 @@ std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, con
 Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks) const {
   const std::size_t f = peaks.front().family;
   Choice best = refined_choice(space, f, peaks.front().nonlinear);
-  bool fits = !too_steep(space, best);
+  bool fits = best.gain > 0.0 && !too_steep(space, best);
   // the period may be twice the one found (its second harmonic stronger), or another peak
   std::vector<double> tries{2.0 * best.nonlinear};
   for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 3; ++j)
@@ -89,12 +89,17 @@ bool Search::too_steep(const Space& space, const Choice& choice) const {
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }
 
+std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
+  return scores_of(f, whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols()))),
+                   whitener_.transposed(MatrixXd(space.y)).col(0));
+}
+
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
   const VectorXd y = whitener_.transposed(MatrixXd(space.y)).col(0);
   const MatrixXd more_q = whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols())));
-  std::vector<std::vector<Choice>> peaks(families_.size());
+  std::vector<std::vector<Choice>> peaks(candidates_);
   std::vector<Choice> list;
-  for (std::size_t f = 0; f < families_.size(); ++f) {
+  for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
     peaks[f] = scores_of(f, more_q, y);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
@@ -164,7 +169,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
 std::vector<double> Search::best_scores(const MatrixXf& blanks) const {
   std::vector<double> best(static_cast<std::size_t>(blanks.cols()), -1e300);
   const MatrixXd spread = whitener_.transposed(blanks.cast<double>());
-  for (std::size_t f = 0; f < families_.size(); ++f) {
+  for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
     const FamilyBank& bank = banks_[f];
     const MatrixXf seen = gathered(f, spread).cast<float>();

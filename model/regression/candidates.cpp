@@ -65,7 +65,7 @@ void add_at(const Site& site, CandidatesAt EffectDefinition::*kind, bool usual_o
     if (id->*kind == nullptr || (usual_only && !id->traits.is_usual) || lacks_needs(site.data, *id)) continue;
     for (EffectInstance& one : (id->*kind)(site)) {
       one.id = id;
-      out.push_back(std::move(one));
+      if (!is_tied_to_runs(site.data, one)) out.push_back(std::move(one));
     }
   }
 }

@@ -2,15 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "model/data/curve_basis.hpp"
 #include "model/effects/quantities.hpp"
 
 namespace ecs::model {
 namespace {
 
 constexpr std::string_view kMaterial = "t_material_degC";
+
+/// A condition varies inside runs where it does so by this share of its range over all; run levels closer than this
+/// share are one: an air-conditioned workshop wanders by a tenth of what people change. Choices.
+constexpr double kInsideRuns = 0.2, kOneLevel = 0.05;
+/// So many levels follow a line by more than chance even where they coincide with runs (docs/physics.md).
+constexpr std::size_t kFewestLevels = 4;
 
 struct NeedFacts {
   Need need;
@@ -97,7 +106,62 @@ std::string needed_columns(const EffectInstance& effect) {
   return columns;
 }
 
+bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
+  const auto& turns = effect.definition().turns_into;
+  if (std::none_of(turns.begin(), turns.end(), [](const Becomes& b) { return b.limit == Limit::tied_to_runs; }))
+    return false;
+  const auto& needed = effect.definition().needs;
+  return std::none_of(needed.begin(), needed.end(), [&](Need need) {
+    std::map<int, std::pair<double, double>> runs;  // least and greatest value
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      const double value = facts_of(need).cell(data, k, effect);
+      if (std::isnan(value)) continue;
+      auto& run = runs.try_emplace(data.run[k], value, value).first->second;
+      run = {std::min(run.first, value), std::max(run.second, value)};
+    }
+    if (runs.size() < 2) return true;  // no runs that it could coincide with
+    double least = runs.begin()->second.first, greatest = runs.begin()->second.second, inside = 0.0;
+    std::vector<double> levels;
+    for (const auto& each : runs) {
+      least = std::min(least, each.second.first);
+      greatest = std::max(greatest, each.second.second);
+      inside = std::max(inside, each.second.second - each.second.first);
+      levels.push_back(0.5 * (each.second.first + each.second.second));
+    }
+    const double range = greatest - least;
+    return inside > kInsideRuns * range || distinct(levels, kOneLevel * range).size() >= kFewestLevels;
+  });
+}
+
 bool EffectDefinition::has_need(Need need) const { return std::find(needs.begin(), needs.end(), need) != needs.end(); }
+
+namespace {
+
+/// "t_bed_degC follows the runs: ...", once a sensor; air likewise.
+void add_tied_to_runs(const Observations& data, std::vector<std::string>& notes) {
+  std::map<std::string, std::vector<std::string_view>> effects_of;  // by column
+  for (const EffectDefinition& definition : effect_library()) {
+    if (lacks_needs(data, definition) || definition.has_need(Need::two_sensors)) continue;
+    std::vector<std::string> sensors{""};
+    if (definition.has_need(Need::sensor)) {
+      sensors.clear();
+      for (const auto& each : data.sensors_degC) sensors.push_back(each.first);
+    }
+    for (const std::string& sensor : sensors) {
+      EffectInstance effect;
+      effect.id = &definition;
+      effect.sensor = sensor;
+      if (is_tied_to_runs(data, effect)) effects_of[needed_columns(effect)].push_back(definition.id);
+    }
+  }
+  for (const auto& [columns, effects] : effects_of)
+    notes.push_back(
+        fmt::format("{} changes only from run to run, with fewer than {} levels: {} cannot be told from the "
+                    "offset of a run",
+                    columns, kFewestLevels, fmt::join(effects, " and ")));
+}
+
+}  // namespace
 
 std::vector<std::string> untried_effects(const Observations& data) {
   std::vector<std::string> notes;
@@ -111,6 +175,7 @@ std::vector<std::string> untried_effects(const Observations& data) {
     };
     note(facts.what, concerned, notes);
   }
+  add_tied_to_runs(data, notes);
   if (std::all_of(data.approach.begin(), data.approach.end(), [](int d) { return d == 0; }))
     notes.emplace_back("no approach: effects of approach cannot be tried");
   if (data.terms.count == 0)

@@ -18,6 +18,10 @@ namespace ecs::model {
 [[nodiscard]] std::string needed_columns(const EffectInstance& effect);
 
 /// Effects left out because the data lack what they need, in words.
+/// Whether the condition that the effect follows takes two or three levels that coincide with runs, where the effect
+/// may not (`turns_into`, tied_to_runs): it is then the offset of a run.
+[[nodiscard]] bool is_tied_to_runs(const Observations& data, const EffectInstance& effect);
+
 [[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
 
 }  // namespace ecs::model

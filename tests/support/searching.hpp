@@ -47,7 +47,7 @@ struct Searching {
         whitener(data, noise, std::vector<bool>(data.size(), false)),
         base(static_cast<Eigen::Index>(data.size()), 2),
         target(Eigen::Map<const Eigen::VectorXd>(data.reading.data(), static_cast<Eigen::Index>(data.size()))),
-        search(regressors, whitener, offset_and_scale(), target, candidates, cancelled) {}
+        search(regressors, whitener, offset_and_scale(), target, candidates, {}, cancelled) {}
 
   [[nodiscard]] std::string name_of(const Choice& choice) const {
     return to_text(search.families()[choice.family].effect);

@@ -1,0 +1,26 @@
+// One bad run: an offset that the readings of one run share. Internal to model/ (Eigen).
+#pragma once
+
+#include <optional>
+
+#include "model/fit/search.hpp"
+
+namespace ecs::model {
+
+struct RunOffset {
+  int run = 0;
+  Sense sense = Sense::EX;
+  double gain = 0.0;   ///< fall of χ²
+  double score = 0.0;  ///< gain less the price of one coefficient and of the choice among runs
+};
+
+/// The best offset of one run in one sense beyond what `space` absorbs; nothing with fewer than three runs, for with
+/// two it is as much an effect as a run.
+[[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
+                                                       const Space& space);
+
+/// Whether the offset of a run is the first thought beside an effect of this score: the effect is not better by a
+/// factor of 100 in evidence.
+[[nodiscard]] bool run_comes_first(const RunOffset& run, const EffectInstance& effect, double score);
+
+}  // namespace ecs::model

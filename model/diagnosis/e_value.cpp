@@ -1,0 +1,111 @@
+// Split likelihood ratio (universal inference: Wasserman, Ramdas and Balakrishnan 2020, PNAS 117, 16880): the
+// alternative is fitted to one half, the model to the other half on which both are compared. Means of e-values over
+// splits are e-values (Vovk and Wang 2021, Annals of Statistics 49, 1736).
+#include "model/diagnosis/e_value.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "model/data/curve_basis.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/held_out.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Readings that a half must have beyond what is fitted to it.
+constexpr double kSpareInHalf = 4.0;
+/// Share of a column that must be left beside the model in each half, in squares, for the half to show it.
+constexpr double kLeastShown = 1e-6;
+/// ln of the greatest e-value that is told: a double ends beyond.
+constexpr double kMostLn = 690.0;
+
+/// True: the first half.
+using Half = std::vector<bool>;
+
+Half by_run(const Observations& data) {
+  const std::set<int> runs(data.run.begin(), data.run.end());
+  Half half(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) half[k] = std::distance(runs.begin(), runs.find(data.run[k])) % 2 == 0;
+  return half;
+}
+
+Half by_target(const Observations& data) {
+  std::map<std::pair<Sense, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    targets[{data.sense[k], data.axis[k]}].push_back(data.p_mm(k, data.axis[k]));
+  for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
+  Half half(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto& list = targets[{data.sense[k], data.axis[k]}];
+    const double p = data.p_mm(k, data.axis[k]) + 0.1 * kSamePlace_mm;
+    // pairs of neighbours go together: single ones would see a wave of two steps as a constant
+    half[k] = (std::upper_bound(list.begin(), list.end(), p) - list.begin()) / 2 % 2 == 0;
+  }
+  return half;
+}
+
+/// ln of the ratio of likelihoods on the readings of `judged`; nothing where a half does not show the effect.
+std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
+                               const EffectInstance& effect, const Half& judged) {
+  const Observations& data = on.regressors.data();
+  std::vector<bool> hidden_judged = on.left_out, hidden_fitted = on.left_out;
+  double count_judged = 0.0, count_fitted = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (on.left_out[k]) continue;
+    (judged[k] ? hidden_judged : hidden_fitted)[k] = true;
+    (judged[k] ? count_judged : count_fitted) += 1.0;
+  }
+  const Whitener fit(data, on.noise, hidden_judged), judge(data, on.noise, hidden_fitted);
+  const Search search(on.regressors, fit, columns, target, {effect});
+  const std::vector<Choice> found = search.expand(search.base(), 1);
+  const double freedom = static_cast<double>(search.base().q.cols());
+  if (found.empty() || count_fitted < freedom + kSpareInHalf || count_judged < freedom + kSpareInHalf)
+    return std::nullopt;
+  const Columns own = search.columns_of(found.front());
+  const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
+  MatrixXd joint(columns.rows(), columns.cols() + own.of.cols());
+  joint << columns, own.of;
+  const MatrixXd white_fit = fit(joint);
+  const VectorXd sizes = least_squares(white_fit, fit(rest));
+  const double spare = std::max(1.0, count_fitted - freedom - static_cast<double>(own.of.cols()));
+  const double variance = std::max((fit(rest) - white_fit * sizes).squaredNorm() / spare, kLeastDivisor);
+
+  const MatrixXd white_judge = judge(columns);
+  const VectorXd judged_target = judge(target);
+  const VectorXd contribution = judge(VectorXd(
+      own.of * sizes.tail(own.of.cols()) + (own.fixed.size() > 0 ? own.fixed : VectorXd(VectorXd::Zero(rest.size())))));
+  const VectorXd beyond = contribution - white_judge * least_squares(white_judge, contribution);
+  if (beyond.squaredNorm() <= kLeastShown * contribution.squaredNorm()) return std::nullopt;
+  const double left = (judge(rest) - judge(joint) * sizes).squaredNorm();
+  const double model_alone =
+      std::max((judged_target - white_judge * least_squares(white_judge, judged_target)).squaredNorm(), kLeastDivisor);
+  return 0.5 * (count_judged * std::log(model_alone / count_judged / variance) + count_judged - left / variance);
+}
+
+}  // namespace
+
+std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
+                                 const EffectInstance& effect) {
+  const Observations& data = on.regressors.data();
+  std::vector<double> ln;
+  for (const Half& half : {by_run(data), by_target(data)}) {
+    Half other = half;
+    other.flip();
+    for (const Half& judged : {half, other})
+      if (const auto ratio = ln_ratio(on, columns, target, effect, judged)) ln.push_back(*ratio);
+  }
+  if (ln.empty()) return std::nullopt;
+  double mean = 0.0;
+  for (const double one : ln) mean += std::exp(std::min(one, kMostLn)) / static_cast<double>(ln.size());
+  return mean;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,74 @@
+// Periods compared with each other and with the facts of the machine; no statistics of its own. Frequencies closer than
+// the resolution of the travel beat (VanderPlas 2018, 7).
+#include "model/diagnosis/waves.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
+
+namespace ecs::model {
+namespace {
+
+/// Periods agree to a percent: a fit on a short travel knows them no better.
+constexpr double kSamePeriod = 0.01;
+/// A period is a part of another up to this number.
+constexpr double kMostParts = 12.5;
+/// Frequencies closer than so many turns over the travel beat: one wave whose amplitude or period changes looks so.
+constexpr double kBeating = 3.0;
+
+bool is_whole_fraction(double a, double b) {
+  const double ratio = std::max(a, b) / std::min(a, b);
+  return ratio < kMostParts && std::abs(ratio / std::round(ratio) - 1.0) < kSamePeriod;
+}
+
+bool same_line(const EffectInstance& a, const EffectInstance& b) { return a.axis == b.axis && a.sense == b.sense; }
+
+double travel_of(const Observations& data, const Family& family) {
+  const auto [least, greatest] = acting_range(data, family.acting, *family.effect.axis);
+  return greatest - least;
+}
+
+}  // namespace
+
+bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
+  if (!family.effect.traits().periodic) return true;
+  return std::any_of(family.facts.begin(), family.facts.end(),
+                     [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
+}
+
+std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
+                               const std::vector<Choice>& chosen) {
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const Family& one = families[chosen[i].family];
+    if (!one.effect.traits().periodic) continue;
+    const double period = chosen[i].nonlinear, travel = travel_of(data, one);
+    for (std::size_t j = 0; j < chosen.size(); ++j) {
+      const Family& other = families[chosen[j].family];
+      if (i == j || !same_line(one.effect, other.effect)) continue;
+      const bool is_jump = other.effect.traits().shape_of_position && !other.effect.definition().search.has_slope;
+      if (is_jump && !is_pitch_or_no_wave(one, chosen[i]))
+        return fmt::format("a wave of {:.4g} mm explains it only together with a step: any shape can be written so",
+                           period);
+      if (j < i || !other.effect.traits().periodic) continue;
+      const double period2 = chosen[j].nonlinear;
+      const bool same = std::abs(period / period2 - 1.0) < kSamePeriod;
+      if (same && one.effect.approach != other.effect.approach) continue;
+      if (std::abs(1.0 / period - 1.0 / period2) * travel < kBeating)
+        return fmt::format("waves of {:.4g} and {:.4g} mm beat: one wave whose size or period changes along the travel",
+                           period, period2);
+      if (!is_pitch_or_no_wave(one, chosen[i]) && !is_pitch_or_no_wave(other, chosen[j]) &&
+          !is_whole_fraction(period, period2))
+        return fmt::format(
+            "waves of {:.4g} and {:.4g} mm have nothing in common and are no pitch of the machine: any "
+            "shape can be written as enough waves",
+            period, period2);
+    }
+  }
+  return "";
+}
+
+}  // namespace ecs::model

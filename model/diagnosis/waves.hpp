@@ -1,0 +1,20 @@
+// Waves that stand for something else. Internal to model/ (Eigen).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/fit/search.hpp"
+
+namespace ecs::model {
+
+/// Why the waves among these effects are no cause although their sum may reach the noise, as the end of a sentence; ""
+/// where nothing speaks against them. Anything can be written as enough waves: several unrelated periods none of which
+/// is a pitch of the machine, neighbouring periods that beat, a wave that needs a step to help.
+[[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
+                                             const std::vector<Choice>& chosen);
+
+/// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
+[[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
+
+}  // namespace ecs::model
