@@ -1,4 +1,5 @@
-// One bad run: an offset that the readings of one run share. Internal to model/ (Eigen).
+// One bad run: an offset or a slope that the readings of one run share, or a scatter of its own. Internal to model/
+// (Eigen).
 #pragma once
 
 #include <optional>
@@ -14,10 +15,19 @@ struct RunOffset {
   double score = 0.0;  ///< gain less the price of one coefficient and of the choice among runs
 };
 
-/// The best offset of one run in one sense beyond what `space` absorbs; nothing with fewer than three runs, for with
-/// two it is as much an effect as a run.
+/// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing
+/// with fewer than three runs, for with two it is as much an effect as a run.
 [[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
                                                        const Space& space);
+
+struct NoisyRun {
+  int run = 0;
+  double ratio = 1.0;  ///< of its mean absolute residual to that of the other runs
+};
+/// The run of three or more that scatters more than the others, far beyond what chance does.
+/// @param residual  whitened  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& residual,
+                                                const std::vector<bool>& left_out);
 
 /// Whether the offset of a run is the first thought beside an effect of this score: the effect is not better by a
 /// factor of 100 in evidence.

@@ -190,6 +190,16 @@ struct ReportInput {
   const DiagnoseOptions& options;
 };
 
+double rms_without(const VectorXd& residual, const std::vector<bool>& left_out) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
+    if (left_out[k]) continue;
+    sum += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
+    count += 1.0;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
 /// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
 double explainable_share(double rms_um, double rms_after_um, double noise_um) {
   const double above_noise = rms_um * rms_um - noise_um * noise_um;
@@ -207,12 +217,11 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   const VectorXd residual = residual_of(problem, whitener);
   candidate.rms_after_um = rms_of(residual);
   candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
-  candidate.explainable_share = explainable_share(rms_um, candidate.rms_after_um, noise.pure.noise_um);
+  candidate.explainable_share =
+      explainable_share(rms_without(in.base.residual, left_out), rms_without(residual, left_out), noise.pure.noise_um);
   candidate.probability = ranked.probability;
   candidate.set = ranked.set;
   candidate.e_value = ranked.e_value;
-  if (!ranked.values.empty())
-    candidate.parameters_set[std::string(ranked.effect.definition().searched_parameter())] = ranked.values;
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
       probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, noise.pure.dof)));
@@ -239,6 +248,36 @@ void take_parameters(Candidate& candidate, const EffectFit& after) {
   candidate.parameters = after.parameters;
   candidate.effect.curve = after.effect.curve;
   candidate.effect.fitted = after.effect.fitted;
+}
+
+/// All values that fit as well: of a place its interval; of a period each with its sizes beside the other effects
+/// named, and those of a wave of the model itself that may have changed places with it.
+void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<RankedCandidate>& order, std::size_t i,
+                const Whitener& whitener, const Fit& after) {
+  const RankedCandidate& ranked = order[i];
+  const EffectDefinition& definition = ranked.effect.definition();
+  if (ranked.values.empty()) return;
+  if (!definition.search.has_slope) {
+    candidate.parameters_set[std::string(definition.searched_parameter())] = ranked.values;
+    return;
+  }
+  LinearProblem others{in.columns, in.base.target};
+  for (std::size_t j = 0; j < order.size(); ++j)
+    if (j != i && order[j].named)
+      others = joined_with(others.columns, others.target, columns_on(in.regressors, order[j]));
+  for (const double value : ranked.values) {
+    RankedCandidate at = ranked;
+    at.choice.nonlinear = value;
+    const LinearProblem problem = joined_with(others.columns, others.target, columns_on(in.regressors, at));
+    for (const ParameterEstimate& parameter :
+         quick_parameters(at, problem, whitener, in.regressors, others.columns.cols()))
+      candidate.parameters_set[parameter.name].push_back(parameter.value);
+  }
+  for (const std::size_t own : in.base.own)
+    if (same_candidate(in.model.effects[own], candidate.effect))
+      for (const ParameterEstimate& parameter : after.effects[own].parameters)
+        candidate.parameters_set[parameter.name].push_back(parameter.value);
+  if (candidate.parameters_set.begin()->second.size() < 2) candidate.parameters_set.clear();
 }
 
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
@@ -285,11 +324,14 @@ Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
 /// Whether a cause alone is proved and explains nearly all, although more is left.
 bool explains_most(const ReportInput& in, const RankedCandidate& first) {
   if (!in.found.objection.empty() || first.e_value.value_or(0.0) < kProved) return false;
+  if (first.effect.traits().is_curve) return false;  // a curve follows most of anything
   if (!is_pitch_or_no_wave(in.found.families[first.choice.family], first.choice)) return false;
   const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
   const VectorXd left =
       residual_of(joined_with(in.columns, in.base.target, columns_on(in.regressors, first)), whitener);
-  return explainable_share(rms_of(in.base.residual), rms_of(left), in.found.noise.pure.noise_um) >= kMostExplained;
+  const std::vector<bool>& out = in.base.core.left_out;
+  return explainable_share(rms_without(in.base.residual, out), rms_without(left, out), in.found.noise.pure.noise_um) >=
+         kMostExplained;
 }
 
 std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
@@ -301,6 +343,11 @@ std::vector<EffectInstance> all_candidates(const Model& model, const Regressors&
 /// Why the best effects of the library do not count as an explanation.
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
+  if (found.noisy)
+    return fmt::format("run {} scatters {:.2g} times as much as the others: look at that run first", found.noisy->run,
+                       found.noisy->ratio);
+  if (found.wanders)
+    return "readings of one run wander by more than three times what neighbours scatter: that is no noise";
   if (found.cross_validated_share < kLeastCrossValidated)
     return fmt::format(
         "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
@@ -312,6 +359,20 @@ std::string why_not_explained(const Found& found) {
   return fmt::format(
       "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
       most->variable, kPercent * found.structure_p_after);
+}
+
+/// A bad run stands first, whatever else the residual depends on.
+void put_run_first(std::vector<Dependence>& where, const Observations& data, const ReportInput& in) {
+  const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
+  if (std::none_of(where.begin(), where.end(), is_run)) {
+    const int run = in.found.noisy ? in.found.noisy->run : in.found.bad_run->run;
+    double of_run = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.run[k] == run)
+        of_run += in.base.residual(static_cast<Index>(k)) * in.base.residual(static_cast<Index>(k));
+    where.push_back({"run", of_run / std::max(in.base.residual.squaredNorm(), kLeastDivisor), kTellingChance, {}, {}});
+  }
+  std::stable_partition(where.begin(), where.end(), is_run);
 }
 
 Result<Diagnosis> reported(const ReportInput& in) {
@@ -355,8 +416,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     Candidate candidate = candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um,
                                        held_out_before, i < kMostProved);
-    if (candidate.named)
-      take_parameters(candidate, after.effects[in.model.effects.size() + i]);  // named ones are first
+    if (candidate.named) {  // named ones are first
+      take_parameters(candidate, after.effects[in.model.effects.size() + i]);
+      state_sets(candidate, in, order, i, whitener, after);
+    }
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
     candidate.because = reason_for(candidate, diagnosis, data);
@@ -364,11 +427,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
     diagnosis.candidates.push_back(std::move(candidate));
   }
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
-  if (in.found.bad_run)
-    std::stable_partition(diagnosis.where.begin(), diagnosis.where.end(),
-                          [](const Dependence& one) { return one.variable == "run"; });
+  if (in.found.bad_run || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
-  if (diagnosis.verdict != Verdict::missing_effect && !in.found.solution.chosen.empty())
+  if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
+      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders))
     diagnosis.notes.push_back(why_not_explained(in.found));
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   return diagnosis;

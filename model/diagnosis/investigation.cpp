@@ -131,7 +131,7 @@ double cross_validated_share_of(const Observations& data, const Search& search, 
 
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
 void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
-           Found& found) {
+           double noise_freedom, Found& found) {
   const Observations& data = regressors.data();
   const std::vector<Choice>& chosen = found.solution.chosen;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -153,6 +153,9 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
         fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
   else
     found.objection = objection_to_waves(data, found.families, chosen);
+  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i)
+    found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
+                                              found.families[chosen[i].family], chosen[i], noise_freedom);
 }
 
 }  // namespace
@@ -259,15 +262,18 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.structure_p_after = found.structure_p_before;
       found.closest = search.expand(alone, kClosest);
     } else {
-      judge(regressors, base, search, whitener, found);
+      judge(regressors, base, search, whitener, noise_freedom, found);
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
+    found.noisy = noisy_run(data, found.solution.space.y, found.left_out);
+    found.wanders = wanders(data, found.noise, residual, found.left_out);
     return found;
   }
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
+  if (found.noisy || found.wanders) return false;
   if (found.cross_validated_share < kLeastCrossValidated) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());

@@ -43,6 +43,8 @@ struct Found {
                                        ///< fitted to, the lesser
   std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
   std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
+  std::optional<NoisyRun> noisy;       ///< scatters more than the others
+  bool wanders = false;                ///< what was taken for noise does
   std::string objection;               ///< why the effects found are no causes although they explain, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;

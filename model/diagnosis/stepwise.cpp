@@ -7,6 +7,7 @@
 #include <set>
 
 #include "model/effects/definition.hpp"
+#include "model/effects/tried_values.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -110,6 +111,11 @@ bool is_alike(const Search& search, const Choice& member, const Choice& other) {
   return parameters <= member.parameters + 1;
 }
 
+bool is_fact(const Family& family, double value) {
+  return std::any_of(family.facts.begin(), family.facts.end(),
+                     [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+}
+
 /// Values of a searched parameter that fit within Δχ² 9 of the best (a profile likelihood), those of the machine first.
 std::vector<double> values_that_fit(const Search& search, const Space& space, const Choice& member) {
   const Family& family = search.families()[member.family];
@@ -132,12 +138,12 @@ std::vector<double> values_that_fit(const Search& search, const Space& space, co
   if (values.empty()) values.push_back(member.nonlinear);
   if (!definition.search.has_slope) {
     const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-    return {*least, *greatest};
+    const std::vector<double> targets = acting_positions(search.data(), family.acting, *family.effect.axis);
+    const auto after = std::upper_bound(targets.begin(), targets.end(), *greatest);
+    const auto before = std::lower_bound(targets.begin(), targets.end(), *least);
+    return {before == targets.begin() ? *least : *(before - 1), after == targets.end() ? *greatest : *after};
   }
-  std::stable_partition(values.begin(), values.end(), [&](double value) {
-    return std::any_of(family.facts.begin(), family.facts.end(),
-                       [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
-  });
+  std::stable_partition(values.begin(), values.end(), [&](double value) { return is_fact(family, value); });
   return values;
 }
 
@@ -174,6 +180,28 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
   return best;
 }
 
+/// One effect of both approaches in the place of two, one an approach, where that is as good.
+Solution merged(const Search& search, Solution best, double entry_score) {
+  const auto instance = [&](const Choice& choice) -> const EffectInstance& {
+    return search.families()[choice.family].effect;
+  };
+  for (std::size_t i = 0; i < best.chosen.size(); ++i)
+    for (std::size_t j = i + 1; j < best.chosen.size(); ++j) {
+      const EffectInstance &one = instance(best.chosen[i]), &other = instance(best.chosen[j]);
+      if (!same_place(one, other) || one.approach == other.approach) continue;
+      const Solution rest = search.solution(without_member(without_member(best.chosen, j), i), best.own);
+      for (std::size_t f = 0; f < search.candidates(); ++f) {
+        const EffectInstance& both = search.families()[f].effect;
+        if (!same_place(both, one) || both.approach != ApproachMode::both) continue;
+        const Choice choice = search.refined_choice(rest.space, f, best.chosen[i].nonlinear);
+        Solution tried = search.refined(with(rest.chosen, choice), rest.own);
+        if (choice.gain > 0.0 && worth(tried, entry_score) >= worth(best, entry_score))
+          return merged(search, std::move(tried), entry_score);
+      }
+    }
+  return best;
+}
+
 }  // namespace
 
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
@@ -201,7 +229,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       if (worth(solution, options.entry_score) > worth(best, options.entry_score)) best = solution;
     beam = std::move(next);
   }
-  return exchanged(search, std::move(best), options.entry_score);
+  return merged(search, exchanged(search, std::move(best), options.entry_score), options.entry_score);
 }
 
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
@@ -246,6 +274,11 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
     group.values = values_that_fit(search, rest.space, group.member);
+    if (search.families()[group.member.family].effect.traits().periodic && !group.values.empty() &&
+        group.values.front() != group.member.nonlinear) {  // one of the machine's pitches that fits as well
+      const Choice pitch = search.refined_choice(rest.space, group.member.family, group.values.front());
+      if (is_fact(search.families()[group.member.family], pitch.nonlinear)) group.member = pitch;
+    }
     groups.push_back(std::move(group));
   }
   return groups;

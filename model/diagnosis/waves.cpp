@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
 
@@ -19,6 +20,12 @@ constexpr double kSamePeriod = 0.01;
 constexpr double kMostParts = 12.5;
 /// Frequencies closer than so many turns over the travel beat: one wave whose amplitude or period changes looks so.
 constexpr double kBeating = 3.0;
+
+/// Mean of u² over −1 … 1, taken off so that the second pair differs from the wave itself.
+constexpr double kThird = 1.0 / 3.0;
+/// A change of a wave counts from this share of its gain and this many digits of its chance: one in a million, since it
+/// denies a cause; no wave of a machine is steady to a hundredth. Choices.
+constexpr double kLeastChange = 0.01, kFarDigits = 6.0;
 
 bool is_whole_fraction(double a, double b) {
   const double ratio = std::max(a, b) / std::min(a, b);
@@ -38,6 +45,37 @@ bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
   if (!family.effect.traits().periodic) return true;
   return std::any_of(family.facts.begin(), family.facts.end(),
                      [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
+}
+
+std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener, const Space& space,
+                                    const Family& family, const Choice& choice, double noise_freedom) {
+  if (!family.effect.traits().periodic) return "";
+  const Observations& data = regressors.data();
+  const Eigen::MatrixXd wave = regressors.columns(family.effect, choice.nonlinear, family.acting).of.leftCols(2);
+  const auto [least, greatest] = acting_range(data, family.acting, *family.effect.axis);
+  double last_s = 0.0;
+  for (const double t : data.time_s)
+    if (!std::isnan(t)) last_s = std::max(last_s, t);
+  const auto changes = [&](const auto& factor) {
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(wave.rows(), 4);
+    for (const std::size_t k : family.acting.rows) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const double u = factor(k);
+      columns.row(row) << u * wave.row(row), (u * u - kThird) * wave.row(row);
+    }
+    Space more = space;
+    absorb(more, whitener(columns));
+    const double gain = space.chi2() - more.chi2();
+    const auto freedom = static_cast<double>(more.q.cols() - space.q.cols());
+    return gain > kLeastChange * choice.gain && minus_log_p(gain, freedom, noise_freedom) > kFarDigits;
+  };
+  if (changes(
+          [&](std::size_t k) { return 2.0 * (data.p_mm(k, *family.effect.axis) - least) / (greatest - least) - 1.0; }))
+    return fmt::format("the wave of {:.4g} mm changes its size or its period along the travel", choice.nonlinear);
+  if (last_s > 0.0 &&
+      changes([&](std::size_t k) { return std::isnan(data.time_s[k]) ? 0.0 : 2.0 * data.time_s[k] / last_s - 1.0; }))
+    return fmt::format("the wave of {:.4g} mm changes its size or its phase in time", choice.nonlinear);
+  return "";
 }
 
 std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,

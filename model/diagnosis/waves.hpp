@@ -14,6 +14,13 @@ namespace ecs::model {
 [[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
                                              const std::vector<Choice>& chosen);
 
+/// Where a wave found changes its size or its phase along the travel or in time, beyond what noise does: the reason as
+/// the end of a sentence; else "".
+/// @param space  with all effects absorbed
+[[nodiscard]] std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener,
+                                                  const Space& space, const Family& family, const Choice& choice,
+                                                  double noise_freedom);
+
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
 [[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
 

@@ -43,6 +43,9 @@ constexpr double kLeastInformation = 0.05;
 /// Part of the freedom of repeats that the size of replicates is drawn with: correlated repeats tell less than their
 /// number. A choice: a smaller part names less and later.
 constexpr double kFreedomOfReplicates = 0.7;
+/// Turbulence is correlated over up to a minute [s]; noise is at most three times what neighbours scatter
+/// (docs/physics.md, limits of effects); variance of a second difference of independent readings: 1 + 4 + 1.
+constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
 
@@ -302,6 +305,28 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   }
   noise.pure.noise_um = std::sqrt(sum / size);
   return noise;
+}
+
+bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::VectorXd& residual,
+             const std::vector<bool>& left_out) {
+  const std::vector<std::size_t> pass = passes_of(data);
+  for (const NoiseGroup& group : noise.groups) {
+    if (noise.has_time && group.time <= kTurbulence_s) continue;
+    std::map<std::size_t, std::vector<std::size_t>> passes;
+    for (const std::size_t k : group.rows)
+      if (!left_out[k]) passes[pass[k]].push_back(k);
+    std::vector<double> squares;
+    for (const auto& [number, rows] : passes)
+      for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+        const auto at = [&](std::size_t j) { return residual(static_cast<Eigen::Index>(rows[j])); };
+        const double second = at(i - 1) - 2.0 * at(i) + at(i + 1);
+        squares.push_back(second * second / kSquaresOfSecond);
+      }
+    if (squares.size() < kFewestDeviations) continue;
+    const double scatter = std::sqrt(upper_median(std::move(squares)) / kMedianChi2);
+    if (group.sigma() > kMostOfScatter * scatter && scatter > 0.0) return true;
+  }
+  return false;
 }
 
 Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,

@@ -68,6 +68,11 @@ struct Repeats {
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
 
+/// Whether what is taken for noise wanders: in some group it is more than three times what neighbouring readings of a
+/// pass scatter, and it is correlated over more than a minute, or nothing says over what time.
+[[nodiscard]] bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::VectorXd& residual,
+                           const std::vector<bool>& left_out);
+
 /// Data sets of noise alone (readings × count), each of one shape that the data leave possible, drawn by its weight;
 /// the same for the same data. Rows left out are 0.
 [[nodiscard]] Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,

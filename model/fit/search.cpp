@@ -217,8 +217,12 @@ bool Search::at_limit(std::size_t f, double nonlinear) const {
   const EffectDefinition& definition = family.effect.definition();
   if (definition.search.limits == nullptr || family.grid.size() + family.facts.size() <= 1) return false;
   const ValueRange range = definition.search.limits(regressors_.data(), family.effect, family.acting, kBeyondAll);
-  if (nonlinear > (1.0 - kAtLimit) * range.greatest) return true;
-  return !definition.traits.periodic && nonlinear < (1.0 + kAtLimit) * range.least;
+  const auto is_another = [&](Limit limit) {
+    return std::any_of(definition.turns_into.begin(), definition.turns_into.end(),
+                       [&](const Becomes& becomes) { return becomes.limit == limit; });
+  };
+  return (nonlinear > (1.0 - kAtLimit) * range.greatest && is_another(Limit::at_greatest)) ||
+         (nonlinear < (1.0 + kAtLimit) * range.least && is_another(Limit::at_least));
 }
 
 Columns Search::columns_of(const Choice& choice) const {
@@ -307,7 +311,11 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);
-      const Choice again = refined_choice(rest.space, best.chosen[i].family, best.chosen[i].nonlinear);
+      const std::size_t f = best.chosen[i].family;
+      const std::vector<Choice> peaks =
+          round == 0 && families_[f].effect.traits().periodic ? peaks_of(rest.space, f) : std::vector<Choice>{};
+      const Choice again =
+          peaks.empty() ? refined_choice(rest.space, f, best.chosen[i].nonlinear) : best_period(rest.space, peaks);
       if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;

@@ -64,9 +64,9 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
   const std::size_t f = peaks.front().family;
   Choice best = refined_choice(space, f, peaks.front().nonlinear);
   bool fits = best.gain > 0.0 && !too_steep(space, best);
-  // the period may be twice the one found (its second harmonic stronger), or another peak
-  std::vector<double> tries{2.0 * best.nonlinear};
-  for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 3; ++j)
+  // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
+  std::vector<double> tries{2.0 * best.nonlinear, 0.5 * best.nonlinear};
+  for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 4; ++j)
     if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) > 0.02) tries.push_back(peaks[j].nonlinear);
   for (const double value : tries) {
     const Choice other = refined_choice(space, f, value);

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::string_view kMaterial = "t_material_degC";
 
-/// A condition varies inside runs where it does so by this share of its range over all; run levels closer than this
-/// share are one: an air-conditioned workshop wanders by a tenth of what people change. Choices.
-constexpr double kInsideRuns = 0.2, kOneLevel = 0.05;
+/// A condition varies inside runs where it does so by this share of its range over all; levels of runs closer than this
+/// share, or than this number of its unit (degC, ppm of the index of air), are one: sensors tell no more. Choices.
+constexpr double kInsideRuns = 0.05, kOneLevel = 0.05, kOneLevelOfUnit = 0.05;
 /// So many levels follow a line by more than chance even where they coincide with runs (docs/physics.md).
 constexpr std::size_t kFewestLevels = 4;
 
@@ -129,7 +129,8 @@ bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
       levels.push_back(0.5 * (each.second.first + each.second.second));
     }
     const double range = greatest - least;
-    return inside > kInsideRuns * range || distinct(levels, kOneLevel * range).size() >= kFewestLevels;
+    const std::size_t count = distinct(levels, std::max(kOneLevel * range, kOneLevelOfUnit)).size();
+    return inside > kInsideRuns * range || count < 2 || count >= kFewestLevels;
   });
 }
 
