@@ -112,7 +112,7 @@ void others_to_do(const ReportContent& content, std::vector<std::string>& next) 
 
 void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
   if (!content.diagnosis || content.diagnosis->verdict == "adequate") return;
-  if (content.diagnosis->verdict == "unexplained_structure")
+  if (content.diagnosis->verdict != "missing_effect")
     next.push_back("Error model: the measurements hold structure that no effect of the library explains; see there.");
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())

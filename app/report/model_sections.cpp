@@ -103,6 +103,8 @@ std::string verdict_text(const ReportedDiagnosis& d) {
     if (effect.named) named.push_back(fmt::format("{} ({})", effect.place, effect.title));
   if (d.verdict == "adequate") return "The error model is adequate: what it leaves is noise.";
   if (d.verdict == "missing_effect") return fmt::format("The error model lacks {}.", fmt::join(named, " and "));
+  if (d.verdict == "partly_explained")
+    return fmt::format("The error model lacks {}; more is left that it does not explain.", fmt::join(named, " and "));
   std::vector<std::string> variables;
   for (const ReportedDependence& one : d.where)
     if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);
@@ -159,9 +161,9 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
   std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
                                     counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
   if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")
-    numbers +=
-        fmt::format(" With {}: rms {}.", d.verdict == "missing_effect" ? "what is named" : "the best that was tried",
-                    um(*d.rms_after_um));
+    numbers += fmt::format(" With {}: rms {}.",
+                           d.verdict == "unexplained_structure" ? "the best that was tried" : "what is named",
+                           um(*d.rms_after_um));
   body += paragraph_of(numbers);
   body += evidence_table(d, true) + details(d) + evidence_table(d, false);
   std::vector<std::string> where;

@@ -35,6 +35,8 @@ std::string verdict_text(const Investigation& investigation) {
     case model::Verdict::missing_effect:
       return fmt::format("{} missing from the model:",
                          investigation.causes.size() == 1 ? "One cause was" : "Causes were");
+    case model::Verdict::partly_explained:
+      return "A cause is proved, but more is left than it explains:";
     default:
       return fmt::format("No cause of the library explains what the model leaves ({}).",
                          name_of(*investigation.verdict));

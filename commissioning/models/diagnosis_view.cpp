@@ -52,9 +52,9 @@ std::string summary(const Diagnosis& d) {
   std::string text = fmt::format("{} readings. The model leaves rms {:.3f} um; the noise of one reading is {}. ",
                                  d.observations, d.rms_um, noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text +=
-        fmt::format("With {}: rms {:.3f} um. ",
-                    d.verdict == Verdict::missing_effect ? "what is named" : "the best that was tried", d.rms_after_um);
+    text += fmt::format("With {}: rms {:.3f} um. ",
+                        d.verdict == Verdict::unexplained_structure ? "the best that was tried" : "what is named",
+                        d.rms_after_um);
   text += fmt::format("Lack of fit: {}", lack_of_fit_cell(d.lack_of_fit).text);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
@@ -71,6 +71,34 @@ std::string false_naming_text(double chance, std::size_t noise_replicates) {
 constexpr std::string_view kHead =
     "                               rms after  above noise    held out [um]     false\n"
     "                                    [um]    explained   before    after   naming\n";
+
+/// "cyclic:X:EX 93 %, progressive:X:EX 6.5 %"
+std::string set_text(const std::vector<model::SetMember>& set) {
+  std::vector<std::string> members;
+  for (const model::SetMember& member : set)
+    members.push_back(fmt::format("{} {:.3g} %", member.name, 100.0 * member.probability));
+  return fmt::format("{}", fmt::join(members, ", "));
+}
+
+Json set_json(const std::vector<model::SetMember>& set) {
+  Json list = Json::array();
+  for (const model::SetMember& member : set)
+    list.push_back({{"name", member.name}, {"probability", number_or_null(member.probability)}});
+  return list;
+}
+
+/// "period_mm 8, 16 or 25.01": all values that fit as well.
+std::string values_text(const Candidate& c) {
+  constexpr std::size_t kMostShown = 8;
+  const std::string searched(c.effect.definition().searched_parameter());
+  const auto found = c.parameters_set.find(searched);
+  if (found == c.parameters_set.end()) return {};
+  std::vector<std::string> values;
+  for (const double value : found->second)
+    if (values.size() < kMostShown) values.push_back(fmt::format("{:.5g}", value));
+  const std::string all = fmt::format("{}", fmt::join(values, c.effect.definition().search.has_slope ? ", " : " to "));
+  return fmt::format("{} {}{}: all fit as well", searched, all, found->second.size() > kMostShown ? " and more" : "");
+}
 
 /// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
 Cell candidate_cell(const Candidate& c, std::size_t replicates) {
@@ -92,6 +120,10 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
       {"explainable_share", {number_or_null(c.explainable_share), percent(c.explainable_share)}},
       {"p_value", {number_or_null(c.p_value), ""}},
       {"false_naming", {number_or_null(c.false_naming), false_naming_text(c.false_naming, replicates)}},
+      {"probability", {number_or_null(c.probability), ""}},
+      {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
+      {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
+      {"e_value", {number_or_null(c.e_value), ""}},
       {"held_out_rms_um", number_cell(c.held_out_rms_um, 3)},
       {"held_out_rms_before_um", number_cell(c.held_out_rms_before_um, 3)},
       {"skipped", {c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))}},
@@ -100,12 +132,25 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
       {"because", {c.because, details(!c.because.empty(), "because: " + c.because)}},
       {"next_measurement", {c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)}}};
   if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
-  return {object_of(fields),
-          laid_out("{place} {rms_after_um:>9} {explainable_share:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
-                   "{false_naming:>8}\n",
-                   fields) +
-              (c.named ? laid_out("{parameters}{because}{indistinguishable_from}{skipped}{next_measurement}", fields)
-                       : std::string())};
+  return {
+      object_of(fields),
+      laid_out("{place} {rms_after_um:>9} {explainable_share:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8} "
+               "{false_naming:>8}\n",
+               fields) +
+          (c.named
+               ? laid_out(
+                     "{parameters}{parameters_set}{because}{set}{indistinguishable_from}{skipped}{next_measurement}",
+                     fields)
+               : std::string())};
+}
+
+/// Nothing is named: how likely the closest candidates are beside noise.
+std::string closest_text(const Diagnosis& d) {
+  std::vector<model::SetMember> closest;
+  for (const Candidate& candidate : d.candidates)
+    closest.push_back({place_text(candidate.effect), candidate.probability});
+  if (closest.empty()) return {};
+  return "\n" + paragraph("closest candidates, with their probability beside noise: " + set_text(closest), 0, 2);
 }
 
 Cell candidates_cell(const Diagnosis& d) {
@@ -119,10 +164,10 @@ Cell candidates_cell(const Diagnosis& d) {
   const auto titled_table = [](std::string_view title, const std::string& rows) {
     return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, kHead, rows);
   };
-  return {
-      std::move(list),
-      titled_table(d.verdict == Verdict::missing_effect ? "what is missing" : "the best explanation there is", named) +
-          titled_table("rivals and weaker explanations", rivals)};
+  if (d.verdict == Verdict::adequate) return {std::move(list), closest_text(d)};
+  return {std::move(list),
+          titled_table(d.verdict == Verdict::missing_effect ? "what is missing" : "what is proved", named) +
+              titled_table("rivals and weaker explanations", rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -173,6 +218,9 @@ std::string verdict_sentence(const Diagnosis& diagnosis) {
       return "The model is adequate: what it leaves is noise.";
     case Verdict::missing_effect:
       return fmt::format("The model lacks {}.", named_effects(diagnosis));
+    case Verdict::partly_explained:
+      return fmt::format("The model lacks {}; that is proved and explains nearly all, but more is left.",
+                         named_effects(diagnosis));
     default:
       return structure_sentence(diagnosis);
   }

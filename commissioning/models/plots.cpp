@@ -169,6 +169,8 @@ std::string_view verdict_title(model::Verdict verdict) {
       return "the model is adequate";
     case model::Verdict::missing_effect:
       return "an effect is missing";
+    case model::Verdict::partly_explained:
+      return "an effect is missing, and more is left";
     default:
       return "structure that no effect explains";
   }

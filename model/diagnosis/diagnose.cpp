@@ -167,7 +167,7 @@ LinearProblem joined_with(const MatrixXd& columns, const VectorXd& target, const
 /// Sizes of an effect alone beside the model, as parameters without sigma.
 std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, const LinearProblem& problem,
                                                 const Whitener& whitener, const Regressors& regressors, Index first) {
-  const VectorXd sizes = least_squares(whitener(problem.columns), whitener(problem.target));
+  const VectorXd sizes = smallest_sizes(whitener(problem.columns), whitener(problem.target));
   const Columns all = regressors.columns(ranked.effect, ranked.choice.nonlinear);
   VectorXd every = VectorXd::Zero(all.of.cols());
   std::size_t j = 0;

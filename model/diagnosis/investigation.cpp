@@ -50,6 +50,8 @@ constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
 /// Scores of noise are between these; sixty halvings of that find the level to the last digit.
 constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
 constexpr int kHalvings = 60;
+/// Below this e-value readings that an effect was not fitted to speak against it rather than for it.
+constexpr double kSpeaksAgainst = 1.0;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
 
@@ -129,21 +131,42 @@ double cross_validated_share_of(const Observations& data, const Search& search, 
   return runs.by_run ? std::min(by_part, by_target) : by_target;
 }
 
+std::vector<Choice> others(std::vector<Choice> chosen, std::size_t i) {
+  chosen.erase(chosen.begin() + static_cast<std::ptrdiff_t>(i));
+  return chosen;
+}
+
+/// Groups of the effects found, each with its e-value; those that readings they were not fitted to speak against are
+/// taken back, the worst first.
+void weigh(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
+  for (;;) {
+    found.groups = groups_of(search, found.solution, found.entry_score);
+    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
+    found.solution = search.refined(found.solution.chosen, found.solution.own);
+    std::optional<std::size_t> worst;
+    for (std::size_t i = 0; i < found.groups.size(); ++i) {
+      const LinearProblem without =
+          joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
+      std::optional<double>& e_value = found.groups[i].e_value;
+      e_value = e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
+                           found.families[found.groups[i].member.family].effect);
+      if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
+      if (e_value && *e_value < kSpeaksAgainst && (!worst || *e_value < *found.groups[*worst].e_value)) worst = i;
+    }
+    if (!worst) return;
+    found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
+  }
+}
+
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
-void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
-           double noise_freedom, Found& found) {
+void judge(const Regressors& regressors, const Search& search, const Whitener& whitener, double noise_freedom,
+           Found& found) {
   const Observations& data = regressors.data();
   const std::vector<Choice>& chosen = found.solution.chosen;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    std::vector<Choice> others = chosen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const Solution rest = search.solution(others, found.solution.own);
+    const Solution rest = search.solution(others(chosen, i), found.solution.own);
     const auto run = best_run_offset(data, whitener, rest.space);
     const Choice& member = found.groups[i].member;
-    const LinearProblem without = joined(base, search, rest);
-    found.groups[i].e_value = e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
-                                         found.families[member.family].effect);
-    if (found.groups[i].e_value) *found.groups[i].e_value /= static_cast<double>(found.candidates_tried);
     if (run && run_comes_first(*run, found.families[member.family].effect, member.score()) &&
         (!found.bad_run || run->gain > found.bad_run->gain))
       found.bad_run = run;
@@ -238,9 +261,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
         continue;
       }
     }
-    found.groups = groups_of(search, found.solution, found.entry_score);
-    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
-    found.solution = search.refined(found.solution.chosen, found.solution.own);
+    weigh(regressors, base, search, found);
     const Structure structure(data, whitener, noise_freedom);
     const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
       return chance_of_largest(tests, structure.largest_of(space, without_absorbed(space.q, noise_replicates)));
@@ -262,7 +283,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.structure_p_after = found.structure_p_before;
       found.closest = search.expand(alone, kClosest);
     } else {
-      judge(regressors, base, search, whitener, noise_freedom, found);
+      judge(regressors, search, whitener, noise_freedom, found);
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }

@@ -107,4 +107,10 @@ double map_compensation(const ReadingAt& at) {
   return map_compensation(at.data, at.k, at.effect, 0.0, at.data.approach[at.k]);
 }
 
+bool first_set_up(const Observations& data, std::size_t k) {
+  const auto found = data.extras.find("set_up");
+  const double set_up = found == data.extras.end() ? 1.0 : cell(found->second, k);
+  return std::isnan(set_up) || set_up == 1.0;
+}
+
 }  // namespace ecs::model

@@ -36,4 +36,8 @@ inline constexpr double kReference_degC = 20.0;
 /// The same as the unit applied it.
 [[nodiscard]] double map_compensation(const ReadingAt& at);
 
+/// Column `set_up`: 1 or absent where the optics are as in the first readings; another number after they were aligned
+/// and reset anew.
+[[nodiscard]] bool first_set_up(const Observations& data, std::size_t k);
+
 }  // namespace ecs::model

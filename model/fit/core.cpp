@@ -24,7 +24,7 @@ constexpr double kNoValue = 1.0;       ///< of a searched parameter that these d
 /// A term varies by at most so many times the range of the readings it acts on, else other terms cancel it; directions
 /// of unit columns below 1 - 0.995, a correlation of 0.995 between two, are hardly seen (both: the convention of the
 /// effect library, docs/physics.md).
-constexpr double kMostOfRange = 3.0, kCollinear = 0.005;
+constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
 /// Weight in a unit direction from which a column takes part in it.
 constexpr double kPartOfDirection = 0.1;
 /// Readings up to which a fitted value is sought anew: the search of one effect takes a few milliseconds there.
@@ -237,7 +237,7 @@ Solved smallest(const Assembly& assembly, const Observations& data, const Matrix
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> seen(scaled.transpose() * scaled);
   const VectorXd right = seen.eigenvectors().transpose() * (scaled.transpose() * y);
-  for (Index dropped = 1; dropped < norm.size() && seen.eigenvalues()(dropped - 1) < kCollinear; ++dropped) {
+  for (Index dropped = 1; dropped < norm.size() && seen.eigenvalues()(dropped - 1) < kHardlySeen; ++dropped) {
     const VectorXd direction = seen.eigenvectors().col(dropped - 1);
     for (Index j = 0; j < norm.size(); ++j) {
       if (std::abs(direction(j)) < kPartOfDirection) continue;

@@ -30,6 +30,8 @@ constexpr std::size_t kBlock = 4;
 /// A column of which less than this is left beside the others (of its norm) depends on them: half the digits of a
 /// double.
 constexpr double kDependent = 1e-7;
+/// Of a unit column this is left beside another that it correlates with by 0.995: sqrt(1 - 0.995²).
+constexpr double kCollinear = 0.1;
 /// Added to a diagonal of 1, so that columns that depend on each other share a size: far below noise.
 constexpr double kRidge = 1e-9;
 /// A row counts for at most this many mean squares: three sigmas, so that no outlier decides.
@@ -77,14 +79,26 @@ bool has_targets_to_leave_out(const Observations& data) {
                      [](const auto& each) { return distinct(each.second, kSamePlace_mm).size() >= kFewestTargets; });
 }
 
-VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
+namespace {
+
+VectorXd of_least_norm(const MatrixXd& white, const VectorXd& target, double dependent) {
   if (white.cols() == 0) return VectorXd(0);
   VectorXd norm = white.colwise().norm();
   for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(kDependent);
+  decomposition.setThreshold(dependent);
   decomposition.compute(white * norm.asDiagonal());
   return norm.asDiagonal() * VectorXd(decomposition.solve(target));
+}
+
+}  // namespace
+
+VectorXd least_squares(const MatrixXd& white, const VectorXd& target) {
+  return of_least_norm(white, target, kDependent);
+}
+
+VectorXd smallest_sizes(const MatrixXd& white, const VectorXd& target) {
+  return of_least_norm(white, target, kCollinear);
 }
 
 namespace {

@@ -36,5 +36,7 @@ struct Parts {
 
 /// Least squares in the whitened space; of columns that depend on each other the sizes of least norm.
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
+/// The same; columns that correlate beyond 0.995 share a size too, so that they do not cancel each other.
+[[nodiscard]] Eigen::VectorXd smallest_sizes(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
 
 }  // namespace ecs::model

@@ -311,7 +311,7 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
              const std::vector<bool>& left_out) {
   const std::vector<std::size_t> pass = passes_of(data);
   for (const NoiseGroup& group : noise.groups) {
-    if (noise.has_time && group.time <= kTurbulence_s) continue;
+    if (noise.has_time && group.correlated > group.white && group.time <= kTurbulence_s) continue;
     std::map<std::size_t, std::vector<std::size_t>> passes;
     for (const std::size_t k : group.rows)
       if (!left_out[k]) passes[pass[k]].push_back(k);
@@ -323,8 +323,15 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
         squares.push_back(second * second / kSquaresOfSecond);
       }
     if (squares.size() < kFewestDeviations) continue;
-    const double scatter = std::sqrt(upper_median(std::move(squares)) / kMedianChi2);
-    if (group.sigma() > kMostOfScatter * scatter && scatter > 0.0) return true;
+    const double scatter = std::max({std::sqrt(upper_median(std::move(squares)) / kMedianChi2),
+                                     kFloorOfStep * resolution_of(data, group), kFloor_um});
+    double sum = 0.0, count = 0.0;
+    for (const auto& [number, rows] : passes)
+      for (const std::size_t k : rows) {
+        sum += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
+        count += 1.0;
+      }
+    if (std::min(group.sigma(), std::sqrt(sum / count)) > kMostOfScatter * scatter) return true;
   }
   return false;
 }

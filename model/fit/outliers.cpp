@@ -25,6 +25,8 @@ constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 20;
 /// Where more look odd, only those that stand apart from the rest by this factor are outliers: what lies in between is
 /// shape. A choice.
 constexpr double kApart = 2.0;
+/// So many in a row of a pass are no accident.
+constexpr std::size_t kStreak = 3;
 /// Beyond the largest of n normal deviates by this much: the scale is estimated, and noise has longer tails. A choice.
 constexpr double kMargin = 2.5;
 /// √(2 ln n) holds for many; below this n it is taken at this n.
@@ -89,6 +91,20 @@ std::size_t isolated(const std::vector<std::pair<double, std::size_t>>& odd, std
   return 0;
 }
 
+/// Odd readings that follow each other in a pass are no isolated ones: something happened there.
+void keep_streaks(const Observations& data, std::vector<bool>& out) {
+  const std::vector<std::size_t> pass = passes_of(data);
+  std::map<std::size_t, std::vector<std::size_t>> passes;
+  for (std::size_t k = 0; k < pass.size(); ++k) passes[pass[k]].push_back(k);
+  for (const auto& [number, rows] : passes)
+    for (std::size_t from = 0, to = 0; from < rows.size(); from = to + 1) {
+      to = from;
+      while (to < rows.size() && out[rows[to]]) ++to;
+      if (to - from >= kStreak)
+        for (std::size_t i = from; i < to; ++i) out[rows[i]] = false;
+    }
+}
+
 }  // namespace
 
 std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual) {
@@ -120,6 +136,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
     std::sort(found.begin(), found.end(), std::greater<>());
     for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
+  keep_streaks(data, out);
   return out;
 }
 

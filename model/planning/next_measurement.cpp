@@ -376,7 +376,8 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   }
   const Setting setting{model, data, times};
   Result<void> asked;
-  if (diagnosis.verdict == Verdict::missing_effect && !diagnosis.candidates.empty())
+  const bool is_named = diagnosis.verdict == Verdict::missing_effect || diagnosis.verdict == Verdict::partly_explained;
+  if (is_named && !diagnosis.candidates.empty())
     asked = ask_group(next, setting, open_group(diagnosis));
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);

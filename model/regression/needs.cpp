@@ -115,7 +115,7 @@ bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
     std::map<int, std::pair<double, double>> runs;  // least and greatest value
     for (std::size_t k = 0; k < data.size(); ++k) {
       const double value = facts_of(need).cell(data, k, effect);
-      if (std::isnan(value)) continue;
+      if (std::isnan(value) || (effect.traits().until_new_set_up && !first_set_up(data, k))) continue;
       auto& run = runs.try_emplace(data.run[k], value, value).first->second;
       run = {std::min(run.first, value), std::max(run.second, value)};
     }

@@ -10,14 +10,6 @@
 namespace ecs::model {
 namespace {
 
-/// Column `set_up`: 1 or absent where the optics are as in the first readings; another number after they were aligned
-/// and reset anew.
-bool first_set_up(const Observations& data, std::size_t k) {
-  const auto found = data.extras.find("set_up");
-  const double set_up = found == data.extras.end() ? 1.0 : cell(found->second, k);
-  return std::isnan(set_up) || set_up == 1.0;
-}
-
 bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
   if (definition.traits.until_new_set_up && !first_set_up(data, k)) return false;

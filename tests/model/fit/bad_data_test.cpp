@@ -79,7 +79,10 @@ void check_found(const Diagnosis& found, const std::string& true_place) {
 using Made = std::function<Set(unsigned seed)>;
 
 void noise_alone(const Made& made, unsigned seeds = 3, const Model& model = straight()) {
-  for (unsigned seed = 1; seed <= seeds; ++seed) CHECK(answer(model, made(seed)).verdict == adequate);
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    const Diagnosis found = answer(model, made(seed));
+    CHECK_MESSAGE(found.verdict == adequate, (found.notes.empty() ? "" : found.notes.back()));
+  }
 }
 void is_found(const std::string& place, const Made& made, unsigned seeds = 3, const Model& model = straight()) {
   for (unsigned seed = 1; seed <= seeds; ++seed) check_found(answer(model, made(seed)), place);

@@ -230,6 +230,31 @@ TEST_CASE("offset or dead path: one shift in one weather") {
       kOtherAir));
 }
 
+TEST_CASE("a dead path is named over four weathers; over two it is the offset of a run") {
+  Model model;
+  model.effects = {effect(scale, Axis::X, Sense::EX)};
+  const Truth truth = [](const laser::Reading& r) { return first_optics(r) ? 0.6 * air_ppm(r) : 0.0; };
+  Case one = case_of("dead_path:X:EX", model, {}, truth, kOtherAir);
+  const auto first = diagnose(model, observations_of(one.set, model, mill()));
+  REQUIRE(first);
+  CHECK(in_group(*first, "dead_path:X:EX"));
+  const NextMeasurement next = next_measurement(model, observations_of(one.set, model, mill()), *first);
+  REQUIRE_FALSE(next.proposals.empty());
+  MeasurementProposal proposal = next.proposals.front();
+  proposal.new_set_up = false;
+  proposal.set_up = 1;
+  for (const double pressure_hPa : {1000.0, 1015.0, 1030.0}) {
+    proposal.pressure_hPa = pressure_hPa;
+    one.set = followed(one.set, proposal, truth);
+    proposal.first_run += proposal.runs;
+    const auto found = diagnose(model, observations_of(one.set, model, mill()));
+    REQUIRE(found);
+    CAPTURE(group_of(*found));
+    const bool is_named = found->verdict == Verdict::missing_effect && in_group(*found, "dead_path:X:EX");
+    CHECK(is_named == (pressure_hPa > 1020.0));
+  }
+}
+
 TEST_CASE("a roll through a lever or the guideway's own form: one line") {
   Plan plan;
   plan.sense = Sense::EY;
@@ -269,12 +294,12 @@ TEST_CASE("warming up, creep or the spindle's growth: one short session") {
       [](const laser::Reading& r) { return 3.0 * (degC(r, "t_spindle_degC") - 20.0); }, warming));
 }
 
-TEST_CASE("warming up or creep: a session shorter than the time that warming takes") {
+TEST_CASE("warming up or creep: a session hardly longer than the time that warming takes") {
   Plan plan;
   plan.targets = 21;
   plan.step_mm = 50.0;
   check_case(case_of(
-      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -4.0 * std::expm1(-*r.time_s / 2700.0); },
+      "warm_up:X:EX", straight(), plan, [](const laser::Reading& r) { return -1.5 * std::expm1(-*r.time_s / 1200.0); },
       kBare));
 }
 

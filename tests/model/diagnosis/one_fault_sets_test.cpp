@@ -1,0 +1,103 @@
+// Sets of samples/made_up that show one fault each: what is right of them stands in their README.
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "laser/import/import.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/fit/model_file.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using doctest::Approx;
+
+namespace {
+
+struct MadeUpSet {
+  Model model;
+  Observations data;
+};
+
+MadeUpSet made_up(const std::string& name) {
+  const std::string path = "samples/made_up/" + name;
+  const auto model = read_model(path + ".toml");
+  REQUIRE(model.has_value());
+  const auto readings = laser::read_any(path + ".csv", {});
+  REQUIRE(readings.has_value());
+  return {*model, observations_of(readings->set, *model, std::nullopt)};
+}
+
+Diagnosis diagnosis_of(const std::string& name) {
+  const MadeUpSet set = made_up(name);
+  const auto found = diagnose(set.model, set.data);
+  REQUIRE(found.has_value());
+  return *found;
+}
+
+std::vector<Candidate> named_in(const Diagnosis& diagnosis) {
+  std::vector<Candidate> named;
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (candidate.named) named.push_back(candidate);
+  return named;
+}
+
+double parameter(const Candidate& candidate, std::string_view name) {
+  for (const ParameterEstimate& one : candidate.parameters)
+    if (one.name == name) return one.value;
+  return kNotMeasured;
+}
+
+}  // namespace
+
+TEST_CASE("two waves at one place are told each with its own numbers") {
+  const std::vector<Candidate> named = named_in(diagnosis_of("two_periods"));
+  REQUIRE(named.size() == 2);
+  CHECK(parameter(named[0], "period_mm") == Approx(0.25).epsilon(1e-4));
+  CHECK(parameter(named[0], "amplitude_um") == Approx(20.0).epsilon(0.01));
+  CHECK(parameter(named[1], "period_mm") == Approx(0.25 / 3.0).epsilon(1e-4));
+  CHECK(parameter(named[1], "amplitude_um") == Approx(1.1).epsilon(0.05));
+}
+
+TEST_CASE("no wave is longer than half a plate, and its turn is told in its size") {
+  const Diagnosis found = diagnosis_of("plate");
+  const std::vector<Candidate> named = named_in(found);
+  REQUIRE_FALSE(named.empty());
+  CHECK(std::abs(parameter(named.front(), "um_per_m")) == Approx(65.0).epsilon(0.15));
+  for (const Candidate& candidate : found.candidates)
+    if (candidate.effect.traits().periodic) CHECK(parameter(candidate, "period_mm") <= 320.0);
+}
+
+TEST_CASE("readings that are wrong together at an edge are outliers, each told, and do not bend the slope") {
+  const MadeUpSet set = made_up("edge_outliers");
+  const auto fitted = fit(set.model, set.data);
+  REQUIRE(fitted.has_value());
+  CHECK(fitted->outliers.size() == 13);
+  for (const ParameterEstimate& one : fitted->effects.at(1).parameters) CHECK(std::abs(one.value) < 40.0);
+  CHECK(diagnosis_of("edge_outliers").outliers.size() == 13);
+}
+
+TEST_CASE("a twist is no noise where nothing is repeated") {
+  const Diagnosis found = diagnosis_of("twisted_mesh");
+  CHECK(found.noise.noise_um == Approx(35.0).epsilon(0.1));
+  CHECK(found.verdict != Verdict::adequate);
+  REQUIRE_FALSE(found.where.empty());
+  CHECK(found.where.front().variable == "x_mm*y_mm");
+}
+
+TEST_CASE("an effect is proved at one target too, by blocks of readings") {
+  const Diagnosis found = diagnosis_of("one_target");
+  CHECK(found.verdict == Verdict::missing_effect);
+  const std::vector<Candidate> named = named_in(found);
+  REQUIRE(named.size() == 1);
+  CHECK(to_text(named[0].effect) == "thermal_drift:Z:EZ");
+  CHECK(parameter(named[0], "um_per_degC") == Approx(6.0).epsilon(0.01));
+}
+
+TEST_CASE("five targets are enough for a curve") {
+  const Diagnosis found = diagnosis_of("five_targets");
+  CHECK(found.verdict == Verdict::missing_effect);
+  const std::vector<Candidate> named = named_in(found);
+  REQUIRE(named.size() == 1);
+  CHECK(to_text(named[0].effect) == "progressive:X:EX");
+}
