@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,6 +17,7 @@
 #include "model/planning/options.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/sentences.hpp"
+#include "model/regression/needs.hpp"
 
 namespace ecs::model {
 namespace {
@@ -262,9 +264,26 @@ bool keep_foretold(OpenGroup& group, const WithProposals& all, NextMeasurement& 
   return group.rivals.size() >= std::min<std::size_t>(2, before);
 }
 
-Result<void> ask_group(NextMeasurement& next, const Setting& in, OpenGroup group) {
-  next.rivals = group.names;
-  const auto options = all_options(in.data, group.rivals, in.times);
+/// Without the runs after which the condition that a rival follows would still take too few levels, all tied to runs.
+std::vector<MeasurementProposal> without_ties(std::vector<MeasurementProposal> options, const Observations& data,
+                                              const std::vector<EffectInstance>& rivals) {
+  const WithProposals all = with_proposals(data, options);
+  std::vector<MeasurementProposal> kept;
+  for (std::size_t i = 0; i < options.size(); ++i) {
+    std::vector<std::size_t> rows(all.present);
+    std::iota(rows.begin(), rows.end(), std::size_t{0});
+    for (std::size_t k = 0; k < all.count[i]; ++k) rows.push_back(all.first[i] + k);
+    const Observations joined = subset(all.data, rows);
+    if (std::none_of(rivals.begin(), rivals.end(),
+                     [&](const EffectInstance& rival) { return is_tied_to_runs(joined, rival); }))
+      kept.push_back(options[i]);
+  }
+  return kept;
+}
+
+/// @param options  runs to choose from
+Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup group,
+                          const std::vector<MeasurementProposal>& options) {
   const WithProposals all = with_proposals(in.data, options);
   note_model(next, in, all);
   if (!keep_foretold(group, all, next)) return {};
@@ -285,6 +304,18 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, OpenGroup group
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(fmt::format("no run of up to five repeats reaches {:.0f} sigma; these do most", kSeparates));
   return {};
+}
+
+Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+  next.rivals = group.names;
+  const std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
+  NextMeasurement decisive = next;
+  const auto asked = ask_group_by(decisive, in, group, without_ties(options, in.data, group.rivals));
+  if (!decisive.proposals.empty() || !asked) {
+    next = std::move(decisive);
+    return asked;
+  }
+  return ask_group_by(next, in, group, options);  // levels of a condition add up
 }
 
 /// The line as it is measured now, once more: whether what is left comes back.
