@@ -64,7 +64,7 @@ std::string comparable(const std::string& name) {
   const std::size_t first = name.find(':');
   const std::string id = name.substr(0, first);
   if (id == "set_up_rotation" || id == "squareness" || id == "offset")
-    return id + name.substr(name.find(':', first + 1));
+    return id + name.substr(name.rfind(':'));
   return name;
 }
 

@@ -48,8 +48,11 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
   return best;
 }
 
-std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& residual,
-                                  const std::vector<bool>& left_out) {
+namespace {
+
+/// By run: ratio of its mean absolute residual to that of the others, where it is larger by more than chance.
+std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd& residual,
+                                 const std::vector<bool>& left_out) {
   struct Sums {
     double count = 0.0, sum = 0.0, squares = 0.0;
     [[nodiscard]] double mean() const { return sum / count; }
@@ -68,15 +71,26 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
       sums->squares += size * size;
     }
   }
-  if (runs.size() < kFewestRuns) return std::nullopt;
-  std::optional<NoisyRun> worst;
+  std::map<int, double> noisy;
+  if (runs.size() < kFewestRuns) return noisy;
   for (const auto& [run, sums] : runs) {
     const Sums rest{all.count - sums.count, all.sum - sums.sum, all.squares - sums.squares};
     if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.sum <= 0.0) continue;
     const double ratio = sums.mean() / rest.mean();
     const double sigmas = (sums.mean() - rest.mean()) / std::sqrt(sums.variance_of_mean() + rest.variance_of_mean());
-    if (ratio > kNoisier && sigmas > kFarSigmas && (!worst || ratio > worst->ratio)) worst = NoisyRun{run, ratio};
+    if (ratio > kNoisier && sigmas > kFarSigmas) noisy[run] = ratio;
   }
+  return noisy;
+}
+
+}  // namespace
+
+std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
+                                  const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
+  const std::map<int, double> by_raw = noisy_runs(data, residual, left_out);
+  std::optional<NoisyRun> worst;
+  for (const auto& [run, ratio] : noisy_runs(data, whitened, left_out))
+    if (by_raw.contains(run) && (!worst || ratio > worst->ratio)) worst = NoisyRun{run, ratio};
   return worst;
 }
 

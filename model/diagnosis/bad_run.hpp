@@ -25,9 +25,10 @@ struct NoisyRun {
   double ratio = 1.0;  ///< of its mean absolute residual to that of the other runs
 };
 /// The run of three or more that scatters more than the others, far beyond what chance does.
-/// @param residual  whitened  @param left_out  outliers, not counted
-[[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& residual,
-                                                const std::vector<bool>& left_out);
+/// Both residuals must show it: whitening may mistake one run, correlated noise the other.
+/// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
+                                                const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
 
 /// Whether the offset of a run is the first thought beside an effect of this score: the effect is not better by a
 /// factor of 100 in evidence.

@@ -430,7 +430,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (in.found.bad_run || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
   if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
-      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders))
+      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   return diagnosis;

@@ -1,6 +1,7 @@
-// Split likelihood ratio (universal inference: Wasserman, Ramdas and Balakrishnan 2020, PNAS 117, 16880): the
-// alternative is fitted to one half, the model to the other half on which both are compared. Means of e-values over
-// splits are e-values (Vovk and Wang 2021, Annals of Statistics 49, 1736).
+// Split likelihood ratio (universal inference: Wasserman, Ramdas and Balakrishnan 2020, PNAS 117, 16880): the effect is
+// fitted to one half and judged on the other, there on contrasts that the model cannot take (Patterson and Thompson
+// 1971), each side with its own size of the noise. Means of e-values over splits are e-values (Vovk and Wang 2021,
+// Annals of Statistics 49, 1736).
 #include "model/diagnosis/e_value.hpp"
 
 #include <algorithm>
@@ -69,8 +70,7 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const Search search(on.regressors, fit, columns, target, {effect});
   const std::vector<Choice> found = search.expand(search.base(), 1);
   const double freedom = static_cast<double>(search.base().q.cols());
-  if (found.empty() || count_fitted < freedom + kSpareInHalf || count_judged < freedom + kSpareInHalf)
-    return std::nullopt;
+  if (found.empty() || count_fitted < freedom + kSpareInHalf) return std::nullopt;
   const Columns own = search.columns_of(found.front());
   const VectorXd rest = own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target;
   MatrixXd joint(columns.rows(), columns.cols() + own.of.cols());
@@ -80,16 +80,20 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const double spare = std::max(1.0, count_fitted - freedom - static_cast<double>(own.of.cols()));
   const double variance = std::max((fit(rest) - white_fit * sizes).squaredNorm() / spare, kLeastDivisor);
 
-  const MatrixXd white_judge = judge(columns);
-  const VectorXd judged_target = judge(target);
-  const VectorXd contribution = judge(VectorXd(
-      own.of * sizes.tail(own.of.cols()) + (own.fixed.size() > 0 ? own.fixed : VectorXd(VectorXd::Zero(rest.size())))));
-  const VectorXd beyond = contribution - white_judge * least_squares(white_judge, contribution);
+  // on the judged half what the model can take is taken off both: no size of it has to be carried over
+  Space model;
+  model.y = judge(target);
+  model.q.resize(model.y.size(), 0);
+  absorb(model, judge(columns));
+  VectorXd raw = own.fixed.size() > 0 ? own.fixed : VectorXd(VectorXd::Zero(target.size()));
+  if (own.of.cols() > 0) raw += own.of * sizes.tail(own.of.cols());
+  const VectorXd contribution = judge(raw);
+  const VectorXd beyond = contribution - model.q * (model.q.transpose() * contribution);
   if (beyond.squaredNorm() <= kLeastShown * contribution.squaredNorm()) return std::nullopt;
-  const double left = (judge(rest) - judge(joint) * sizes).squaredNorm();
-  const double model_alone =
-      std::max((judged_target - white_judge * least_squares(white_judge, judged_target)).squaredNorm(), kLeastDivisor);
-  return 0.5 * (count_judged * std::log(model_alone / count_judged / variance) + count_judged - left / variance);
+  const double freedom_judged = count_judged - static_cast<double>(model.q.cols());
+  if (freedom_judged < kSpareInHalf) return std::nullopt;
+  const double alone = std::max(model.chi2(), kLeastDivisor), left = (model.y - beyond).squaredNorm();
+  return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance);
 }
 
 /// The same on an even part of the readings: it costs less, and there is evidence enough.

@@ -150,12 +150,13 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
       std::optional<double>& e_value = found.groups[i].e_value;
       e_value = e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
                            found.families[found.groups[i].member.family].effect);
-      if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
       if (e_value && *e_value < kSpeaksAgainst && (!worst || *e_value < *found.groups[*worst].e_value)) worst = i;
     }
-    if (!worst) return;
+    if (!worst) break;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
   }
+  for (Group& group : found.groups)
+    if (group.e_value) *group.e_value /= static_cast<double>(found.candidates_tried);
 }
 
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
@@ -232,13 +233,19 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   const MatrixXd smooth = smooth_columns(data);
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
+  std::vector<EffectInstance> others_than_own = candidates;
+  std::erase_if(others_than_own, [&](const EffectInstance& candidate) {
+    return !candidate.traits().several_alike && std::any_of(own.begin(), own.end(), [&](const EffectInstance& term) {
+      return same_candidate(term, candidate);
+    });
+  });
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_of(data, base.residual, smooth, found.left_out);
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
-    const Search search(regressors, whitener, base.columns, base.target, candidates, own, options.cancelled);
+    const Search search(regressors, whitener, base.columns, base.target, others_than_own, own, options.cancelled);
     found.families = search.families();
     found.candidates_tried = search.candidates();
     const MatrixXf noise_replicates = without_absorbed(
@@ -287,14 +294,15 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
-    found.noisy = noisy_run(data, found.solution.space.y, found.left_out);
+    found.noisy = noisy_run(data, found.solution.space.y, residual, found.left_out);
+    found.wave = free_wave(data, found.solution.space.y, found.left_out);
     found.wanders = wanders(data, found.noise, residual, found.left_out);
     return found;
   }
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  if (found.noisy || found.wanders) return false;
+  if (found.noisy || found.wanders || found.wave) return false;
   if (found.cross_validated_share < kLeastCrossValidated) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());

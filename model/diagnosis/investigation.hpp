@@ -8,6 +8,7 @@
 
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/free_wave.hpp"
 #include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/fit/core.hpp"
@@ -45,6 +46,7 @@ struct Found {
   std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
   std::optional<NoisyRun> noisy;       ///< scatters more than the others
   bool wanders = false;                ///< what was taken for noise does
+  std::optional<FreeWave> wave;        ///< in what is left, with another phase in every pass
   std::string objection;               ///< why the effects found are no causes although they explain, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;
