@@ -8,6 +8,9 @@
 namespace ecs::model {
 namespace {
 
+/// A lever below this is the rounding of a file: no rotation of a machine moves a reading through a micrometre.
+constexpr double kLeastLever_mm = 1e-3;
+
 /// Compensation of a component at a position; the mean of both tables where the approach is not known.
 double value_of(const laser::ErrorMap& map, Component component, double position_mm, int approach) {
   const auto from = [&](Approach d) {
@@ -78,7 +81,7 @@ double lever_m(const Observations& data, std::size_t k, Component code) {
                                                       data.lines[index_of(moving_axis(code))][index_of(term.lever)];
     sum_mm += term.sign * lever_mm;
   }
-  return sum_mm / 1000.0;
+  return std::abs(sum_mm) < kLeastLever_mm ? 0.0 : sum_mm / 1000.0;
 }
 
 bool is_own_motion(const Observations& data, std::size_t k, Axis axis) {
