@@ -1,5 +1,6 @@
 // The link to the unit that all screens share: opened at the start, opened again when it was lost, looked at beside
 // the screens; work on it is done one piece after the other. A bundled emulator runs as long as the connection.
+// Its threads are its own and no TaskRunner's: they watch as long as the connection lives and have no result.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,6 @@
 // A capture under way: triggers, displays and sensors around the record, one short step after the other. Whoever shows
-// it (a terminal, a screen) takes its news.
+// it (a terminal, a screen) takes its news. Its part file is written by std::async and not by a TaskRunner, whose owner
+// must call advance(): the file is waited for before the next is begun, and at the end.
 #pragma once
 
 #include <future>

@@ -1,5 +1,5 @@
 // A thermometer or another sensor of the surroundings, watched beside a monitor: a thread of its own opens it, reads
-// it, and opens it again when it was pulled out.
+// it, and opens it again when it was pulled out. No TaskRunner runs it: it has neither an end nor a result.
 #pragma once
 
 #include <mutex>
