@@ -71,6 +71,13 @@ Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments&
   mapping->skip_lines = arguments.skip;
   mapping->most_rows = arguments.rows;
   if (!arguments.decimal.empty()) mapping->decimal = arguments.decimal == "comma" ? ',' : '.';
+  auto row_begins = laser::cell_kinds(arguments.row_begins);
+  if (!row_begins) return tl::unexpected(row_begins.error());
+  const auto target_lines = unit_given(arguments.target_lines, "target_lines");
+  if (!target_lines) return tl::unexpected(target_lines.error());
+  mapping->row_begins = std::move(*row_begins);
+  mapping->channel_column = arguments.channel_column;
+  mapping->target_lines = *target_lines;
   if (arguments.values == "actual") mapping->values = laser::TableValues::actual_positions;
   if (arguments.values == "compensation") mapping->values = laser::TableValues::compensations;
   return std::optional(std::move(*mapping));

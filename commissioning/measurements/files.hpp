@@ -20,18 +20,22 @@ struct ImportArguments {
   std::string target_unit;
   std::string reading_unit;
   std::string channel;
-  std::string columns;      ///< "x_mm=1,reading=3*0.001,run=2,approach=4": the file is a table, read by this
-  int skip = 0;             ///< lines before the table
-  int rows = 0;             ///< rows to take; 0: all
-  std::string delimiter;    ///< one character, or blank, tab, comma, semicolon
-  std::string decimal;      ///< point or comma
-  std::string values;       ///< error, actual, compensation
-  std::string matrix;       ///< "x=xmin..xmax,y=ymin+20": the file is a matrix of values (laser/import/matrix.hpp)
-  std::string section;      ///< the part of the file that holds the matrix
-  std::string line_prefix;  ///< taken off every line of it
-  std::string absent;       ///< a cell of it without a value
-  std::string note;         ///< kept with what had to be assumed
-  std::string profile;      ///< name or path of a profile with the answers above
+  std::string columns;        ///< "x_mm=1,reading=3*0.001,run=2,approach=4": the file is a table, read by this
+  int skip = 0;               ///< lines before the table
+  int rows = 0;               ///< rows to take; 0: all
+  std::string delimiter;      ///< one character, or blank, tab, comma, semicolon
+  std::string decimal;        ///< point or comma
+  std::string values;         ///< error, actual, compensation
+  std::string matrix;         ///< "x=xmin..xmax,y=ymin+20": the file is a matrix of values (laser/import/matrix.hpp)
+  std::string section;        ///< the part of the file that holds the matrix
+  std::string line_prefix;    ///< taken off every line of it
+  std::string absent;         ///< a cell of it without a value
+  std::string row_begins;     ///< "word date time any": how a row begins; other lines are passed over
+  int channel_column = 0;     ///< from 1; 0: none
+  std::string target_lines;   ///< the unit of lines that state the target of the rows below
+  std::string note;           ///< kept with what had to be assumed
+  std::string recognised_by;  ///< a text that files of a profile contain; empty: the lines of `row_begins`
+  std::string profile;        ///< name or path of a profile with the answers above
 };
 
 /// A `usage` problem names the option that is wrong.

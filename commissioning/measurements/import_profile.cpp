@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Text = std::pair<const char*, std::string ImportArguments::*>;
-constexpr std::array<Text, 16> kTexts{{{"columns", &ImportArguments::columns},
+constexpr std::array<Text, 19> kTexts{{{"columns", &ImportArguments::columns},
                                        {"delimiter", &ImportArguments::delimiter},
                                        {"decimal", &ImportArguments::decimal},
                                        {"values", &ImportArguments::values},
@@ -34,9 +34,14 @@ constexpr std::array<Text, 16> kTexts{{{"columns", &ImportArguments::columns},
                                        {"section", &ImportArguments::section},
                                        {"line_prefix", &ImportArguments::line_prefix},
                                        {"absent", &ImportArguments::absent},
-                                       {"note", &ImportArguments::note}}};
+                                       {"row_begins", &ImportArguments::row_begins},
+                                       {"target_lines", &ImportArguments::target_lines},
+                                       {"note", &ImportArguments::note},
+                                       {"recognised_by", &ImportArguments::recognised_by}}};
 using Count = std::pair<const char*, int ImportArguments::*>;
-constexpr std::array<Count, 2> kCounts{{{"skip", &ImportArguments::skip}, {"rows", &ImportArguments::rows}}};
+constexpr std::array<Count, 3> kCounts{{{"skip", &ImportArguments::skip},
+                                        {"rows", &ImportArguments::rows},
+                                        {"channel_column", &ImportArguments::channel_column}}};
 using Flag = std::pair<const char*, bool ImportArguments::*>;
 constexpr std::array<Flag, 2> kFlags{{{"accept_truncated", &ImportArguments::accept_truncated},
                                       {"table_holds_errors", &ImportArguments::table_holds_errors}}};
@@ -62,15 +67,6 @@ std::vector<fs::path> shipped_profiles() {
   return one ? profiles_in(one->parent_path()) : std::vector<fs::path>();
 }
 
-/// The text that files of a profile contain; empty: none is known, or the profile cannot be read.
-std::string recognised_by(const fs::path& profile) {
-  try {
-    return toml::parse_file(profile.string())["recognised_by"].value_or(std::string());
-  } catch (const toml::parse_error&) {
-    return {};
-  }
-}
-
 std::string known_profiles() {
   std::vector<std::string> names;
   for (const fs::path& file : profiles_in(own_profile_file("x").parent_path())) names.push_back(file.stem().string());
@@ -83,7 +79,6 @@ std::string known_profiles() {
 /// Takes one key into what the command line left open; what was expected of it, or nothing.
 std::string take(ImportArguments& arguments, const ImportArguments& given, std::string_view key,
                  const toml::node& node) {
-  if (key == "recognised_by") return node.is_string() ? "" : "a text";
   const ImportArguments open;
   for (const auto& [name, member] : kTexts) {
     if (key != name) continue;
@@ -107,8 +102,20 @@ std::string take(ImportArguments& arguments, const ImportArguments& given, std::
     return {};
   }
   return "a key of import profiles (columns, skip, rows, delimiter, decimal, values, axis, sense, parked, encoding, "
-         "target_unit, reading_unit, channel, matrix, section, line_prefix, absent, note, accept_truncated, "
-         "table_holds_errors, recognised_by)";
+         "target_unit, reading_unit, channel, channel_column, row_begins, target_lines, matrix, section, line_prefix, "
+         "absent, note, accept_truncated, table_holds_errors, recognised_by)";
+}
+
+/// The text holds the mark of the profile or, where it has none, two lines that begin as its rows.
+bool is_for(const fs::path& profile, std::string_view text) {
+  ImportArguments arguments;
+  arguments.profile = profile.string();
+  const auto whole = with_profile(arguments);
+  if (!whole) return false;
+  if (!whole->recognised_by.empty()) return text.find(whole->recognised_by) != std::string_view::npos;
+  const auto options = import_options(*whole);
+  return options && options->mapping && !options->mapping->row_begins.empty() &&
+         laser::rows_begun(text, *options->mapping) >= 2;
 }
 
 }  // namespace
@@ -160,11 +167,11 @@ ImportArguments with_found_profile(const std::string& file, ImportArguments give
   std::ifstream stream(file, std::ios::binary);
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount())));
-  for (const fs::path& path : shipped_profiles())
-    if (const std::string mark = recognised_by(path); !mark.empty() && head.find(mark) != std::string::npos) {
-      given.profile = path.string();
-      return given;
-    }
+  const auto text = laser::decoded(head, file);
+  const auto profiles = shipped_profiles();
+  const auto found = std::find_if(profiles.begin(), profiles.end(),
+                                  [&](const fs::path& path) { return text && is_for(path, text->text); });
+  if (found != profiles.end()) given.profile = found->string();
   return given;
 }
 

@@ -18,7 +18,7 @@ namespace ecs::commissioning {
 [[nodiscard]] Result<ImportArguments> with_profile(ImportArguments arguments);
 
 /// With neither a profile nor a mapping given: the profile that comes with the program for files that contain its
-/// `recognised_by`, if there is one.
+/// `recognised_by` or, where it has none, two lines that begin as its `row_begins`, if there is one.
 [[nodiscard]] ImportArguments with_found_profile(const std::string& file, ImportArguments given);
 
 /// Writes what was given as a profile; the file that was written.

@@ -63,7 +63,16 @@ std::string take_scale(ColumnRule& rule, std::string_view rest) {
   return {};
 }
 
-/// Takes a column number, a quoted heading or a plain one from the front.
+/// A column number from the front of `rest`; 0: there is none.
+int take_number(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find_first_not_of("0123456789"), rest.size());
+  const auto number = integer_in(rest.substr(0, end));
+  if (!number || *number < 1 || *number > 10'000) return 0;
+  rest.remove_prefix(end);
+  return static_cast<int>(*number);
+}
+
+/// Takes a column number or a range of them, a quoted heading or a plain one from the front.
 std::string take_column(ColumnRule& rule, std::string_view& rest) {
   std::size_t end = 0;
   if (rest.starts_with('"')) {
@@ -72,11 +81,15 @@ std::string take_column(ColumnRule& rule, std::string_view& rest) {
     rule.heading = std::string(rest.substr(1, end - 1));
     ++end;
   } else if (!rest.empty() && std::isdigit(static_cast<unsigned char>(rest.front())) != 0) {
-    end = std::min(rest.find_first_not_of("0123456789"), rest.size());
-    const auto number = integer_in(rest.substr(0, end));
-    if (!number || *number < 1 || *number > 10'000)
-      return "expected a column number of 1 to 10000, found " + in_quotes(rest.substr(0, end));
-    rule.column = static_cast<int>(*number);
+    const std::string_view digits = rest.substr(0, rest.find_first_not_of("0123456789"));
+    rule.column = take_number(rest);
+    if (rule.column == 0) return "expected a column number of 1 to 10000, found " + in_quotes(digits);
+    if (rest.starts_with("..")) {
+      rest.remove_prefix(2);
+      rule.columns = take_number(rest) - rule.column + 1;
+      if (rule.columns < 1 || rule.field != "date_time")
+        return "expected one column; only date_time takes several, FIRST..LAST";
+    }
   } else {
     end = std::min(rest.find_first_of("[*"), rest.size());
     rule.heading = std::string(trimmed(rest.substr(0, end)));

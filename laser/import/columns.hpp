@@ -13,17 +13,18 @@
 
 namespace ecs::laser {
 
-/// One field and where it comes from: `FIELD=COLUMN[unit]*factor+offset`.
+/// One field and where it comes from: `FIELD=COLUMN[unit]*factor+offset`, or `date_time=FIRST..LAST`.
 struct ColumnRule {
   std::string field;  ///< a column of the measurement CSV, EX … EC, forwardN, reverseN, date_time, or any name to keep
   int column = 0;     ///< from 1; 0: by heading
+  int columns = 1;    ///< as many cells, joined by blanks: a date and a time
   std::string heading;  ///< the column's heading, if it is not given by number
   std::optional<Unit> unit;
   double factor = 1.0;  ///< after the unit
   double offset = 0.0;
   friend bool operator==(const ColumnRule& a, const ColumnRule& b) {
-    return a.field == b.field && a.column == b.column && a.heading == b.heading && a.factor == b.factor &&
-           a.offset == b.offset;
+    return a.field == b.field && a.column == b.column && a.columns == b.columns && a.heading == b.heading &&
+           a.factor == b.factor && a.offset == b.offset;
   }
 };
 
@@ -32,6 +33,15 @@ enum class TableValues {
   errors,            ///< actual − target
   actual_positions,  ///< the error is the position less its target
   compensations      ///< −error
+};
+
+/// What a cell holds.
+enum class CellKind {
+  any,
+  word,  ///< no number
+  number,
+  date,  ///< 2024-05-06
+  time   ///< 09:10:11.5
 };
 
 struct ColumnMapping {
@@ -43,6 +53,11 @@ struct ColumnMapping {
   char delimiter = '\0';         ///< '\0': found by itself; ' ' stands for any blanks
   char decimal = '\0';           ///< '\0': point or comma, as the delimiter allows
   TableValues values = TableValues::errors;
+  std::vector<CellKind> row_begins;  ///< a row begins with such cells; other lines, and values that are no numbers, are
+                                     ///< left out and counted. Empty: every line is a row of numbers
+  int channel_column = 0;            ///< only the rows of `ImportOptions::channel` in this column, from 1; 0: all rows
+  std::optional<Unit> target_lines;  ///< lines such as "3mm" are the targets of the rows below, each of which is a run:
+                                     ///< error = value - number of the line, in the unit of the readings
 };
 
 /// Reads "x_mm=1[in],reading=3*0.001,run=2,approach=4". Commas part the rules; a heading with commas, blanks or
@@ -51,6 +66,13 @@ struct ColumnMapping {
 
 /// The rules of a mapping with `approach=motion` and `run=motion` set apart.
 [[nodiscard]] Result<ColumnMapping> column_mapping(std::string_view text);
+
+/// Reads "word date time any".
+[[nodiscard]] Result<std::vector<CellKind>> cell_kinds(std::string_view text);
+
+/// How many lines begin as rows do.
+/// @pre the mapping has `row_begins` and `delimiter`
+[[nodiscard]] std::size_t rows_begun(std::string_view text, const ColumnMapping& mapping);
 
 /// How a table looks, for the explanation of a file that nothing else reads.
 struct TableShape {

@@ -14,40 +14,58 @@
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/motion.hpp"
+#include "laser/import/readers.hpp"
+#include "laser/import/rows.hpp"
 
 namespace ecs::laser {
 namespace {
 
+std::string joined_cells(const std::vector<std::string_view>& cells, const Field& field) {
+  return fmt::format("{}", fmt::join(cells.begin() + static_cast<std::ptrdiff_t>(field.index),
+                                     cells.begin() + static_cast<std::ptrdiff_t>(field.last() + 1), " "));
+}
+
 /// One row: its readings go to `set`.
-void take_row(MeasurementSet& set, const Plan& plan, std::string_view line, int number,
-              const std::vector<std::string_view>& cells, Findings& findings) {
+/// @return values that are left out
+int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run, Findings& findings) {
+  const auto& cells = row.cells;
   Reading common;
-  common.line = number;
+  common.line = row.number;
+  common.run = run;
   common.axis = plan.axis.value_or(Axis::X);
+  common.position_mm = plan.parked_mm;
   bool whole = true;
   const auto bad = [&](const Field& field, const std::string& fault) {
-    findings.add(number, field.index < cells.size() ? column_of(line, cells[field.index]) : 0, fault);
+    findings.add(row.number, field.index < cells.size() ? column_of(row.line, cells[field.index]) : 0, fault);
     whole = false;
   };
   for (const Field& field : plan.fields) {
-    if (field.index >= cells.size()) {
+    if (field.last() >= cells.size()) {
       bad(field,
-          fmt::format("{}: expected a column {}, found {} columns", field.rule.field, field.index + 1, cells.size()));
-      return;
+          fmt::format("{}: expected a column {}, found {} columns", field.rule.field, field.last() + 1, cells.size()));
+      return 0;
     }
     if (is_value(field.role)) continue;
-    if (const std::string fault = set_common(common, plan, field, cells[field.index]); !fault.empty())
+    if (const std::string fault = set_common(common, plan, field, joined_cells(cells, field)); !fault.empty())
       bad(field, fault);
   }
+  if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
   const bool has_sense =
       std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& field) { return field.role == Role::sense; });
   if (!has_sense) common.sense = plan.sense.value_or(static_cast<Sense>(index_of(common.axis)));
-  if (!whole) return;
+  if (!whole) return 0;
+  const bool is_difference = row.target && plan.values != TableValues::actual_positions;
+  const double from = is_difference ? row.target->number : 0.0;
+  int left_out = 0;
   for (const Field& field : plan.fields) {
     if (!is_value(field.role)) continue;
     const std::string_view cell = cells[field.index];
     if (cell.empty() && field.role != Role::error) continue;
     const auto value = cell_number(plan, cell);
+    if (!value && plan.leaves_words) {
+      ++left_out;
+      continue;
+    }
     if (!value) {
       bad(field, fmt::format("{}: expected a finite number, found {}", field.rule.field, in_quotes(cell)));
       continue;
@@ -58,7 +76,7 @@ void take_row(MeasurementSet& set, const Plan& plan, std::string_view line, int 
       reading.approach = pass->approach;
       reading.run = pass->run;
     }
-    std::string fault = set_error(reading, plan, field, *value);
+    std::string fault = set_error(reading, plan, field, *value - from);
     if (fault.empty() && !std::isfinite(reading.error))
       fault = field.rule.field + ": expected a number that stays finite";
     if (!fault.empty())
@@ -66,6 +84,7 @@ void take_row(MeasurementSet& set, const Plan& plan, std::string_view line, int 
     else
       set.readings.push_back(std::move(reading));
   }
+  return left_out;
 }
 
 /// The axis of a table that maps one position and nothing that says more.
@@ -78,10 +97,6 @@ std::optional<Axis> mapped_axis(const std::vector<Field>& fields) {
         found = static_cast<Axis>(i);
       }
   return found;
-}
-
-Problem wrong_option(std::string message, const std::string& file_name) {
-  return {ProblemKind::usage, std::move(message), file_name, 0, 0, {}};
 }
 
 std::string near_heading(const std::string& wanted, const std::vector<std::string_view>& headings) {
@@ -181,6 +196,58 @@ void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan)
   for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].row = static_cast<int>(i) + 1;
 }
 
+struct TableLines {
+  std::vector<TableRow> rows;
+  int passed_over = 0;  ///< lines that do not begin as rows
+};
+
+/// The rows below the heading, which gives the places of fields by heading.
+TableLines lines_in(std::string_view text, Plan& plan, const ImportOptions& options, Findings& findings) {
+  const ColumnMapping& mapping = *options.mapping;
+  const char delimiter = delimiter_of(mapping, text);
+  const bool by_heading =
+      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; });
+  TableLines table;
+  TableRow row;
+  bool begun = false;
+  const auto lines = lines_of(text);
+  for (auto i = static_cast<std::size_t>(std::max(0, mapping.skip_lines)); i < lines.size(); ++i) {
+    if (is_comment(lines[i])) continue;
+    if (mapping.most_rows > 0 && table.rows.size() == static_cast<std::size_t>(mapping.most_rows)) break;
+    if (const auto target = target_stated(lines[i], options)) {
+      row.target = target;
+      ++row.block;
+      continue;
+    }
+    row.number = static_cast<int>(i) + 1;
+    row.line = lines[i];
+    row.cells = cells_of(lines[i], delimiter);
+    if (!begun && (by_heading || mapping.row_begins.empty())) {
+      begun = true;
+      if (by_heading) find_headings(plan.fields, row.cells, row.number, findings);
+      if (!findings.empty()) break;
+      if (by_heading || is_heading(plan, row.cells)) continue;
+    }
+    if (begins_as(mapping.row_begins, row.cells))
+      table.rows.push_back(row);
+    else
+      ++table.passed_over;
+  }
+  return table;
+}
+
+/// @param left_out  values that are no numbers
+void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLines& table, int left_out) {
+  if (options.mapping->target_lines)
+    set.notes.push_back(table.rows.back().target
+                            ? "lines such as 3mm are the targets: error = value - target"
+                            : "no line states a target: readings are the values, not deviations from targets");
+  if (options.reading_unit) set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
+  if (table.passed_over > 0)
+    set.notes.push_back(fmt::format("{} lines that are no rows are passed over", table.passed_over));
+  if (left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", left_out));
+}
+
 /// Reads the table. The moving axis: column `axis`, the option, or the one position that is mapped; the sense: the
 /// field's name (EX …), column `sense`, the option, or the moving axis's own. A row gives a reading for each of
 /// `reading`, EX … EC, forwardN and reverseN that is mapped and not empty. Lines beginning with '#', '!' or '%' are
@@ -188,41 +255,34 @@ void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan)
 /// @pre options.mapping
 Result<MeasurementSet> read_columns(std::string_view text, const std::string& file_name, const ImportOptions& options) {
   const ColumnMapping& mapping = *options.mapping;
-  Plan plan{fields_of(mapping), options.axis, options.sense, mapping.values, mapping.decimal};
+  Plan plan{fields_of(mapping),         options.axis, options.sense, mapping.values, mapping.decimal, options.parked_mm,
+            !mapping.row_begins.empty()};
   if (!plan.axis) plan.axis = mapped_axis(plan.fields);
-  if (const std::string fault = plan_fault(plan); !fault.empty()) return tl::unexpected(wrong_option(fault, file_name));
-  const char delimiter = delimiter_of(mapping, text);
-  const bool by_heading =
-      std::any_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return f.rule.column == 0; });
+  Findings findings(file_name);
+  TableLines table = lines_in(text, plan, options, findings);
+  const auto channel = keep_channel(table.rows, file_name, options);
+  if (!channel) return tl::unexpected(channel.error());
+  std::string fault = take_units(plan, options);
+  if (fault.empty()) fault = plan_fault(plan);
+  if (!fault.empty()) return tl::unexpected(usage(file_name, fault));
   MeasurementSet set;
   set.source = file_name;
-  Findings findings(file_name);
-  const auto lines = lines_of(text);
-  bool begun = false;
-  int rows = 0;
-  for (auto i = static_cast<std::size_t>(std::max(0, mapping.skip_lines)); i < lines.size(); ++i) {
-    const int number = static_cast<int>(i) + 1;
-    if (is_comment(lines[i])) continue;
-    if (mapping.most_rows > 0 && rows == mapping.most_rows) break;
-    const auto cells = cells_of(lines[i], delimiter);
-    if (!begun) {
-      begun = true;
-      if (by_heading) find_headings(plan.fields, cells, number, findings);
-      if (!findings.empty()) break;
-      if (by_heading || is_heading(plan, cells)) continue;
-    }
-    ++rows;
-    take_row(set, plan, lines[i], number, cells, findings);
+  int run = 1, block = 0, left_out = 0;
+  for (const TableRow& row : table.rows) {
+    if (row.block != block) run = 1;
+    block = row.block;
+    const std::size_t before = set.readings.size();
+    left_out += take_row(set, plan, row, run, findings);
+    if (row.target && set.readings.size() > before) ++run;
   }
   if (findings.empty() && set.readings.empty())
-    findings.add(0, 0, fmt::format("expected rows after line {}, found none", std::max(0, mapping.skip_lines)));
+    findings.add(0, 0,
+                 left_out > 0
+                     ? "expected numbers, found none"
+                     : fmt::format("expected rows after line {}, found none", std::max(0, mapping.skip_lines)));
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  for (Reading& reading : set.readings)
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      const bool mapped = std::any_of(plan.fields.begin(), plan.fields.end(),
-                                      [&](const Field& field) { return field.rule.field == kPositionColumns[k]; });
-      if (!mapped && k != index_of(reading.axis)) reading.position_mm[k] = options.parked_mm[k];
-    }
+  if (!channel->empty()) set.metadata.push_back({"channel", *channel});
+  note_rows(set, options, table, left_out);
   finish(set, mapping, plan);
   return set;
 }

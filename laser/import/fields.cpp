@@ -149,6 +149,22 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
   return set_cell(reading, field.rule.field, shortest(value));
 }
 
+std::string take_units(Plan& plan, const ImportOptions& options) {
+  if (options.target_unit && options.target_unit->kind != UnitKind::length)
+    return fmt::format("{} is no unit of length", options.target_unit->name);
+  for (Field& field : plan.fields) {
+    if (field.rule.unit) continue;
+    if (field.role == Role::position) field.rule.unit = options.target_unit;
+    if (!is_value(field.role) || !options.reading_unit) continue;
+    const Sense sense = sense_named(field.rule.field).value_or(plan.sense.value_or(Sense::EX));
+    const UnitKind kind = is_rotation(sense) ? UnitKind::angle : UnitKind::length;
+    if (options.reading_unit->kind != kind && !has_role(plan.fields, Role::sense))
+      return fmt::format("{} is no unit of {}", options.reading_unit->name, name_of(sense));
+    field.rule.unit = options.reading_unit;
+  }
+  return {};
+}
+
 std::string plan_fault(const Plan& plan) {
   if (std::none_of(plan.fields.begin(), plan.fields.end(), [](const Field& f) { return is_value(f.role); }))
     return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN or reverseN, found none";

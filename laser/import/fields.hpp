@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "laser/import/columns.hpp"
+#include "laser/import/import.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
@@ -28,6 +29,7 @@ struct Field {
   ColumnRule rule;
   Role role = Role::other;
   std::size_t index = 0;  ///< of the column, from 0
+  [[nodiscard]] std::size_t last() const { return index + static_cast<std::size_t>(rule.columns - 1); }
 };
 
 [[nodiscard]] Role role_of(std::string_view field);
@@ -44,7 +46,12 @@ struct Plan {
   std::optional<Sense> sense;
   TableValues values = TableValues::errors;
   char decimal = '\0';
+  Vector3 parked_mm{};        ///< of the axes whose place is not mapped
+  bool leaves_words = false;  ///< values that are no numbers are left out
 };
+
+/// Gives positions and values without a unit those of the options; what is wrong with these units, or nothing.
+[[nodiscard]] std::string take_units(Plan& plan, const ImportOptions& options);
 
 /// What is wrong with the mapping as a whole, or nothing.
 [[nodiscard]] std::string plan_fault(const Plan& plan);

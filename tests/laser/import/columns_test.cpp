@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/motion.hpp"
+#include "laser/import/rows.hpp"
 #include "laser/import/time.hpp"
 #include "tests/support/import_options.hpp"
 #include "tests/support/readings.hpp"
@@ -33,6 +34,17 @@ std::string refused_table(const std::string& text, const ImportOptions& options)
   const auto imported = parse_any(text, "table.txt", options);
   REQUIRE_FALSE(imported.has_value());
   return to_text(imported.error());
+}
+
+ImportOptions channel_log() {
+  ImportOptions options = by_columns("date_time=2..3,reading=4");
+  options.mapping->row_begins = cell_kinds("word date time any").value();
+  options.mapping->channel_column = 1;
+  options.mapping->target_lines = unit_named("mm");
+  options.mapping->delimiter = ' ';
+  options.reading_unit = unit_named("mm");
+  options.axis = Axis::X;
+  return options;
 }
 
 }  // namespace
@@ -144,6 +156,64 @@ TEST_CASE("repeats without a run column are numbered, dates become seconds") {
   CHECK_FALSE(seconds_in("2022-13-07 14:07:19").has_value());
 }
 
+TEST_CASE("rows of one channel: lines between them state the targets, other lines and words are counted") {
+  const std::string text =
+      "A 2024-05-06 09:10:10 2.5\nSensor 1\n3mm\nA 2024-05-06 09:10:11 2.97\nA 2024-05-06 09:10:12 3.01 HIGH\n"
+      "B 2024-05-06 09:10:09 7\nA 2024-05-06 09:10:13 OPEN\nA *** not connected\n6 MM\nA 2024-05-06 09:10:14.5 5.9\n";
+  ImportOptions options = channel_log();
+  CHECK(
+      contains(refused_table(text, options), "the log holds several channels: give one of A (5 values), B (1 values)"));
+  options.channel = "C";
+  CHECK(contains(refused_table(text, options), "no channel \"C\" in the log: give one of A (5 values), B (1 values)"));
+  options.channel = "A";
+  const auto set = read_table(text, options);
+  REQUIRE(set.readings.size() == 4);
+  CHECK(set.readings[0].error == Approx(2500.0));  // no target is stated above it
+  CHECK(set.readings[1].error == Approx(-30.0));
+  CHECK(target_mm(set.readings[1]) == 3.0);
+  CHECK(set.readings[2].run == 2);
+  CHECK(set.readings[3].error == Approx(-100.0));
+  CHECK(target_mm(set.readings[3]) == 6.0);
+  CHECK(set.readings[3].run == 1);
+  CHECK(*set.readings[3].time_s == Approx(4.5));
+  CHECK(metadata_value(set, "channel") == "A");
+  CHECK(says(set.notes, "error = value - target"));
+  CHECK(says(set.notes, "2 lines that are no rows"));
+  CHECK(says(set.notes, "1 values that are no numbers"));
+  options.parked_mm = {1.0, 2.0, 3.0};
+  options.channel = "B";
+  options.reading_unit = unit_named("um");
+  const auto other = read_table(text, options);
+  CHECK(other.readings[0].position_mm == Vector3{3.0, 2.0, 3.0});
+  CHECK(other.readings[0].error == Approx(7.0 - 3.0));
+  CHECK(read_table("B 2024-05-06 09:10:09 7\n", options).readings[0].position_mm == Vector3{1.0, 2.0, 3.0});
+  CHECK(contains(refused_table("B 2024-05-06 09:10:09 OPEN\n", options), "expected numbers, found none"));
+  options.sense = Sense::EA;
+  CHECK(contains(refused_table(text, options), "um is no unit of EA"));
+}
+
+TEST_CASE("how a row begins tells tables from other texts") {
+  const ColumnMapping mapping = *channel_log().mapping;
+  CHECK(rows_begun("A 2024-05-06 09:10:11 1\nB\t2024-05-06\t09:10 OPEN HIGH\n", mapping) == 2);
+  CHECK(rows_begun("1 2024-05-06 09:10:11 1\nA 06.05.2024 09:10:11 1\nA 2024-05-06 1 1\nA 2024-05-06 09:10\n",
+                   mapping) == 0);
+  CHECK(begins_as(cell_kinds("number any").value(), {"1,5", "x", "y"}));
+  CHECK_FALSE(begins_as(cell_kinds("number").value(), {"x"}));
+  CHECK(contains(to_text(cell_kinds("word day").error()), "row_begins: expected any, word, number, date or time"));
+}
+
+TEST_CASE("units of the options are those of columns without one") {
+  ImportOptions options = by_columns("x_mm=1,EX=2,EY=3[um]");
+  options.target_unit = unit_named("in");
+  options.reading_unit = unit_named("mm");
+  const auto set = read_table("1 0.5 0.5\n", options);
+  CHECK(target_mm(set.readings[0]) == Approx(25.4));
+  CHECK(set.readings[0].error == Approx(500.0));
+  CHECK(set.readings[1].error == Approx(0.5));
+  options.target_unit = unit_named("degC");
+  CHECK(contains(refused_table("1 0.5 0.5\n", options), "degC is no unit of length"));
+}
+
 TEST_CASE("every bad row is named with line and column, and what to map is said") {
   const auto bad = parse_any("x,e\n0,1\nten,1\n20,two\n", "t.csv", by_columns("x_mm=x,reading=e"));
   REQUIRE_FALSE(bad.has_value());
@@ -177,6 +247,8 @@ TEST_CASE("a wrong mapping is refused rule by rule") {
   CHECK(contains(to_text(wrong.error()), "expected a unit in brackets"));
   CHECK(contains(to_text(wrong.error()), "each field once"));
   CHECK_FALSE(column_mapping("").has_value());
+  CHECK(contains(to_text(column_mapping("x_mm=1..2,reading=3").error()), "only date_time takes several"));
+  CHECK(contains(to_text(column_mapping("date_time=3..2,reading=4").error()), "expected one column"));
   const auto scaled = column_rules("reading=\"Err, X\"[mm]*-1e-3+0.5");
   REQUIRE(scaled.has_value());
   CHECK(scaled->front().heading == "Err, X");
