@@ -16,7 +16,6 @@ extern const FileFormat kApiReport;
 extern const FileFormat kSiosEnvironment;
 extern const FileFormat kIso230Assignments;
 extern const FileFormat kPlate;
-extern const FileFormat kChannelLog;
 extern const FileFormat kMappedColumns;
 extern const FileFormat kMappedMatrix;
 
@@ -31,7 +30,6 @@ std::span<const FileFormat* const> file_formats() {
       &kSiosEnvironment,
       &kIso230Assignments,
       &kPlate,
-      &kChannelLog,
       &kMappedColumns,
       &kMappedMatrix,
   };

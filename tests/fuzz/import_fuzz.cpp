@@ -81,13 +81,18 @@ void file(const FileFormat& format, std::string_view bytes, const ImportOptions&
     use(format.read(bytes, "fuzz", options));
 }
 
-/// The mapping is the first line, the table below.
+/// The mapping is the first line, the table below: of numbers, or of a log's channels with lines that state targets.
 void mapped_columns(std::string_view bytes, const ImportOptions& options) {
   const std::size_t end = bytes.find('\n');
   const auto mapping = column_mapping(bytes.substr(0, end));
   if (!mapping || end == std::string_view::npos) return;
   ImportOptions mapped = options;
   mapped.mapping = *mapping;
+  if (!options.spread_environment) {
+    mapped.mapping->row_begins = cell_kinds("word date time any").value();
+    mapped.mapping->channel_column = 1;
+    mapped.mapping->target_lines = unit_named("mm");
+  }
   mapped.mapping->values = static_cast<TableValues>(options.table_holds_errors ? 1 : options.accept_truncated ? 2 : 0);
   any(bytes.substr(end + 1), mapped);
 }

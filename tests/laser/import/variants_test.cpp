@@ -179,18 +179,3 @@ TEST_CASE("a plate gives two readings for each hole, at its nominal place") {
   CHECK(set.readings[1].error == Approx(21.0));
   CHECK(metadata_value(set, "Plug Plate") == "1413");
 }
-
-TEST_CASE("a channel log: headings are targets, several channels need a name") {
-  const auto set = read(sample_text("sensor.log"), "s.log");
-  REQUIRE(set.readings.size() == 3);
-  CHECK(set.readings[0].error == Approx(-28.73));
-  CHECK(target_mm(set.readings[2]) == 6.0);
-  CHECK(*set.readings[2].time_s == Approx(60.2));
-  const auto several = parse_any(sample_text("channels.log"), "c.log", along_x());
-  REQUIRE_FALSE(several.has_value());
-  CHECK(several.error().kind == ProblemKind::usage);
-  CHECK(contains(several.error().message, "IOC:A (1 values), IOC:B (1 values)"));
-  ImportOptions options = along_x();
-  options.channel = "IOC:B";
-  CHECK(read(sample_text("channels.log"), "c.log", options).readings[0].error == Approx(9490.0));
-}

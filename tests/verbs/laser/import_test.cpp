@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include "commissioning/measurements/files.hpp"
+#include "laser/groups.hpp"
+#include "tests/support/real_data.hpp"
 #include "tests/support/verb_run.hpp"
 
 using namespace ecs;
@@ -13,6 +16,15 @@ namespace {
 
 const char* const kTable = "My gauge\npos;dev;T\n0;1,5;68\n10;2,5;77\n10;2,9;77\n0;1,0;68\n";
 const char* const kColumns = "x_mm=pos[in],reading=dev[um],t_material_degC=T[degF],approach=motion,run=motion";
+
+laser::MeasurementSet read_log(const std::filesystem::path& file, const std::string& channel = {}) {
+  commissioning::ImportArguments arguments;
+  arguments.axis = "X";
+  arguments.channel = channel;
+  const auto log = commissioning::read_measurements(file.string(), arguments);
+  REQUIRE_MESSAGE(log.has_value(), (log ? "" : to_text(log.error())));
+  return log->set;
+}
 
 }  // namespace
 
@@ -49,6 +61,44 @@ TEST_CASE("the output's extension chooses another instrument's file, which is re
   }
   CHECK(ran({"laser", "import", "samples/laser/vmc_x.rtl", "-o", folder / "x.rta"}).code == 2);
   CHECK(ran({"laser", "import", "samples/laser/vmc_x.rtl", "-o", folder / "x.rtx"}).code == 1);
+}
+
+TEST_CASE("a log of channels selects its profile: headings are targets, several channels need a name") {
+  const auto set = read_log("samples/laser/sensor.log");
+  REQUIRE(set.readings.size() == 3);
+  CHECK(set.readings[0].error == Approx(-28.73));
+  CHECK(laser::target_mm(set.readings[2]) == 6.0);
+  CHECK(*set.readings[2].time_s == Approx(60.2));
+  const Ran several = ran({"laser", "import", "samples/laser/channels.log", "--axis", "X"});
+  CHECK(several.code == 2);
+  CHECK(contains(several.messages, "give one of IOC:A (1 values), IOC:B (1 values) (--channel NAME)"));
+  CHECK(read_log("samples/laser/channels.log", "IOC:B").readings[0].error == Approx(9490.0));
+  const Folder folder;
+  std::string utf16{"\xFF\xFE", 2};
+  for (const char c : content_of("samples/laser/sensor.log")) utf16 += {c, '\0'};
+  CHECK(read_log(folder.with("utf16.log", utf16)).readings.size() == 3);
+}
+
+TEST_CASE("a real sensor calibration: headings are the targets") {
+  const auto folder = real_data("epics-pv-logs");
+  SKIP_UNLESS(!folder.empty(), kNoRealData);
+  const auto log = read_log(folder / "sensor1_calib.log");
+  const auto groups = laser::groups_of(log);
+  REQUIRE(groups.size() == 1);
+  const auto targets = laser::targets_of(log, groups[0], 1e-3);
+  REQUIRE(targets.size() == 5);
+  CHECK(targets[4].position_mm == 15.0);
+  CHECK(log.readings[0].error == Approx((2.97127 - 3.0) * 1000.0));
+}
+
+TEST_CASE("one channel of a real log by its name") {
+  const auto folder = real_data("epics-pv-logs");
+  SKIP_UNLESS(!folder.empty(), kNoRealData);
+  const auto log = read_log(folder / "radial_x_minus_10kN.log", "IOC_TEST:m0s005-AI02");
+  CHECK(log.readings[0].error == Approx(12632.5));
+  CHECK(*log.readings[0].time_s == 0.0);
+  const Ran none = ran({"laser", "import", folder / "radial_x_minus_10kN.log", "--axis", "X", "--channel", "AI09"});
+  CHECK(contains(none.messages, "no channel \"AI09\""));
 }
 
 TEST_CASE("wrong columns and wrong profiles are refused with what was expected") {
