@@ -25,13 +25,13 @@ constexpr std::size_t kMostRunsCompared = 60;
 }  // namespace
 
 std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener, const Space& space) {
-  const std::set<int> runs(data.run.begin(), data.run.end());
-  const std::set<Sense> senses(data.sense.begin(), data.sense.end());
-  if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) return std::nullopt;
+  std::map<Sense, std::set<int>> runs_of;
+  for (std::size_t k = 0; k < data.size(); ++k) runs_of[data.sense[k]].insert(data.run[k]);
   std::optional<RunOffset> best;
   const double coefficient = std::log(static_cast<double>(data.size()));
-  const double choice = 2.0 * std::log(static_cast<double>(runs.size() * senses.size()));
-  for (const Sense sense : senses)
+  for (const auto& [sense, runs] : runs_of) {
+    if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) continue;
+    const double choice = 2.0 * std::log(static_cast<double>(runs.size() * runs_of.size()));
     for (const int run : runs) {
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);
       for (std::size_t k = 0; k < data.size(); ++k)
@@ -45,6 +45,7 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
         if (!best || score > best->score) best = RunOffset{run, sense, gain, score};
       }
     }
+  }
   return best;
 }
 
