@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "model/data/even_targets.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
@@ -429,6 +430,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
   if (in.found.bad_run || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
+  if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
