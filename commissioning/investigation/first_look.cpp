@@ -67,6 +67,31 @@ void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, A
   if (!known && machine.axes[index_of(axis)]) lines.push_back(line);
 }
 
+std::string sentence_of(const MeasurementProposal& look, const std::string& parked) {
+  return fmt::format(
+      "Measure {} along {}, {}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
+      "about {:.0f} min.",
+      name_of(look.sense), letter_of(look.axis), look.condition, look.targets_mm.size(), look.targets_mm.front(),
+      look.targets_mm.back(), look.runs, look.runs == 1 ? "run" : "runs", look.feed_mm_min,
+      look.dwell_s > 0.0 ? fmt::format("{:g} s dwell", look.dwell_s) : "readings on the fly", parked, look.minutes);
+}
+
+/// The optics stand on the line already.
+MeasurementProposal again(MeasurementProposal look, const model::MeasuringTimes& times) {
+  look.set_up_minutes = times.start_minutes;
+  look.minutes = minutes_of(look, times);
+  look.sentence = sentence_of(look, "");
+  return look;
+}
+
+std::string parked_text(const MeasurementProposal& look, const params::Machine& machine) {
+  std::string parked;
+  for (const Axis a : kAllAxes)
+    if (a != look.axis && machine.axes[index_of(a)])
+      parked += fmt::format("{} {} {:g}", parked.empty() ? "" : ",", letter_of(a), look.parked_mm[index_of(a)]);
+  return parked.empty() ? "" : fmt::format(" (parked at{})", parked);
+}
+
 Sense positioning_of(Axis axis) { return static_cast<Sense>(index_of(axis)); }
 
 }  // namespace
@@ -102,18 +127,26 @@ MeasurementProposal first_look(const InvestigatedLine& line, const params::Machi
   MeasurementProposal look =
       run_on(line, machine, static_cast<std::size_t>(std::ceil(kShareOfTargets * all)), kLookRuns, times);
   look.condition = "first look";
-  std::string parked;
-  for (const Axis a : kAllAxes)
-    if (a != line.axis && machine.axes[index_of(a)])
-      parked += fmt::format(", {} {:g}", letter_of(a), look.parked_mm[index_of(a)]);
-  look.sentence = fmt::format(
-      "Measure {} along {}: {} targets from {:g} to {:g} mm, both ways, {} runs, feed {:g} mm/min, {:g} s dwell{}; "
-      "about "
-      "{:.0f} min.",
-      name_of(line.sense), letter_of(line.axis), look.targets_mm.size(), look.targets_mm.front(),
-      look.targets_mm.back(), look.runs, look.feed_mm_min, look.dwell_s,
-      parked.empty() ? "" : " (parked at" + parked.substr(1) + ")", look.minutes);
+  look.sentence = sentence_of(look, parked_text(look, machine));
   return look;
+}
+
+MeasurementProposal look_between(const MeasurementProposal& look, const model::MeasuringTimes& times) {
+  MeasurementProposal between = look;
+  between.condition = "targets between those of the first look";
+  between.targets_mm.clear();
+  for (std::size_t i = 1; i < look.targets_mm.size(); ++i)
+    between.targets_mm.push_back(model::to_micrometre(0.5 * (look.targets_mm[i - 1] + look.targets_mm[i])));
+  return again(std::move(between), times);
+}
+
+MeasurementProposal look_in_motion(const MeasurementProposal& look, const model::MeasuringTimes& times) {
+  MeasurementProposal moving = look;
+  moving.condition = "on the fly";
+  moving.dwell_s = 0.0;
+  moving.trigger_s = 0.0;
+  moving.runs = 1;
+  return again(std::move(moving), times);
 }
 
 IsoProgramme iso_programme(const std::vector<InvestigatedLine>& lines, const params::Machine& machine,

@@ -34,6 +34,13 @@ struct InvestigatedLine {
 [[nodiscard]] model::MeasurementProposal first_look(const InvestigatedLine& line, const params::Machine& machine,
                                                     const model::MeasuringTimes& times);
 
+/// The line of a first look again, on targets between its own.
+[[nodiscard]] model::MeasurementProposal look_between(const model::MeasurementProposal& look,
+                                                      const model::MeasuringTimes& times);
+/// The same line once both ways without stops: what depends on the feed shows only in motion.
+[[nodiscard]] model::MeasurementProposal look_in_motion(const model::MeasurementProposal& look,
+                                                        const model::MeasuringTimes& times);
+
 /// ISO 230-2:2014, 5.3: five bidirectional runs a line; targets every 50 mm as in thesis 6.3, 25 at least.
 struct IsoProgramme {
   static constexpr int kRuns = 5;

@@ -13,6 +13,7 @@
 #include "commissioning/investigation/readings.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
+#include "model/planning/run.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -23,8 +24,6 @@ using model::MeasurementProposal;
 using model::Model;
 using model::Verdict;
 
-/// Runs that look for causes not seen yet, once nothing is missing: a choice; each finds what the one before could not.
-constexpr int kMostSeeing = 2;
 /// Runs in all: a bound, not a plan.
 constexpr std::size_t kMostRuns = 30;
 
@@ -83,6 +82,12 @@ class Investigator {
   [[nodiscard]] bool cancelled() const { return options_.cancelled != nullptr && *options_.cancelled; }
   [[nodiscard]] double minutes_left() const { return options_.minutes - result_.minutes; }
 
+  /// Who looks for causes that do not show yet stops where the full programme would have ended.
+  [[nodiscard]] double minutes_for_seeing() const {
+    const double programme = iso_programme(measured_lines_, machine_, options_.times).minutes;
+    return std::min(minutes_left(), programme - result_.minutes);
+  }
+
   /// Nothing: the investigation is over.
   std::optional<MeasurementProposal> next_run() {
     if (diagnosis_ && !waiting_.empty() && !settled() && diagnosis_->verdict != Verdict::adequate)
@@ -106,25 +111,55 @@ class Investigator {
   /// @param here  only on the line measured last, without waiting, while other lines were not looked at
   std::optional<MeasurementProposal> separating_run(bool here) {
     const bool seeing = diagnosis_->verdict == Verdict::adequate;
-    if (seeing && ++seen_ > kMostSeeing) return line_not_modelled();
+    if (seeing)
+      if (auto moving = look_not_made(look_in_motion)) return moving;
     const model::NextMeasurement next = model::next_measurement(
         readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, options_.times);
     bool too_long = false;
     for (const MeasurementProposal& proposal : next.proposals) {
       if (made_.contains(key_of(proposal)) || switches_map(proposal)) continue;
       if (here && (moves_optics(proposal) || proposal.wait_minutes > 0.0)) continue;
-      MeasurementProposal whole = with_set_up(proposal);
-      if (whole.minutes <= minutes_left()) return whole;
+      MeasurementProposal whole = with_set_up(seeing ? once(proposal) : proposal);
+      if (whole.minutes <= (seeing ? minutes_for_seeing() : minutes_left())) return whole;
       too_long = true;
     }
     if (here) return std::nullopt;
     if (seeing) return line_not_modelled();
+    if (auto between = look_not_made(look_between)) return between;
     if (too_long)
       result_.notes.push_back(
           fmt::format("{:.0f} minutes are left, and every run that separates takes more", minutes_left()));
     else
       for (const std::string& note : next.notes) result_.notes.push_back(note);
     return std::nullopt;
+  }
+
+  /// A line of the first look that was not yet measured in this way, the last one first; only lines on which something
+  /// is named, where anything is.
+  template <class Change>
+  std::optional<MeasurementProposal> look_not_made(Change change) {
+    for (auto look = looks_.rbegin(); look != looks_.rend(); ++look) {
+      MeasurementProposal other = with_set_up(change(look->proposal, options_.times));
+      if (!made_.contains(key_of(other)) && is_in_question(other) && other.minutes <= minutes_left()) return other;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool is_in_question(const MeasurementProposal& proposal) const {
+    bool named = false;
+    for (const Candidate& candidate : diagnosis_->candidates) {
+      if (!candidate.named) continue;
+      named = true;
+      if (candidate.effect.axis == proposal.axis || candidate.effect.sense == proposal.sense) return true;
+    }
+    return !named;
+  }
+
+  /// One run shows whether there is anything to look at.
+  [[nodiscard]] MeasurementProposal once(MeasurementProposal proposal) const {
+    proposal.runs = 1;
+    proposal.minutes = minutes_of(proposal, options_.times);
+    return proposal;
   }
 
   /// The optics are on another line than the one that was measured last.
@@ -267,7 +302,6 @@ class Investigator {
   std::set<RunKey> made_;
   std::optional<MeasurementProposal> last_;
   std::optional<Diagnosis> diagnosis_;
-  int seen_ = 0;
   bool others_asked_ = false;
   Investigation result_;
 };

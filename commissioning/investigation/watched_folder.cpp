@@ -127,7 +127,8 @@ Result<void> WatchedFolder::read_ledger() {
   for (const Json& one : ledger["runs"])
     if (auto given = given_in(one)) given_.push_back(std::move(*given));
   if (!given_.empty())
-    messages_.note(fmt::format("going on with {}: {} runs were given", ledger_file().string(), given_.size()));
+    messages_.note(fmt::format("going on with {}: {} {} given", ledger_file().string(), given_.size(),
+                               given_.size() == 1 ? "run was" : "runs were"));
   return {};
 }
 

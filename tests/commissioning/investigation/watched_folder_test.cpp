@@ -67,7 +67,7 @@ TEST_CASE("a run is asked for in words, with its part program and its targets, a
   const auto readings = watch.opened()->measure(run_of_x());
   REQUIRE(readings.has_value());
   CHECK(readings->set.readings.size() == 2 * 2 * run_of_x().proposal.targets_mm.size());
-  CHECK(watch.messages.say("Measure EX along X: "));
+  CHECK(watch.messages.say("Measure EX along X, first look: "));
   CHECK(content_of(watch.folder / "readings/asked/run_01.nc").find("M08") != std::string::npos);
   CHECK(std::filesystem::exists(watch.folder / "readings/asked/run_01_targets.csv"));
 }
@@ -159,7 +159,7 @@ TEST_CASE("a stop keeps the ledger, and the next start goes on after the runs th
   }
   watch.deeds.emplace_back([&] { watch.put("second.csv", right_file(2)); });
   auto opened = watch.opened();
-  CHECK(watch.messages.say("1 runs were given"));
+  CHECK(watch.messages.say("1 run was given"));
   CHECK(opened->measure(run_of_x(1)).has_value());
   CHECK(watch.done == 1);  // nothing was waited for
   CHECK(opened->measure(run_of_x(2)).has_value());
