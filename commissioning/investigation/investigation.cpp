@@ -258,6 +258,12 @@ class Investigator {
   Result<void> compensate() {
     result_.rms_before_um = rms_of_looks();
     if (cancelled()) return stopped();
+    if (was_compensated()) {
+      result_.notes.emplace_back(
+          "not compensated: a map was active already while the lines were measured; a new one "
+          "would have to hold both");
+      return {};
+    }
     if (auto active = workshop_.activate(result_.model); !active) {
       if (cancelled() || active.error().kind == ProblemKind::link) return tl::unexpected(active.error());
       result_.notes.push_back("not compensated: " + to_text(active.error()));
@@ -275,6 +281,11 @@ class Investigator {
     }
     result_.rms_compensated_um = rms_of_looks();
     return {};
+  }
+
+  [[nodiscard]] bool was_compensated() const {
+    const auto& all = readings_.all().readings;
+    return std::any_of(all.begin(), all.end(), [](const laser::Reading& r) { return r.compensated.value_or(false); });
   }
 
   [[nodiscard]] double rms_of_looks() const {

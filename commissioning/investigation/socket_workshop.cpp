@@ -10,7 +10,6 @@
 
 #include "base/file.hpp"
 #include "commissioning/investigation/workshop_client.hpp"
-#include "commissioning/link/unit_link.hpp"
 #include "model/planning/part_program.hpp"
 #include "model/planning/run.hpp"
 
@@ -45,6 +44,11 @@ bool wants_warmth(const MeasurementProposal& proposal, const Json& state) {
       return true;
   }
   return false;
+}
+
+bool compensates(const Json& state) {
+  const auto unit = state.find("unit");
+  return unit != state.end() && unit->is_object() && unit->value("mode", std::string()) == "compensating";
 }
 
 /// What the instrument is asked for, for readings without a stop and for optics that were aligned anew.
@@ -130,7 +134,24 @@ Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messag
   if (::mkdtemp(name.data()) == nullptr)
     return problem(ProblemKind::output, fmt::format("cannot make a temporary folder {}", name));
   workshop->folder_ = name;
+  if (!workshop->options_.map_is_modelled && compensates(*state))
+    if (const auto open = workshop->stop_compensation(); !open) return tl::unexpected(open.error());
   return workshop;
+}
+
+Result<UnitLink> SocketWorkshop::opened_link() const {
+  if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
+  const auto choice = chosen_link(options_.link);
+  if (!choice) return tl::unexpected(choice.error());
+  return open_link(*choice, cancelled_);
+}
+
+/// The errors of the machine are looked for, not what a map leaves of them.
+Result<void> SocketWorkshop::stop_compensation() const {
+  auto unit = opened_link();
+  if (!unit) return tl::unexpected(unit.error());
+  messages_.note("the unit compensates with a map that the model does not name: switched to integration mode");
+  return unit->client().enter_integration();
 }
 
 Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
@@ -204,10 +225,7 @@ void SocketWorkshop::complete(laser::MeasurementSet& set, const MeasurementPropo
 Result<void> SocketWorkshop::activate(const model::Model& model) {
   const auto files = write_map_files(messages_, model, options_.sources, folder_);
   if (!files) return tl::unexpected(files.error());
-  if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
-  const auto choice = chosen_link(options_.link);
-  if (!choice) return tl::unexpected(choice.error());
-  auto unit = open_link(*choice, cancelled_);
+  auto unit = opened_link();
   if (!unit) return tl::unexpected(unit.error());
   if (const auto sent = send_map_files(unit->client(), *files); !sent) return sent;
   if (const auto referenced = hands_->reference(); !referenced) return referenced;

@@ -11,6 +11,7 @@
 
 #include "commissioning/investigation/map_files.hpp"
 #include "commissioning/investigation/workshop.hpp"
+#include "commissioning/link/unit_link.hpp"
 #include "commissioning/session/message.hpp"
 #include "params/machine.hpp"
 
@@ -21,11 +22,13 @@ struct SocketWorkshopOptions {
   std::string link;  ///< to the unit, as --link takes it; empty: the one that the workshop names
   MapSources sources;
   params::Machine machine;
+  bool map_is_modelled = false;  ///< the model names the map that is active: it stays so
 };
 
 class SocketWorkshop final : public Workshop {
  public:
-  /// `link` problem where no workshop listens.
+  /// A unit that compensates is switched to integration mode, unless the model names its map. `link` problem where no
+  /// workshop listens.
   [[nodiscard]] static Result<std::unique_ptr<SocketWorkshop>> open(MessageSink& messages,
                                                                     SocketWorkshopOptions options,
                                                                     const std::atomic<bool>& cancelled);
@@ -40,6 +43,8 @@ class SocketWorkshop final : public Workshop {
  private:
   class Hands;
   SocketWorkshop(MessageSink& messages, SocketWorkshopOptions options, const std::atomic<bool>& cancelled);
+  [[nodiscard]] Result<UnitLink> opened_link() const;
+  [[nodiscard]] Result<void> stop_compensation() const;
   [[nodiscard]] Result<laser::MeasurementSet> readings_of(const model::MeasurementProposal& proposal);
   void complete(laser::MeasurementSet& set, const model::MeasurementProposal& proposal) const;
 

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "app/cli/verb_unit.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
@@ -72,11 +71,13 @@ std::string params_of(const InvestigateArguments& arguments) {
 
 Result<std::unique_ptr<commissioning::Workshop>> workshop_for(VerbContext& context,
                                                               const InvestigateArguments& arguments,
+                                                              const model::Model& model,
                                                               const params::Machine& machine) {
   const commissioning::MapSources sources{arguments.machine, params_of(arguments)};
   if (!arguments.workshop.empty()) {
     auto opened = commissioning::SocketWorkshop::open(
-        context.console, {arguments.workshop, context.link_option, sources, machine}, interrupted());
+        context.console, {arguments.workshop, context.link_option, sources, machine, model.map.has_value()},
+        interrupted());
     if (!opened) return tl::unexpected(opened.error());
     context.link_name = (*opened)->link();
     return std::move(*opened);
@@ -101,7 +102,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(context.console, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
-  auto workshop = workshop_for(context, arguments, **machine);
+  auto workshop = workshop_for(context, arguments, *model, **machine);
   if (!workshop) return tl::unexpected(workshop.error());
   PrintedWorkshop printed(context.console, **workshop);
   commissioning::InvestigationOptions options;
