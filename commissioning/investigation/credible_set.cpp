@@ -7,10 +7,9 @@
 namespace ecs::commissioning {
 
 std::vector<SetMember> credible_set_of(const model::Candidate& candidate) {
-  std::vector<SetMember> set{{to_text(candidate.effect), 1.0}};
-  for (const std::string& rival : candidate.indistinguishable_from)
-    if (!is_zero_of_run(rival)) set.push_back({rival, 1.0});
-  for (SetMember& member : set) member.probability = 1.0 / static_cast<double>(set.size());
+  std::vector<SetMember> set = candidate.set;
+  std::erase_if(set, [](const SetMember& member) { return is_zero_of_run(member.name); });
+  if (set.empty()) set.push_back({to_text(candidate.effect), candidate.probability});
   return set;
 }
 

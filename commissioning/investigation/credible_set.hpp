@@ -9,12 +9,9 @@
 
 namespace ecs::commissioning {
 
-struct SetMember {
-  std::string name;  ///< "cyclic:X:EX"
-  double probability = 0.0;
-};
+using model::SetMember;
 
-/// The set that holds one named candidate: itself and the rivals that the readings do not exclude.
+/// The credible set that holds one named candidate, likeliest first; without the zeros of runs.
 [[nodiscard]] std::vector<SetMember> credible_set_of(const model::Candidate& candidate);
 
 /// The sets of all named candidates; empty where nothing is named.

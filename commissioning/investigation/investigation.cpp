@@ -241,7 +241,7 @@ class Investigator {
       auto with = model::add_effect(whole, data, request_for(candidate.effect), "");
       if (!with) return tl::unexpected(with.error());
       whole = std::move(with->model);
-      added.emplace_back(whole.effects.back(), credible_set_of(candidate).front().probability);
+      added.emplace_back(whole.effects.back(), candidate.probability);
     }
     const auto fit = model::fit(whole, data);
     if (!fit) return tl::unexpected(fit.error());

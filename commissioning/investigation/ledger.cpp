@@ -37,10 +37,10 @@ std::string verdict_text(const Investigation& investigation) {
                          investigation.causes.size() == 1 ? "One cause was" : "Causes were");
     case model::Verdict::partly_explained:
       return "A cause is proved, but more is left than it explains:";
-    default:
-      return fmt::format("No cause of the library explains what the model leaves ({}).",
-                         name_of(*investigation.verdict));
+    case model::Verdict::unexplained_structure:
+      break;
   }
+  return "No effect of the library explains what the model leaves.";
 }
 
 }  // namespace
