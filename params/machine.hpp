@@ -1,6 +1,6 @@
 // The machine tool that a unit stands on: axes, travels, transducers and facts, from its TOML file
-// (docs/design.md 3.2). The unit's own parameters live in core/parameters.hpp; the emulator's hidden truths are read by
-// the emulator.
+// (docs/design.md, "Files"). The unit's own parameters live in core/parameters.hpp; the emulator's hidden truths are
+// read by the emulator.
 #pragma once
 
 #include <array>

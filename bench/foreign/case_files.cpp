@@ -1,4 +1,4 @@
-// The files of a case in the formats of design.md 3.1 to 3.3, and what is true of it.
+// The files of a case in the formats of docs/laser.md, docs/design.md and docs/model.md, and what is true of it.
 #include "bench/foreign/case_files.hpp"
 
 #include <algorithm>

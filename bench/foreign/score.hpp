@@ -1,4 +1,4 @@
-// Scores `ecs model diagnose` on written cases (design.md 3.4). The rules:
+// Scores `ecs model diagnose` on written cases (its JSON: docs/verbs.md). The rules:
 //  - Rows with hidden effects: right if the verdict is missing_effect or partly_explained and the named effects are
 //    exactly the hidden ones. A hidden effect counts as named too where a rival that the case's own algebra lists as
 //    required or allowed is named in its place and the answer's group holds the truth. A cyclic must have its approach,

@@ -55,7 +55,7 @@ struct Investigation {
 
 /// {"minutes", "measured", "readings", "verdict", "set", "rms_um"}
 [[nodiscard]] Json json_of(const InvestigationStep& step);
-/// docs/design.md 3.5, and `compensated_minutes`, `programme`, `notes`.
+/// The keys of `investigate` in docs/verbs.md.
 [[nodiscard]] Json json_of(const Investigation& investigation);
 
 }  // namespace ecs::commissioning

@@ -11,7 +11,7 @@ namespace ecs::commissioning {
 /// One sentence, plain.
 [[nodiscard]] std::string verdict_sentence(const model::Diagnosis& diagnosis);
 
-/// JSON as docs/design.md 3.4 has it; text of 80 columns.
+/// JSON as docs/verbs.md has it; text of 80 columns.
 [[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);
 [[nodiscard]] std::string diagnosis_text(const model::Diagnosis& diagnosis);
 

@@ -1,4 +1,4 @@
-// What answers about models share: effects, parameters and tests by the names of docs/design.md 3.4. Only for .cpp
+// What answers about models share: effects, parameters and tests by the names of docs/verbs.md. Only for .cpp
 // files (heavy header).
 #pragma once
 

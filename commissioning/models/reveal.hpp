@@ -54,7 +54,7 @@ struct FoundAnswer {
   std::vector<std::string> where;
   std::optional<double> rms_after_um;
 };
-/// @param text  the JSON of `ecs model diagnose --json` (docs/design.md 3.4) @param file  as problems name it
+/// @param text  the JSON of `ecs model diagnose --json` (docs/verbs.md) @param file  as problems name it
 [[nodiscard]] Result<FoundAnswer> answer_in(std::string_view text, const std::string& file);
 
 /// A hidden number beside the one found.

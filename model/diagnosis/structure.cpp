@@ -35,8 +35,8 @@ constexpr std::size_t kWavesOfApproach = 8, kWavesOfRun = 4, kWavesOfMap = 6;
 /// Runs beyond which a run is no variable, and beyond which its shape over the travel is not looked at: a choice, each
 /// run costs two to six functions.
 constexpr std::size_t kMostRuns = 60, kMostRunsWithShape = 12;
-/// Half waves in time: nothing faster than four minutes, which turbulence may do (design.md 3.4: up to about a minute
-/// is noise); two at least, twelve at most.
+/// Half waves in time: nothing faster than four minutes, which turbulence may do (up to about a minute is noise); two
+/// at least, twelve at most.
 constexpr double kFastest_s = 240.0, kFewestWavesOfTime = 2.0, kMostWavesOfTime = 12.0;
 
 /// Functions collected one by one.

@@ -18,7 +18,7 @@ namespace {
 /// the slowest shape).
 constexpr double kReadings = 20.0, kSlow_s = 200.0;
 /// Correlation times tried, in readings where there is no time, else in seconds: air in a workshop moves in seconds to
-/// a minute (design.md 3.4); steps of less than two cost little likelihood between them.
+/// a minute; steps of less than two cost little likelihood between them.
 constexpr std::array kTimes_readings{1.0, 2.0, 4.0};
 constexpr std::array kTimes_s{4.0, 8.0, 15.0, 25.0, 40.0, 60.0};
 /// Shares of the correlated part tried: an even grid, closer to 1, where the likelihood changes fastest.

@@ -19,7 +19,7 @@ namespace ecs::model {
 /// The rows to be measured, in the order of the program: one per reading, every known condition filled in, `reading` 0.
 /// The metadata say that it holds no readings.
 [[nodiscard]] laser::MeasurementSet target_set(const MeasurementProposal& proposal);
-/// The same as CSV text (docs/design.md 3.1).
+/// The same as CSV text (docs/laser.md).
 [[nodiscard]] std::string target_list(const MeasurementProposal& proposal);
 
 }  // namespace ecs::model
