@@ -197,11 +197,12 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
         }
       const auto [a0, a1] = std::minmax_element(a.begin(), a.end());
       const auto [b0, b1] = std::minmax_element(b.begin(), b.end());
-      if (*a1 - *a0 <= kSamePlace_mm || *b1 - *b0 <= kSamePlace_mm) continue;
+      const double length_a = *a1 - *a0, middle_a = 0.5 * (*a0 + *a1);
+      const double length_b = *b1 - *b0, middle_b = 0.5 * (*b0 + *b1);
+      if (length_a <= kSamePlace_mm || length_b <= kSamePlace_mm) continue;
       functions.add([&](std::size_t k) {
         if (data.sense[k] != sense) return 0.0;
-        return (data.p_mm(k, pair.a) - 0.5 * (*a0 + *a1)) * (data.p_mm(k, pair.b) - 0.5 * (*b0 + *b1)) /
-               ((*a1 - *a0) * (*b1 - *b0));
+        return (data.p_mm(k, pair.a) - middle_a) * (data.p_mm(k, pair.b) - middle_b) / (length_a * length_b);
       });
     }
     if (!functions.empty()) out.push_back({pair.name, functions.matrix()});

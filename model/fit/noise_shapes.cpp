@@ -220,7 +220,7 @@ void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<doub
 
 }  // namespace
 
-double robust_mean_square(std::vector<double> squares) {
+double robust_mean_square(const std::vector<double>& squares) {
   if (squares.empty()) return 0.0;
   const double limit = kMostSquareOfNoise * upper_median(squares) / kMedianChi2;
   double sum = 0.0, count = 0.0;

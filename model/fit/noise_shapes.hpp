@@ -9,7 +9,7 @@
 namespace ecs::model {
 
 /// Mean of squares without those beyond twenty times the variance that their median shows; 0 for none.
-[[nodiscard]] double robust_mean_square(std::vector<double> squares);
+[[nodiscard]] double robust_mean_square(const std::vector<double>& squares);
 
 /// Shapes of noise on a grid with their likelihoods (restricted maximum likelihood over all passes together).
 /// @param deviation    per reading, kNotMeasured where there is none
