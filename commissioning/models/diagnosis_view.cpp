@@ -65,7 +65,7 @@ std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share
 
 std::string false_naming_text(double chance, std::size_t noise_replicates) {
   const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
-  return chance <= least ? fmt::format("< {:.2g} %", 100.0 * least) : fmt::format("{:.2g} %", 100.0 * chance);
+  return chance <= least ? fmt::format("< {:.2g} %", 100.0 * least) : fmt::format("{:.3g} %", 100.0 * chance);
 }
 
 constexpr std::string_view kHead =
@@ -147,8 +147,9 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
 /// Nothing is named: how likely the closest candidates are beside noise.
 std::string closest_text(const Diagnosis& d) {
   std::vector<model::SetMember> closest;
+  constexpr std::size_t kMostShown = 5;
   for (const Candidate& candidate : d.candidates)
-    closest.push_back({place_text(candidate.effect), candidate.probability});
+    if (closest.size() < kMostShown) closest.push_back({place_text(candidate.effect), candidate.probability});
   if (closest.empty()) return {};
   return "\n" + paragraph("closest candidates, with their probability beside noise: " + set_text(closest), 0, 2);
 }

@@ -218,8 +218,10 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   const VectorXd residual = residual_of(problem, whitener);
   candidate.rms_after_um = rms_of(residual);
   candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
+  candidate.kept_rms_before_um = rms_without(in.base.residual, left_out);
+  candidate.kept_rms_after_um = rms_without(residual, left_out);
   candidate.explainable_share =
-      explainable_share(rms_without(in.base.residual, left_out), rms_without(residual, left_out), noise.pure.noise_um);
+      explainable_share(candidate.kept_rms_before_um, candidate.kept_rms_after_um, noise.pure.noise_um);
   candidate.probability = ranked.probability;
   candidate.set = ranked.set;
   candidate.e_value = ranked.e_value;

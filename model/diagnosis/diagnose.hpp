@@ -47,9 +47,10 @@ struct Candidate {
   bool named = false;                         ///< part of the answer (false: a rival or a weaker explanation)
   double rms_after_um = 0.0;                  ///< with this effect added, all readings
   double explained = 0.0;                     ///< 1 − (rms_after/rms)²
-  double explainable_share = 0.0;  ///< of what is above noise: (rms² − rms_after²)/(rms² − noise²), 0 … 1
+  double kept_rms_before_um = 0.0, kept_rms_after_um = 0.0;  ///< as rms and rms_after, outliers left out
+  double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
   double p_value = 1.0;            ///< nominal
-  double false_naming = 1.0;       ///< chance that noise alone makes any candidate look as good
+  double false_naming = 1.0;                     ///< chance that noise alone makes any candidate look as good
   std::optional<double> held_out_rms_um;         ///< fitted on some runs or blocks, tested on the others
   std::optional<double> held_out_rms_before_um;  ///< the same without the effect
   double probability = 0.0;                      ///< among the alternatives for the same part of the residual, 0 … 1

@@ -52,9 +52,11 @@ std::string axis_word(const EffectInstance& effect) {
 
 std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data) {
   const EffectDefinition& definition = candidate.effect.definition();
-  std::string text = fmt::format(
-      "{}: with it the residual falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)", definition.title,
-      diagnosis.rms_um, candidate.rms_after_um, percent(candidate.explained), diagnosis.noise.noise_um);
+  const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
+  std::string text =
+      fmt::format("{}: with it the residual{} falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
+                  definition.title, diagnosis.outliers.empty() ? "" : " without the outliers", before, after,
+                  percent(before > 0.0 ? 1.0 - std::pow(after / before, 2) : 0.0), diagnosis.noise.noise_um);
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
     text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} um",
                         *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
