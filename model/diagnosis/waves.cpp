@@ -51,13 +51,15 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
                                     const Family& family, const Choice& choice, double noise_freedom) {
   if (!family.effect.traits().periodic) return "";
   const Observations& data = regressors.data();
-  const Eigen::MatrixXd wave = regressors.columns(family.effect, choice.nonlinear, family.acting).of.leftCols(2);
+  // every harmonic in use: of a wave told as the second one of its double the first is nothing
+  const Eigen::MatrixXd wave =
+      regressors.columns(family.effect, choice.nonlinear, family.acting).of(Eigen::all, choice.columns);
   const auto [least, greatest] = acting_range(data, family.acting, *family.effect.axis);
   double last_s = 0.0;
   for (const double t : data.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
   const auto changes = [&](const auto& factor) {
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(wave.rows(), 4);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(wave.rows(), 2 * wave.cols());
     for (const std::size_t k : family.acting.rows) {
       const auto row = static_cast<Eigen::Index>(k);
       const double u = factor(k);

@@ -17,11 +17,11 @@ namespace ecs::model {
 /// The columns that an instance needs, as a note names them; "" if none.
 [[nodiscard]] std::string needed_columns(const EffectInstance& effect);
 
-/// Effects left out because the data lack what they need, in words.
 /// Whether the condition that the effect follows takes two or three levels that coincide with runs, where the effect
 /// may not (`turns_into`, tied_to_runs): it is then the offset of a run.
 [[nodiscard]] bool is_tied_to_runs(const Observations& data, const EffectInstance& effect);
 
+/// Effects left out because the data lack what they need, in words.
 [[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
 
 }  // namespace ecs::model
