@@ -1,0 +1,177 @@
+#include "model/diagnosis/bad_run.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "tests/support/searching.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using namespace ecs::model::test::effects;
+using doctest::Approx;
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+Plan line_of_runs(int runs, int targets = 41) {
+  Plan plan;
+  plan.runs = runs;
+  plan.targets = targets;
+  return plan;
+}
+
+std::optional<RunOffset> best_offset_in(const laser::MeasurementSet& set) {
+  const Searching of(set, kSigma_um, {});
+  return best_run_offset(of.data, of.whitener, of.search.base());
+}
+
+/// Normal deviates, those of one run times a factor.
+struct Scatter {
+  Observations data;
+  VectorXd residual;
+  std::vector<bool> left_out;
+};
+Scatter scatter_of(const Plan& plan, unsigned seed, int wide_run = 0, double factor = 1.0) {
+  Scatter made;
+  made.data = observations_of(measured(plan, 1.0, nothing, seed), straight(), mill());
+  made.residual = Eigen::Map<const VectorXd>(made.data.reading.data(), static_cast<Index>(made.data.size()));
+  for (std::size_t k = 0; k < made.data.size(); ++k)
+    if (made.data.run[k] == wide_run) made.residual(static_cast<Index>(k)) *= factor;
+  made.left_out.assign(made.data.size(), false);
+  return made;
+}
+std::optional<NoisyRun> noisy_run_in(const Scatter& made) {
+  return noisy_run(made.data, made.residual / kSigma_um, made.residual, made.left_out);
+}
+
+}  // namespace
+
+TEST_CASE("the offset of a run gains its square for every reading of it, less the part that the mean of all takes") {
+  const auto found = best_offset_in(
+      measured(line_of_runs(5), kSigma_um, [](const laser::Reading& r) { return r.run == 3 ? 1.0 : 0.0; }));
+  REQUIRE(found);
+  CHECK(found->run == 3);
+  CHECK(found->sense == Sense::EX);
+  const double promised = 1.0 * 82.0 * (1.0 - 82.0 / 410.0) / (kSigma_um * kSigma_um);  // 82 of 410 readings
+  CHECK(found->gain == Approx(promised).epsilon(0.1));
+  // one coefficient, and one run chosen out of five
+  CHECK(found->score == Approx(found->gain - std::log(410.0) - 2.0 * std::log(5.0)).epsilon(0.01));
+}
+
+TEST_CASE("a run that drifts along the axis gains offset and slope together") {
+  const auto set = measured(line_of_runs(4), kSigma_um, [](const laser::Reading& r) {
+    return r.run == 2 ? 0.3 + 4.0 * (p(r) - 500.0) / 1000.0 : 0.0;
+  });
+  const Searching of(set, kSigma_um, {});
+  const auto found = best_run_offset(of.data, of.whitener, of.search.base());
+  REQUIRE(found);
+  CHECK(found->run == 2);
+  const double left = of.search.base().chi2() - found->gain;
+  CHECK(left == Approx(328.0 - 4.0).epsilon(0.2));  // noise of 328 readings, √(2/328) = 8 %
+}
+
+TEST_CASE("whichever run is off, up or down, is the one that is found") {
+  CHECK(rc::check([] {
+    const int runs = *rc::gen::inRange(3, 7), bad = *rc::gen::inRange(1, runs + 1);
+    const double height_um = *rc::gen::element(-3.0, -0.7, 0.7, 3.0);
+    const auto found = best_offset_in(measured(
+        line_of_runs(runs, 15), kSigma_um, [&](const laser::Reading& r) { return r.run == bad ? height_um : 0.0; },
+        static_cast<unsigned>(*rc::gen::inRange(1, 1000))));
+    RC_ASSERT(found.has_value());
+    RC_ASSERT(found->run == bad);
+    RC_ASSERT(found->score > 0.0);
+  }));
+}
+
+TEST_CASE("of two runs none is the bad one") {
+  CHECK_FALSE(best_offset_in(
+      measured(line_of_runs(2), kSigma_um, [](const laser::Reading& r) { return r.run == 2 ? 5.0 : 0.0; })));
+}
+
+TEST_CASE("runs that differ by noise alone score nothing in nineteen sets of twenty") {
+  unsigned above = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    const auto found = best_offset_in(measured(line_of_runs(3, 15), kSigma_um, nothing, seed));
+    REQUIRE(found);
+    if (found->score > 0.0) ++above;
+  }
+  CHECK(above <= 10);
+}
+
+TEST_CASE("an effect comes before a run only if it is better by a factor of a hundred in evidence") {
+  const EffectInstance drift = effect(time_drift, Axis::X, Sense::EX);
+  CHECK(rc::check([&] {
+    RunOffset run;
+    run.score = 0.1 * *rc::gen::inRange(1, 10'000);
+    const double hundredfold = 2.0 * std::log(100.0);  // scores are twice logarithms of evidence
+    RC_ASSERT(run_comes_first(run, drift, run.score + hundredfold - 0.01));
+    RC_ASSERT(!run_comes_first(run, drift, run.score + hundredfold + 0.01));
+  }));
+}
+
+TEST_CASE("a run that gains less than it costs never comes first") {
+  RunOffset run;
+  run.score = -1.0;
+  CHECK_FALSE(run_comes_first(run, effect(time_drift, Axis::X, Sense::EX), 0.0));
+}
+
+TEST_CASE("feed, load and the map are set run by run: their effects stand whatever an offset of a run explains") {
+  RunOffset run;
+  run.score = 1e6;
+  for (const EffectId id : {servo_lag, load, map_polarity, map_gain, map_shift, map_direction_swap}) {
+    CAPTURE(name_of(id));
+    CHECK_FALSE(run_comes_first(run, effect(id, Axis::X, Sense::EX), 20.0));
+  }
+  for (const EffectId id : {time_drift, thermal_drift, dead_path, warm_up}) {
+    CAPTURE(name_of(id));
+    CHECK(run_comes_first(run, effect(id, Axis::X, Sense::EX), 20.0));
+  }
+}
+
+TEST_CASE("a run that scatters three times as much as the others is found with its factor") {
+  CHECK(rc::check([] {
+    const int runs = *rc::gen::inRange(3, 7), wide = *rc::gen::inRange(1, runs + 1);
+    const auto found =
+        noisy_run_in(scatter_of(line_of_runs(runs), static_cast<unsigned>(*rc::gen::inRange(1, 10'000)), wide, 3.0));
+    RC_ASSERT(found.has_value());
+    RC_ASSERT(found->run == wide);
+    RC_ASSERT(std::abs(found->ratio - 3.0) < 3.0 * 0.4);  // 82 readings: √((π/2 − 1)/82) = 8 %, five sigmas
+  }));
+}
+
+TEST_CASE("of a thousand sets of equal runs one at most shows a noisy one, however short the runs are") {
+  for (const int targets : {4, 8, 41}) {  // 8, 16, 82 readings a run
+    CAPTURE(targets);
+    unsigned found = 0;
+    for (unsigned seed = 1; seed <= 1000; ++seed)
+      if (noisy_run_in(scatter_of(line_of_runs(3, targets), seed))) ++found;
+    CHECK(found <= 1);
+  }
+}
+
+TEST_CASE("a run is noisy only where the residual shows it both as it is and whitened") {
+  const Scatter wide = scatter_of(line_of_runs(4), 1, 2, 4.0), even = scatter_of(line_of_runs(4), 1);
+  REQUIRE(noisy_run(wide.data, wide.residual, wide.residual, wide.left_out));
+  CHECK_FALSE(noisy_run(wide.data, wide.residual, even.residual, wide.left_out));
+  CHECK_FALSE(noisy_run(wide.data, even.residual, wide.residual, wide.left_out));
+}
+
+TEST_CASE("outliers make no run noisy, nor is one of two runs") {
+  Scatter made = scatter_of(line_of_runs(4), 3);
+  std::size_t spoiled = 0;
+  for (std::size_t k = 0; k < made.data.size() && spoiled < 40; ++k)
+    if (made.data.run[k] == 2) {
+      made.residual(static_cast<Index>(k)) *= 50.0;
+      made.left_out[k] = true;
+      ++spoiled;
+    }
+  CHECK_FALSE(noisy_run_in(made));
+  made.left_out.assign(made.data.size(), false);
+  CHECK(noisy_run_in(made));
+  CHECK_FALSE(noisy_run_in(scatter_of(line_of_runs(2), 1, 2, 5.0)));
+}

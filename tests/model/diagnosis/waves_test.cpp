@@ -1,0 +1,193 @@
+#include "model/diagnosis/waves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "tests/support/searching.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+/// A metre of X, pitch of the screw 10 mm; waves of both approaches and of each, a step and a backlash may be chosen.
+struct MetreOfX {
+  Searching of;
+  enum : std::size_t { wave, forward, reverse, step, backlash };
+
+  MetreOfX() : of(measured_line(nothing), kSigma_um, candidates()) {}
+  static std::vector<EffectInstance> candidates() {
+    auto list = candidates_named({"cyclic:X:EX", "cyclic:X:EX", "cyclic:X:EX", "step:X:EX", "backlash:X:EX"});
+    list[forward].approach = ApproachMode::forward;
+    list[reverse].approach = ApproachMode::reverse;
+    return list;
+  }
+  static Choice choice(std::size_t family, double nonlinear = 0.0) {
+    Choice one;
+    one.family = family;
+    one.nonlinear = nonlinear;
+    return one;
+  }
+  [[nodiscard]] std::string objection(const std::vector<Choice>& chosen) const {
+    return objection_to_waves(of.data, of.search.families(), chosen);
+  }
+  [[nodiscard]] std::string objection_to_periods(double a_mm, double b_mm) const {
+    return objection({choice(wave, a_mm), choice(wave, b_mm)});
+  }
+};
+
+double pitch_or_part_of_ten(int i) {
+  constexpr double kPeriods_mm[] = {10.0, 5.0, 20.0, 10.0 / 3.0, 2.5, 2.0, 30.0, 40.0, 50.0};
+  return kPeriods_mm[i];
+}
+
+/// What is said of the wave found in a line.
+std::string objection_to_wave_in(const Truth& truth, unsigned seed = 1, double sigma_um = kSigma_um) {
+  const Searching of(measured({}, sigma_um, truth, seed), sigma_um, candidates_named({"cyclic:X:EX"}));
+  const std::vector<Choice> found = of.search.expand(of.search.base());
+  REQUIRE_FALSE(found.empty());
+  const Solution solution = of.search.refined({found.front()});
+  const Choice& choice = solution.chosen.front();
+  return objection_to_steadiness(of.regressors, of.whitener, solution.space, of.search.families()[choice.family],
+                                 choice, 160.0);
+}
+
+double turns_of_87_mm(const laser::Reading& r) { return 2.0 * std::numbers::pi * p(r) / 87.3; }
+/// −1 … 1 along the metre.
+double along(const laser::Reading& r) { return p(r) / 500.0 - 1.0; }
+
+}  // namespace
+
+TEST_CASE("nothing speaks against one wave, nor against no wave") {
+  const MetreOfX x;
+  CHECK(x.objection({}).empty());
+  CHECK(x.objection({x.choice(x.wave, 87.3)}).empty());
+  CHECK(x.objection({x.choice(x.step, 512.0), x.choice(x.backlash)}).empty());
+}
+
+TEST_CASE("waves closer than three turns over the travel beat, pitches of the machine or not") {
+  const MetreOfX x;
+  CHECK(rc::check([&] {
+    const double turns = *rc::gen::inRange(60, 190) * 0.1, apart = *rc::gen::inRange(2, 29) * 0.1;
+    RC_ASSERT(contains(x.objection_to_periods(1000.0 / turns, 1000.0 / (turns + apart)), "beat"));
+  }));
+  CHECK(contains(x.objection_to_periods(50.0, 49.0), "beat"));  // 50 mm is five pitches
+  CHECK(contains(x.objection_to_periods(87.3, 87.3), "beat"));
+}
+
+TEST_CASE("unrelated waves of which none is a pitch can be anything") {
+  const MetreOfX x;
+  CHECK(contains(x.objection_to_periods(87.3, 133.7), "nothing in common"));
+  CHECK(contains(x.objection({x.choice(x.wave, 87.3), x.choice(x.backlash), x.choice(x.wave, 61.0)}), "in common"));
+}
+
+TEST_CASE("a wave and a whole fraction of it go together") {
+  const MetreOfX x;
+  CHECK(rc::check([&] {
+    const double period_mm = *rc::gen::inRange(2100, 3300) * 0.1;
+    const int parts = *rc::gen::inRange(2, 13);
+    RC_PRE((parts - 1) * 1000.0 / period_mm > 3.2);  // fewer turns apart they beat
+    RC_ASSERT(x.objection_to_periods(period_mm, period_mm / parts).empty());
+  }));
+}
+
+TEST_CASE("beside a pitch of the machine, its parts and multiples, another wave may stand") {
+  const MetreOfX x;
+  CHECK(rc::check([&] {
+    const double pitch_mm = pitch_or_part_of_ten(*rc::gen::inRange(0, 9));
+    const double other_mm = *rc::gen::inRange(600, 3300) * 0.1;
+    RC_PRE(1000.0 / pitch_mm - 1000.0 / other_mm > 3.2);
+    RC_ASSERT(x.objection_to_periods(pitch_mm, other_mm).empty());
+  }));
+}
+
+TEST_CASE("the order in which waves were found does not matter") {
+  const MetreOfX x;
+  CHECK(rc::check([&] {
+    const double a_mm = *rc::gen::inRange(20, 4000) * 0.1, b_mm = *rc::gen::inRange(20, 4000) * 0.1;
+    RC_ASSERT(x.objection_to_periods(a_mm, b_mm).empty() == x.objection_to_periods(b_mm, a_mm).empty());
+  }));
+}
+
+TEST_CASE("one period in forward and in reverse is one cause of two sizes") {
+  const MetreOfX x;
+  CHECK(x.objection({x.choice(x.forward, 87.3), x.choice(x.reverse, 87.4)}).empty());
+  CHECK(contains(x.objection({x.choice(x.forward, 87.3), x.choice(x.forward, 87.4)}), "beat"));
+  CHECK(contains(x.objection({x.choice(x.forward, 87.3), x.choice(x.reverse, 95.0)}), "beat"));
+}
+
+TEST_CASE("a wave that needs a step is no cause unless it is a pitch; one beside a backlash is") {
+  const MetreOfX x;
+  CHECK(contains(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0)}), "step"));
+  CHECK(contains(x.objection({x.choice(x.step, 512.0), x.choice(x.wave, 87.3)}), "step"));
+  CHECK(x.objection({x.choice(x.wave, 10.0), x.choice(x.step, 512.0)}).empty());
+  CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.backlash)}).empty());
+}
+
+TEST_CASE("waves of different lines have nothing to do with each other") {
+  const MetreOfX x;
+  std::vector<Family> families = x.of.search.families();
+  families[x.reverse] = families[x.wave];
+  families[x.reverse].effect.sense = Sense::EY;
+  CHECK(objection_to_waves(x.of.data, families, {x.choice(x.wave, 87.3), x.choice(x.reverse, 91.0)}).empty());
+}
+
+TEST_CASE("a period within a percent of a pitch is the pitch, and what is no wave needs none") {
+  const MetreOfX x;
+  const auto is_pitch = [&](std::size_t family, double nonlinear) {
+    return is_pitch_or_no_wave(x.of.search.families()[family], x.choice(family, nonlinear));
+  };
+  for (int i = 0; i < 9; ++i) {
+    CHECK(is_pitch(x.wave, 1.005 * pitch_or_part_of_ten(i)));
+    CHECK(is_pitch(x.wave, 0.995 * pitch_or_part_of_ten(i)));
+    CHECK_FALSE(is_pitch(x.wave, 1.02 * pitch_or_part_of_ten(i)));
+  }
+  CHECK_FALSE(is_pitch(x.wave, 87.3));
+  CHECK(is_pitch(x.step, 87.3));
+  CHECK(is_pitch(x.backlash, 0.0));
+}
+
+TEST_CASE("nothing is said of a steady wave, weak or strong") {
+  for (unsigned seed = 1; seed <= 30; ++seed)
+    for (const double size_um : {0.3, 1.0, 20.0})
+      CHECK(objection_to_wave_in([&](const laser::Reading& r) { return size_um * std::sin(turns_of_87_mm(r)); }, seed)
+                .empty());
+}
+
+TEST_CASE("an amplitude that grows along the travel is no cause of one size") {
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    CHECK(contains(
+        objection_to_wave_in(
+            [](const laser::Reading& r) { return (1.0 + 0.6 * along(r)) * std::sin(turns_of_87_mm(r)); }, seed),
+        "along the travel"));
+}
+
+TEST_CASE("a chirp is no wave of one period") {
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    CHECK(contains(
+        objection_to_wave_in(
+            [](const laser::Reading& r) { return std::sin(turns_of_87_mm(r) + 1.2 * along(r) * along(r)); }, seed),
+        "along the travel"));
+}
+
+TEST_CASE("an amplitude that grows with time is told as such") {
+  const double last_s = *measured({}, 0.0, nothing).readings.back().time_s;
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    CHECK(contains(
+        objection_to_wave_in(
+            [&](const laser::Reading& r) { return (0.4 + 1.2 * *r.time_s / last_s) * std::sin(turns_of_87_mm(r)); },
+            seed),
+        "in time"));
+}
+
+TEST_CASE("a change of a few percent denies no cause, however small the noise") {
+  CHECK(objection_to_wave_in(
+            [](const laser::Reading& r) { return (1.0 + 0.05 * along(r)) * std::sin(turns_of_87_mm(r)); }, 1, 1e-3)
+            .empty());
+}
