@@ -104,13 +104,20 @@ class Investigator {
     return separating_run(false);
   }
 
+  /// Several causes at once are believed only after the same lines were measured on other targets as well: on few
+  /// targets a sum of two can imitate one.
   [[nodiscard]] bool settled() const {
-    return diagnosis_->verdict == Verdict::missing_effect && causes_are_single(*diagnosis_);
+    if (diagnosis_->verdict != Verdict::missing_effect || !causes_are_single(*diagnosis_)) return false;
+    const auto named = std::count_if(diagnosis_->candidates.begin(), diagnosis_->candidates.end(),
+                                     [](const Candidate& candidate) { return candidate.named; });
+    return named == 1 || !look_not_made(look_between);
   }
 
   /// @param here  only on the line measured last, without waiting, while other lines were not looked at
   std::optional<MeasurementProposal> separating_run(bool here) {
     const bool seeing = diagnosis_->verdict == Verdict::adequate;
+    if (diagnosis_->verdict == Verdict::missing_effect && causes_are_single(*diagnosis_))
+      if (auto between = look_not_made(look_between)) return between;
     if (seeing)
       if (auto moving = look_not_made(look_in_motion)) return moving;
     const model::NextMeasurement next = model::next_measurement(
@@ -137,7 +144,7 @@ class Investigator {
   /// A line of the first look that was not yet measured in this way, the last one first; only lines on which something
   /// is named, where anything is.
   template <class Change>
-  std::optional<MeasurementProposal> look_not_made(Change change) {
+  [[nodiscard]] std::optional<MeasurementProposal> look_not_made(Change change) const {
     for (auto look = looks_.rbegin(); look != looks_.rend(); ++look) {
       MeasurementProposal other = with_set_up(change(look->proposal, options_.times));
       if (!made_.contains(key_of(other)) && is_in_question(other) && other.minutes <= minutes_left()) return other;
@@ -288,13 +295,17 @@ class Investigator {
     return std::any_of(all.begin(), all.end(), [](const laser::Reading& r) { return r.compensated.value_or(false); });
   }
 
+  /// Without the zero of each run, which says nothing of the machine.
   [[nodiscard]] double rms_of_looks() const {
     double squares = 0.0, count = 0.0;
-    for (const Look& look : looks_)
-      for (const laser::Reading& reading : look.set.readings) {
-        squares += reading.error * reading.error;
-        count += 1.0;
-      }
+    for (const Look& look : looks_) {
+      double sum = 0.0;
+      const auto readings = static_cast<double>(look.set.readings.size());
+      for (const laser::Reading& reading : look.set.readings) sum += reading.error;
+      for (const laser::Reading& reading : look.set.readings)
+        squares += (reading.error - sum / readings) * (reading.error - sum / readings);
+      count += readings;
+    }
     return std::sqrt(squares / std::max(count, 1.0));
   }
 
