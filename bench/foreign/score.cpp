@@ -63,8 +63,7 @@ std::string word(const Json& object, const char* key) {
 std::string comparable(const std::string& name) {
   const std::size_t first = name.find(':');
   const std::string id = name.substr(0, first);
-  if (id == "set_up_rotation" || id == "squareness" || id == "offset")
-    return id + name.substr(name.rfind(':'));
+  if (id == "set_up_rotation" || id == "squareness" || id == "offset") return id + name.substr(name.rfind(':'));
   return name;
 }
 
