@@ -246,7 +246,7 @@ void add_time(const Observations& data, std::vector<Variable>& out) {
   const double waves = std::clamp(last / kFastest_s, kFewestWavesOfTime, kMostWavesOfTime);
   for (const Sense sense : senses_of(data)) {
     functions.add([&](std::size_t k) { return data.sense[k] == sense ? data.time_s[k] / last : 0.0; });
-    for (double m = 1.0; m <= waves; m += 1.0)
+    for (int m = 1; m <= waves; ++m)
       functions.add([&](std::size_t k) {
         return data.sense[k] == sense ? std::cos(m * std::numbers::pi * data.time_s[k] / last) : 0.0;
       });

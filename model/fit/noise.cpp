@@ -112,7 +112,7 @@ bool runs_differ(const Halves& halves) {
   for (const double v : halves.sum) s.push_back(v * v);
   const double far =
       kRatioOfRuns + kTwoSigmaOfRatio / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
-  return robust_mean_square(std::move(s)) > far * robust_mean_square(std::move(d));
+  return robust_mean_square(s) > far * robust_mean_square(d);
 }
 
 /// Enough of them to judge the noise by.

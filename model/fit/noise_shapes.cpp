@@ -247,8 +247,7 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
     std::vector<double> squares;
     for (const std::size_t k : group.rows)
       if (!std::isnan(deviation[k])) squares.push_back(deviation[k] * deviation[k]);
-    scatter.push_back(squares.size() < kFewestDeviationsOfGroup ? kNotMeasured
-                                                                : robust_mean_square(std::move(squares)));
+    scatter.push_back(squares.size() < kFewestDeviationsOfGroup ? kNotMeasured : robust_mean_square(squares));
   }
   std::vector<double> nats_white;
   for (NoiseShape& shape : shapes) {
