@@ -145,7 +145,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
 /// Columns of a ranked effect on all readings, at the values found.
 Columns columns_on(const Regressors& regressors, const RankedCandidate& ranked) {
   EffectInstance plain = ranked.effect;
-  const Columns all = regressors.columns(plain, ranked.choice.nonlinear);
+  Columns all = regressors.columns(plain, ranked.choice.nonlinear);
   if (all.fixed.size() > 0) return all;
   Columns chosen;
   std::vector<Index> kept;
