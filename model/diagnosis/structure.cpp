@@ -195,14 +195,13 @@ void add_products(const Observations& data, std::vector<Variable>& out) {
           a.push_back(data.p_mm(k, pair.a));
           b.push_back(data.p_mm(k, pair.b));
         }
-      const auto [a0, a1] = std::minmax_element(a.begin(), a.end());
-      const auto [b0, b1] = std::minmax_element(b.begin(), b.end());
-      const double length_a = *a1 - *a0, middle_a = 0.5 * (*a0 + *a1);
-      const double length_b = *b1 - *b0, middle_b = 0.5 * (*b0 + *b1);
-      if (length_a <= kSamePlace_mm || length_b <= kSamePlace_mm) continue;
+      const auto in_a = std::minmax_element(a.begin(), a.end()), in_b = std::minmax_element(b.begin(), b.end());
+      const double from_a = *in_a.first, to_a = *in_a.second, from_b = *in_b.first, to_b = *in_b.second;
+      if (to_a - from_a <= kSamePlace_mm || to_b - from_b <= kSamePlace_mm) continue;
       functions.add([&](std::size_t k) {
         if (data.sense[k] != sense) return 0.0;
-        return (data.p_mm(k, pair.a) - middle_a) * (data.p_mm(k, pair.b) - middle_b) / (length_a * length_b);
+        return (data.p_mm(k, pair.a) - 0.5 * (from_a + to_a)) * (data.p_mm(k, pair.b) - 0.5 * (from_b + to_b)) /
+               ((to_a - from_a) * (to_b - from_b));
       });
     }
     if (!functions.empty()) out.push_back({pair.name, functions.matrix()});

@@ -54,7 +54,7 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
   // every harmonic in use: of a wave told as the second one of its double the first is nothing
   const Eigen::MatrixXd wave =
       regressors.columns(family.effect, choice.nonlinear, family.acting).of(Eigen::all, choice.columns);
-  const auto [least, greatest] = acting_range(data, family.acting, *family.effect.axis);
+  const std::pair<double, double> range = acting_range(data, family.acting, *family.effect.axis);
   double last_s = 0.0;
   for (const double t : data.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
@@ -71,8 +71,9 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
     const auto freedom = static_cast<double>(more.q.cols() - space.q.cols());
     return gain > kLeastChange * choice.gain && minus_log_p(gain, freedom, noise_freedom) > kFarDigits;
   };
-  if (changes(
-          [&](std::size_t k) { return 2.0 * (data.p_mm(k, *family.effect.axis) - least) / (greatest - least) - 1.0; }))
+  if (changes([&](std::size_t k) {
+        return 2.0 * (data.p_mm(k, *family.effect.axis) - range.first) / (range.second - range.first) - 1.0;
+      }))
     return fmt::format("the wave of {:.4g} mm changes its size or its period along the travel", choice.nonlinear);
   if (last_s > 0.0 &&
       changes([&](std::size_t k) { return std::isnan(data.time_s[k]) ? 0.0 : 2.0 * data.time_s[k] / last_s - 1.0; }))

@@ -366,9 +366,10 @@ MatrixXd smooth_columns(const Observations& data) {
         if (f < 8) add([&](std::size_t k) { return d(k) * basis.value(f, data.p_mm(k, a)); });
       }
     }
-    for (const auto& [a, b] : {std::pair{Axis::X, Axis::Y}, {Axis::X, Axis::Z}, {Axis::Y, Axis::Z}})
-      if (varies(data, rows, a) && varies(data, rows, b))
-        add([&](std::size_t k) { return data.p_mm(k, a) * data.p_mm(k, b); });
+    using Axes = std::pair<Axis, Axis>;
+    for (const Axes& both : {Axes{Axis::X, Axis::Y}, Axes{Axis::X, Axis::Z}, Axes{Axis::Y, Axis::Z}})
+      if (varies(data, rows, both.first) && varies(data, rows, both.second))
+        add([&](std::size_t k) { return data.p_mm(k, both.first) * data.p_mm(k, both.second); });
   }
   MatrixXd matrix(n, static_cast<Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j) matrix.col(static_cast<Index>(j)) = columns[j];
