@@ -318,7 +318,9 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
     std::vector<double> squares;
     for (const auto& [number, rows] : passes)
       for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
-        const auto at = [&](std::size_t j) { return residual(static_cast<Eigen::Index>(rows[j])); };
+        const auto at = [&residual, &rows = rows](std::size_t j) {
+          return residual(static_cast<Eigen::Index>(rows[j]));
+        };
         const double second = at(i - 1) - 2.0 * at(i) + at(i + 1);
         squares.push_back(second * second / kSquaresOfSecond);
       }
