@@ -10,8 +10,8 @@
 
 namespace ecs::model {
 
-/// One flag per reading, canonical order; none is set below 12 readings, nor where three follow each other in a pass, and
-/// in a sense at most one in twenty: of more only the oddest that stand apart from the rest. Source: outliers.cpp.
+/// One flag per reading, canonical order; none is set below 12 readings, nor where three follow each other in a pass,
+/// and in a sense at most one in twenty: of more only the oddest that stand apart from the rest. Source: outliers.cpp.
 /// @param residual  readings less what the model says, um or um/m
 [[nodiscard]] std::vector<bool> isolated_outliers(const Observations& data, const Eigen::VectorXd& residual);
 

@@ -171,3 +171,65 @@ TEST_CASE("whitened noise has size one and no memory") {
   const double raw = (sets.topRows(n - 1).array() * sets.bottomRows(n - 1).array()).mean();
   CHECK(raw > 0.3);
 }
+
+namespace {
+
+/// One pass of 200 readings that sums up steps of 0.3 um, by itself or returning to 0 within `memory` readings.
+Measured walk(unsigned seed, double memory = 1e9) {
+  Plan plan;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.targets = 200;
+  plan.step_mm = 5.0;
+  std::mt19937_64 random(seed + 300);
+  std::normal_distribution<double> normal;
+  double state = 0.0;
+  return readings_of(measured(plan, 0.0, [&](const laser::Reading&) {
+    return state = std::exp(-1.0 / memory) * state + 0.3 * normal(random);
+  }));
+}
+
+/// Takes everything for noise of the size that it has.
+NoiseModel all_as_noise(const Measured& m, double correlated_share, double time_s) {
+  const double sigma = std::sqrt(m.residual.squaredNorm() / static_cast<double>(m.residual.size()));
+  NoiseModel noise = plain_noise(m.data, sigma * std::sqrt(1.0 - correlated_share));
+  noise.groups.front().correlated = sigma * std::sqrt(correlated_share);
+  noise.groups.front().time = time_s;
+  return noise;
+}
+
+}  // namespace
+
+TEST_CASE("white noise does not wander, with repeats or without, nor do rounded readings") {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    Measured m = white(seed);
+    CHECK_FALSE(wanders(m.data, noise_in(m), m.residual, m.left_out));
+    for (double& reading : m.data.reading) reading = std::round(reading);
+    for (Index k = 0; k < m.residual.size(); ++k) m.residual(k) = std::round(m.residual(k));
+    CHECK_FALSE(wanders(m.data, noise_in(m), m.residual, m.left_out));
+  }
+}
+
+TEST_CASE("a random walk that is taken for white noise, or for noise correlated over minutes, wanders") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Measured m = walk(seed);
+    m.residual.array() -= m.residual.mean();
+    const double rms = std::sqrt(m.residual.squaredNorm() / 200.0);
+    if (rms < 0.9) continue;  // neighbours scatter 0.3/√3 by second differences: hardly more than three times that
+    CHECK(wanders(m.data, all_as_noise(m, 0.0, 0.0), m.residual, m.left_out));
+    CHECK(wanders(m.data, all_as_noise(m, 0.9, 300.0), m.residual, m.left_out));
+  }
+}
+
+TEST_CASE("turbulence over less than a minute does not wander; without a clock nobody knows that it is turbulence") {
+  Measured m = walk(2, 100.0);
+  REQUIRE(wanders(m.data, all_as_noise(m, 0.9, 300.0), m.residual, m.left_out));
+  CHECK_FALSE(wanders(m.data, all_as_noise(m, 0.9, 30.0), m.residual, m.left_out));
+  m.data.time_s.clear();
+  CHECK(wanders(m.data, all_as_noise(m, 0.9, 30.0), m.residual, m.left_out));
+}
+
+TEST_CASE("a shape of which the noise has taken nothing does not make the noise wander") {
+  const Measured m = walk(2);
+  CHECK_FALSE(wanders(m.data, plain_noise(m.data, 0.3), m.residual, m.left_out));
+}

@@ -143,3 +143,29 @@ TEST_CASE("a search that is cancelled stops") {
   cancelled = true;
   CHECK_THROWS_AS(static_cast<void>(of.search.expand(of.search.base())), SearchStopped);
 }
+
+TEST_CASE("a free wave of the model itself keeps its period beside a slope that is missing from it") {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Searching of(measured_line([](const laser::Reading& r) { return wave(r) + 12.0 * p(r) / 1000.0; }, seed),
+                       kSigma_um, {});
+    const MatrixXd offset_alone = of.base.leftCols(1);
+    const Search search(of.regressors, of.whitener, offset_alone, of.target,
+                        candidates_named({"scale:X:EX", "step:X:EX"}), candidates_named({"cyclic:X:EX"}));
+    CHECK(search.candidates() == 2);
+    REQUIRE(search.families().size() == 3);
+    const Solution solution = search.refined({search.choice_at(search.alone().space, 0, 0.0)});
+    REQUIRE(solution.own.size() == 1);
+    CHECK(solution.own.front().nonlinear == Approx(87.3).epsilon(0.005));
+    CHECK(solution.space.chi2() == Approx(246.0).epsilon(0.3));  // noise alone is left
+    CHECK(search.alone().space.chi2() > 10.0 * solution.space.chi2());
+  }
+}
+
+TEST_CASE("a model whose own wave has all there is needs nothing more") {
+  const Searching of(measured_line(wave), kSigma_um, {});
+  const Search search(of.regressors, of.whitener, of.base, of.target, candidates_named({"backlash:X:EX"}),
+                      candidates_named({"cyclic:X:EX"}));
+  REQUIRE(search.alone().own.size() == 1);
+  CHECK(search.alone().own.front().nonlinear == Approx(87.3).epsilon(0.005));
+  for (const Choice& choice : search.expand(search.alone().space)) CHECK(choice.score() < 8.0);
+}

@@ -1,0 +1,135 @@
+#include "model/fit/core.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <doctest/doctest.h>
+#include <rapidcheck.h>
+
+#include "tests/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using namespace ecs::model::test::effects;
+
+namespace {
+
+double range_over(const std::vector<double>& values) {
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  return *greatest - *least;
+}
+
+/// Offset, slope and a wave so long that it is a parabola: the three cancel each other.
+Model with_long_wave(double period_mm) {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  model.effects.back().parameters["period_mm"] = period_mm;
+  return model;
+}
+
+/// Fitted with the searched parameter of one more effect free, from a start far outside its limits where one is given.
+double searched_value(EffectId id, const laser::MeasurementSet& set, std::optional<double> start = {}) {
+  Model model = straight();
+  model.effects.push_back(effect(id, Axis::X, Sense::EX));
+  const std::string name(model.effects.back().definition().searched_parameter());
+  if (start) model.effects.back().fitted[name] = *start;
+  const auto found = fit(model, observations_of(set, model, mill()));
+  REQUIRE(found);
+  for (const ParameterEstimate& one : found->effects.back().parameters)
+    if (one.name == name) return one.value;
+  return kNotMeasured;
+}
+
+laser::MeasurementSet with_travel_since_reversal(laser::MeasurementSet set) {
+  for (laser::Reading& r : set.readings) r.travel_since_reversal_mm = d(r) > 0.0 ? p(r) + 6.0 : 1006.0 - p(r);
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("terms that would cancel each other stay below three times the readings, and each is named as colliding") {
+  CHECK(rc::check([] {
+    const Model model = with_long_wave(1000.0 * *rc::gen::inRange(4, 60));
+    const auto set = measured({}, kNoise_um, nothing, static_cast<unsigned>(*rc::gen::inRange(1, 1000)));
+    const Observations data = observations_of(set, model, mill());
+    const auto found = fit(model, data);
+    RC_ASSERT(found.has_value());
+    for (const EffectFit& one : found->effects)
+      RC_ASSERT(range_over(one.contribution) <= 3.0 * range_over(data.reading));
+    RC_ASSERT(found->rms_um < 1.2 * kNoise_um);
+  }));
+}
+
+TEST_CASE("the terms of which the smallest sizes are taken are undetermined, each beside those it collides with") {
+  const Model model = with_long_wave(40'000.0);
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), model, mill());
+  const Regressors regressors(data);
+  auto assembly = Assembly::of(model, regressors);
+  REQUIRE(assembly);
+  const CoreFit core = fitted(*assembly, regressors, {});
+  CHECK(std::count(core.undetermined.begin(), core.undetermined.end(), true) >= 2);
+  for (std::size_t j = 0; j < core.undetermined.size(); ++j) CHECK(core.undetermined[j] == !core.collides[j].empty());
+  const auto told = fit(model, data);
+  REQUIRE(told);
+  REQUIRE_FALSE(told->undetermined.empty());
+  CHECK(contains(told->undetermined.front(), "cannot be told from"));
+}
+
+TEST_CASE("terms that share little are fitted as they are, however large they are together") {
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  const auto found = fit(
+      model,
+      observations_of(
+          measured({}, kNoise_um, [](const laser::Reading& r) { return 1e3 + 500.0 * p(r) / 1000.0 + 200.0 * d(r); }),
+          model, mill()));
+  REQUIRE(found);
+  CHECK(found->undetermined.empty());
+}
+
+TEST_CASE("a free period never passes half of the travel, whatever the readings and the former fit say") {
+  const auto parabola = [](const laser::Reading& r) { return 20.0 * std::pow(p(r) / 1000.0 - 0.5, 2); };
+  const auto half_turn = [](const laser::Reading& r) { return 5.0 * std::sin(std::numbers::pi * p(r) / 1000.0); };
+  const auto set = measured({}, kNoise_um, parabola);
+  double least = 1e9, greatest = -1e9;
+  for (const laser::Reading& r : set.readings) {
+    least = std::min(least, p(r));
+    greatest = std::max(greatest, p(r));
+  }
+  for (const Truth& truth : {Truth(parabola), Truth(half_turn), Truth(nothing)})
+    for (const std::optional<double> start : {std::optional<double>(), std::optional(700.0), std::optional(1e5)})
+      CHECK(searched_value(cyclic, measured({}, kNoise_um, truth), start) <= 0.5 * (greatest - least) * (1.0 + 1e-9));
+}
+
+TEST_CASE("a time constant lies between a fiftieth of the session and the session") {
+  const auto set = measured({}, kNoise_um, nothing);
+  const double session_s = *set.readings.back().time_s - *set.readings.front().time_s;
+  const auto creep = [](const laser::Reading& r) { return 5.0 * *r.time_s / 3600.0; };
+  const auto at_once = [&](const laser::Reading& r) { return 4.0 * -std::expm1(-*r.time_s / (session_s / 500.0)); };
+  for (const Truth& truth : {Truth(creep), Truth(at_once), Truth(nothing)})
+    for (const std::optional<double> start : {std::optional<double>(), std::optional(1.0), std::optional(1e7)}) {
+      const double tau_s = searched_value(warm_up, measured({}, kNoise_um, truth), start);
+      CHECK(tau_s >= session_s / 50.0 * (1.0 - 1e-9));
+      CHECK(tau_s <= session_s * (1.0 + 1e-9));
+    }
+}
+
+TEST_CASE("a decay length lies between a third of the shortest travel since reversal and half of the longest") {
+  const auto lost_at_once = [](const laser::Reading& r) { return 2.0 * d(r); };
+  const auto set = with_travel_since_reversal(measured({}, kNoise_um, lost_at_once));
+  double shortest = 1e9, longest = 0.0;
+  for (const laser::Reading& r : set.readings) {
+    shortest = std::min(shortest, *r.travel_since_reversal_mm);
+    longest = std::max(longest, *r.travel_since_reversal_mm);
+  }
+  for (const Truth& truth : {Truth(lost_at_once), Truth(nothing)})
+    for (const std::optional<double> start : {std::optional<double>(), std::optional(1e-4), std::optional(9900.0)}) {
+      const double u0_mm =
+          searched_value(reversal_spike, with_travel_since_reversal(measured({}, kNoise_um, truth)), start);
+      CHECK(u0_mm >= shortest / 3.0 * (1.0 - 1e-9));
+      CHECK(u0_mm <= 0.5 * longest * (1.0 + 1e-9));
+    }
+}
