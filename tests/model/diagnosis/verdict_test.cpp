@@ -1,0 +1,100 @@
+// Verdicts on noise, on structure that nothing explains, and on models with free parameters.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "model/diagnosis/diagnose.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+/// Another value at every target, the same in all runs and both approaches: no effect of the library.
+Truth with_value_of_target(double size_um, const Truth& truth, unsigned seed) {
+  return [=, values = std::map<double, double>{}, random = std::mt19937_64(seed)](const laser::Reading& r) mutable {
+    std::normal_distribution<double> normal;
+    const auto value = values.find(p(r));
+    return truth(r) + (value == values.end() ? values[p(r)] = size_um * normal(random) : value->second);
+  };
+}
+
+std::size_t named_causes(const Diagnosis& found) {
+  return static_cast<std::size_t>(
+      std::count_if(found.candidates.begin(), found.candidates.end(), [](const Candidate& c) { return c.named; }));
+}
+
+}  // namespace
+
+TEST_CASE("where the structure outweighs the cause nothing is named") {
+  const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um,
+                                                         with_value_of_target(
+                                                             3.0, [](const laser::Reading& r) { return d(r); }, 1)));
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  CHECK(named_causes(found) == 0);
+}
+
+TEST_CASE("an adequate model lists the closest candidates with their probability, none of them named") {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, nothing, seed));
+    CHECK(found.verdict == Verdict::adequate);
+    CHECK_FALSE(found.candidates.empty());
+    CHECK(named_causes(found) == 0);
+    double sum = 0.0;
+    for (const Candidate& candidate : found.candidates) {
+      CHECK(candidate.probability > 0.0);
+      sum += candidate.probability;
+    }
+    CHECK(sum < 1.0);  // the rest is that nothing is missing
+  }
+}
+
+TEST_CASE("a slope that is missing beside a wave of free period is told as the slope") {
+  Model model;
+  model.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::cyclic, Axis::X, Sense::EX)};
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Diagnosis found = diagnosed(model, measured(
+                                                 {}, kNoise_um,
+                                                 [](const laser::Reading& r) {
+                                                   return 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 87.3) +
+                                                          6.0 * (p(r) / 1000.0 - 0.5);
+                                                 },
+                                                 seed));
+    CHECK(found.verdict == Verdict::missing_effect);
+    REQUIRE_FALSE(found.candidates.empty());
+    CHECK(named_causes(found) == 1);
+    const Candidate& first = found.candidates.front();
+    CHECK(to_text(first.effect) == "scale:X:EX");
+    REQUIRE(first.parameters.front().sigma);
+    CHECK(std::abs(first.parameters.front().value - 6.0) < 4.0 * *first.parameters.front().sigma);
+  }
+}
+
+TEST_CASE("what is shown of any candidate stays inside its limits") {
+  Model model = straight();
+  model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));
+  model.effects.push_back(effect(effects::warm_up, Axis::X, Sense::EX));
+  auto set = measured({}, kNoise_um, [](const laser::Reading& r) {
+    return 20.0 * std::pow(p(r) / 1000.0 - 0.5, 2) + 4.0 * *r.time_s / 3600.0 + d(r);
+  });
+  double longest_mm = 0.0, session_s = 0.0;
+  for (laser::Reading& r : set.readings) {
+    r.travel_since_reversal_mm = d(r) > 0.0 ? p(r) + 6.0 : 1006.0 - p(r);
+    longest_mm = std::max(longest_mm, *r.travel_since_reversal_mm);
+    session_s = std::max(session_s, *r.time_s);
+  }
+  for (const Model& base : {straight(), model})
+    for (const Candidate& candidate : diagnosed(base, set).candidates)
+      for (const ParameterEstimate& parameter : candidate.parameters) {
+        CAPTURE(to_text(candidate.effect));
+        if (parameter.name == "period_mm") CHECK(parameter.value <= 505.0);  // half of the travel
+        if (parameter.name == "tau_s") CHECK(parameter.value <= session_s * 1.001);
+        if (parameter.name == "u0_mm") CHECK(parameter.value <= 0.501 * longest_mm);
+      }
+}
