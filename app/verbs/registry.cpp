@@ -12,7 +12,7 @@ extern const VerbDefinition kUtilityPosition, kUtilityOutput, kUtilityRun, kUtil
     kUtilityClear, kUtilityMode, kUtilityDatumRecord, kUtilityDatumShow, kUtilityDatumTest, kUtilityStatus;
 extern const VerbDefinition kMemoryRead, kMemoryWrite, kMemoryDump, kMemoryLoad, kMemoryShow, kMemoryCompare;
 extern const VerbDefinition kModelEffects, kModelNew, kModelPredict, kModelFit, kModelCompare, kModelDiagnose,
-    kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
+    kModelCheck, kModelNext, kModelInvestigate, kModelAdd, kModelUndo, kModelHistory, kModelWhatIf, kModelReveal;
 extern const VerbDefinition kReport;
 extern const VerbDefinition kExportRead;
 /// One for each controller format.
@@ -83,6 +83,7 @@ std::vector<const VerbDefinition*> verbs_in_order() {
       &kModelFit,
       &kModelCompare,
       &kModelDiagnose,
+      &kModelCheck,
       &kModelNext,
       &kModelInvestigate,
       &kModelAdd,

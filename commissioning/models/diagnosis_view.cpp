@@ -87,6 +87,13 @@ Json set_json(const std::vector<model::SetMember>& set) {
   return list;
 }
 
+Json own_terms_json(const std::vector<model::OwnTerm>& terms) {
+  Json list = Json::array();
+  for (const model::OwnTerm& term : terms)
+    list.push_back({{"effect", term.effect}, {"value", number_or_null(term.value)}});
+  return list;
+}
+
 /// "period_mm 8, 16 or 25.01": all values that fit as well.
 std::string values_text(const Candidate& c) {
   constexpr std::size_t kMostShown = 8;
@@ -124,6 +131,8 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
       {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
       {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
       {"e_value", {number_or_null(c.e_value), ""}},
+      {"found", {c.found, ""}},
+      {"tried_at", {Json{{"value", number_or_null(c.tried_at.value)}, {"coefficients", c.tried_at.coefficients}}, ""}},
       {"held_out_rms_um", number_cell(c.held_out_rms_um, 3)},
       {"held_out_rms_before_um", number_cell(c.held_out_rms_before_um, 3)},
       {"skipped", {c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))}},
@@ -246,6 +255,7 @@ Cell diagnosis_cell(const Diagnosis& d) {
                       {"outliers", {d.outliers, outliers_text(d)}},
                       {"notes", {d.notes, notes_text(d.notes)}},
                       {"candidates_tried", {d.candidates_tried, ""}},
+                      {"own_terms", {own_terms_json(d.own_terms), ""}},
                       {"blanks", {d.noise_replicates, d.noise_replicates > 0 ? tried : ""}}});
 }
 

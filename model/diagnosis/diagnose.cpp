@@ -1,16 +1,15 @@
 // The answer from a search: candidates in order of evidence, their proof by cross-validation (Stone 1974), the chance
-// of a false name from replicates of noise (Westfall and Young 1993); large sets are searched on a stratified sample
-// (Cochran 1977, 5), one reading at random from each stretch of the file.
+// of a false name from replicates of noise (Westfall and Young 1993).
 #include "model/diagnosis/diagnose.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "model/data/even_targets.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
@@ -30,8 +29,6 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// Any number: the same data always give the same choice.
-constexpr std::uint64_t kSeed = 20261120;
 /// Candidates listed, and of them those that are proved on readings not fitted to: what a person reads, and pays for.
 constexpr std::size_t kMostListed = 12, kMostProved = 4;
 /// Probabilities are given down to 1e-300: below, a double ends.
@@ -48,19 +45,6 @@ constexpr double kFewestSpare = 6.0;
 constexpr double kCredible = 0.99, kProved = 100.0, kMostExplained = 0.9;
 
 double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
-
-/// An even choice of readings: every reading of rare kinds is likely to stay.
-std::vector<std::size_t> even_choice(std::size_t n, std::size_t wanted) {
-  std::vector<std::size_t> chosen;
-  std::mt19937_64 random(kSeed);
-  const double step = static_cast<double>(n) / static_cast<double>(wanted);
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
-    const auto k = std::min(static_cast<std::size_t>(place), n - 1);
-    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
-  }
-  return chosen;
-}
 
 /// The candidates in the order in which they are ranked, each with its part in the answer.
 struct RankedCandidate {
@@ -142,29 +126,6 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
   return list;
 }
 
-/// Columns of a ranked effect on all readings, at the values found.
-Columns columns_on(const Regressors& regressors, const RankedCandidate& ranked) {
-  EffectInstance plain = ranked.effect;
-  Columns all = regressors.columns(plain, ranked.choice.nonlinear);
-  if (all.fixed.size() > 0) return all;
-  Columns chosen;
-  std::vector<Index> kept;
-  for (const Index j : ranked.choice.columns)
-    if (j < all.of.cols()) kept.push_back(j);
-  chosen.of.resize(all.of.rows(), static_cast<Index>(kept.size()));
-  for (std::size_t j = 0; j < kept.size(); ++j) chosen.of.col(static_cast<Index>(j)) = all.of.col(kept[j]);
-  return chosen;
-}
-
-LinearProblem joined_with(const MatrixXd& columns, const VectorXd& target, const Columns& more) {
-  LinearProblem all{columns, target};
-  if (more.fixed.size() > 0) all.target -= more.fixed;
-  const Index had = all.columns.cols();
-  all.columns.conservativeResize(Eigen::NoChange, had + more.of.cols());
-  all.columns.rightCols(more.of.cols()) = more.of;
-  return all;
-}
-
 /// Sizes of an effect alone beside the model, as parameters without sigma.
 std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, const LinearProblem& problem,
                                                 const Whitener& whitener, const Regressors& regressors, Index first) {
@@ -186,56 +147,40 @@ struct ReportInput {
   const Model& model;
   const Regressors& regressors;
   const Base& base;
-  const MatrixXd columns;  ///< of the model, its own terms where the solution has them
+  const std::vector<OwnTerm>& own;  ///< where the solution has them
+  const LinearProblem problem;      ///< of the model with them
   const Found& found;
   const DiagnoseOptions& options;
 };
 
-double rms_without(const VectorXd& residual, const std::vector<bool>& left_out) {
-  double sum = 0.0, count = 0.0;
-  for (std::size_t k = 0; k < left_out.size(); ++k) {
-    if (left_out[k]) continue;
-    sum += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
-    count += 1.0;
-  }
-  return std::sqrt(sum / std::max(count, 1.0));
-}
-
-/// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
-double explainable_share(double rms_um, double rms_after_um, double noise_um) {
-  const double above_noise = rms_um * rms_um - noise_um * noise_um;
-  return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
-}
-
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const Whitener& whitener,
-                       const Parts& parts, const NoiseModel& noise, const std::vector<bool>& left_out, double rms_um,
-                       double held_out_before, bool prove) {
+                       const Parts& parts, const FittedWith& after, double held_out_before, bool prove) {
   Candidate candidate;
   candidate.effect = ranked.effect;
   candidate.named = ranked.named;
-  const Columns columns = columns_on(in.regressors, ranked);
-  const LinearProblem problem = joined_with(in.columns, in.base.target, columns);
-  const VectorXd residual = residual_of(problem, whitener);
-  candidate.rms_after_um = rms_of(residual);
-  candidate.explained = rms_um > 0.0 ? 1.0 - std::pow(candidate.rms_after_um / rms_um, 2) : 0.0;
-  candidate.kept_rms_before_um = rms_without(in.base.residual, left_out);
-  candidate.kept_rms_after_um = rms_without(residual, left_out);
-  candidate.explainable_share =
-      explainable_share(candidate.kept_rms_before_um, candidate.kept_rms_after_um, noise.pure.noise_um);
+  const LinearProblem problem = joined_with(in.problem, columns_on(in.regressors, ranked.effect, ranked.choice));
+  const TrialNumbers numbers = trial_numbers(problem, in.base, after, whitener);
+  candidate.rms_after_um = numbers.rms_after_um;
+  candidate.explained = numbers.explained;
+  candidate.kept_rms_before_um = numbers.kept_rms_before_um;
+  candidate.kept_rms_after_um = numbers.kept_rms_after_um;
+  candidate.explainable_share = numbers.explainable_share;
+  candidate.tried_at.value = ranked.choice.nonlinear;
+  candidate.tried_at.coefficients.assign(ranked.choice.columns.begin(), ranked.choice.columns.end());
   candidate.probability = ranked.probability;
   candidate.set = ranked.set;
   candidate.e_value = ranked.e_value;
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
-      probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, noise.pure.dof)));
+      probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, after.noise.pure.dof)));
   const double least = 1.0 / (static_cast<double>(in.found.replicate_scores.size()) + 1.0);  // they show no less
   candidate.false_naming = std::max(least, tail_probability(in.found.replicate_scores, ranked.choice.score()));
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
-  candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.columns.cols());
+  candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.problem.columns.cols());
   if (prove) {
     candidate.held_out_rms_before_um = held_out_before;
     candidate.held_out_rms_um =
-        held_out_rms(in.regressors.data(), noise, left_out, parts, problem.columns, problem.target);
+        held_out_rms(in.regressors.data(), after.noise, after.left_out, parts, problem.columns, problem.target);
   }
   for (const EffectInstance& rival : ranked.rivals) {
     const std::string name = to_text(rival);
@@ -264,14 +209,14 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
     candidate.parameters_set[std::string(definition.searched_parameter())] = ranked.values;
     return;
   }
-  LinearProblem others{in.columns, in.base.target};
+  LinearProblem others = in.problem;
   for (std::size_t j = 0; j < order.size(); ++j)
     if (j != i && order[j].named)
-      others = joined_with(others.columns, others.target, columns_on(in.regressors, order[j]));
+      others = joined_with(others, columns_on(in.regressors, order[j].effect, order[j].choice));
   for (const double value : ranked.values) {
     RankedCandidate at = ranked;
     at.choice.nonlinear = value;
-    const LinearProblem problem = joined_with(others.columns, others.target, columns_on(in.regressors, at));
+    const LinearProblem problem = joined_with(others, columns_on(in.regressors, at.effect, at.choice));
     for (const ParameterEstimate& parameter :
          quick_parameters(at, problem, whitener, in.regressors, others.columns.cols()))
       candidate.parameters_set[parameter.name].push_back(parameter.value);
@@ -331,16 +276,10 @@ bool explains_most(const ReportInput& in, const RankedCandidate& first) {
   if (!is_pitch_or_no_wave(in.found.families[first.choice.family], first.choice)) return false;
   const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
   const VectorXd left =
-      residual_of(joined_with(in.columns, in.base.target, columns_on(in.regressors, first)), whitener);
+      residual_of(joined_with(in.problem, columns_on(in.regressors, first.effect, first.choice)), whitener);
   const std::vector<bool>& out = in.base.core.left_out;
   return explainable_share(rms_without(in.base.residual, out), rms_without(left, out), in.found.noise.pure.noise_um) >=
          kMostExplained;
-}
-
-std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
-  std::vector<EffectInstance> all = candidate_instances(regressors.data());
-  for (const EffectInstance& candidate : model.candidates) all.push_back(with_best_start(model, candidate, regressors));
-  return all;
 }
 
 /// Why the best effects of the library do not count as an explanation.
@@ -393,18 +332,13 @@ Result<Diagnosis> reported(const ReportInput& in) {
     diagnosis.verdict = Verdict::partly_explained;
     order.front().named = true;
   }
-  Model with = in.model;
-  for (const Choice& own : in.found.solution.own) {
-    const std::size_t effect = in.base.own[own.family - in.found.candidates_tried];
-    with.effects[effect].fitted[std::string(with.effects[effect].definition().searched_parameter())] = own.nonlinear;
-  }
+  diagnosis.own_terms = in.own;
+  std::vector<EffectInstance> named;
   for (const RankedCandidate& ranked : order)
-    if (ranked.named) with.effects.push_back(ranked.effect);
-  Fit after;
-  auto again = base_of(with, in.regressors, in.options.plain, &after);
-  if (!again) return tl::unexpected(again.error());
-  const NoiseModel noise = noise_of(data, again->residual, smooth_columns(data), again->core.left_out);
-  const std::vector<bool>& left_out = again->core.left_out;
+    if (ranked.named) named.push_back(ranked.effect);
+  const auto with = fitted_with(in.model, in.own, named, in.regressors, in.options.plain);
+  if (!with) return tl::unexpected(with.error());
+  const auto& [after, noise, left_out] = *with;
   const Whitener whitener(data, noise, left_out);
   diagnosis.rms_after_um = after.rms_um;
   diagnosis.noise = noise.pure;
@@ -415,10 +349,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
 
   const Parts parts = parts_of(data);
   const double held_out_before =
-      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.columns, in.base.target);
+      order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.problem.columns, in.problem.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    Candidate candidate = candidate_of(in, order[i], whitener, parts, noise, left_out, diagnosis.rms_um,
-                                       held_out_before, i < kMostProved);
+    Candidate candidate = candidate_of(in, order[i], whitener, parts, *with, held_out_before, i < kMostProved);
+    candidate.found = i < in.found.groups.size();
     if (candidate.named) {  // named ones are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
       state_sets(candidate, in, order, i, whitener, after);
@@ -465,12 +399,15 @@ Result<Diagnosis> diagnosed(const Model& model, const Observations& data, const 
   if (static_cast<double>(data.size()) < static_cast<double>(base->core.rank) + kFewestSpare)
     return too_few(data, *base);
   const auto report = [&](const Found& found) {
-    return reported({model, regressors, *base, columns_with_own(*base, regressors, found), found, options});
+    std::vector<OwnTerm> own;
+    for (const Choice& term : found.solution.own)
+      own.push_back({base->own[term.family - found.candidates_tried], term.nonlinear});
+    return reported({model, regressors, *base, own, problem_with_own(model, *base, regressors, own), found, options});
   };
   if (data.size() <= options.largest_search)
     return report(searched(model, regressors, *base, all_candidates(model, regressors), options));
 
-  const Observations part = subset(data, even_choice(data.size(), options.largest_search));
+  const Observations part = searched_part(data, options.largest_search);
   const Regressors part_regressors(part);
   const auto part_base = base_of(model, part_regressors, options.plain, nullptr);
   if (!part_base) return tl::unexpected(part_base.error());

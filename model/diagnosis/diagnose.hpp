@@ -41,6 +41,18 @@ struct SetMember {
   double probability = 0.0;
 };
 
+/// Where an effect was tried alone beside the model: enough to try it there again.
+struct TriedAt {
+  double value = 0.0;                     ///< of its searched parameter; 0 where it has none
+  std::vector<std::size_t> coefficients;  ///< those used, by their number
+};
+
+/// A free searched parameter of one of the model's own effects, at its best beside the effects found.
+struct OwnTerm {
+  std::size_t effect = 0;  ///< number in the model, from 0
+  double value = 0.0;
+};
+
 struct Candidate {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
@@ -58,6 +70,8 @@ struct Candidate {
   std::optional<double> e_value;  ///< e_value.hpp, divided by the number of candidates tried; absent: no split shows it
   /// By name: all values that fit within Δχ² 9 (a period); the interval (a place).
   std::map<std::string, std::vector<double>> parameters_set;
+  bool found = false;  ///< of the best set found: e-values of its other members are weighed beside this one
+  TriedAt tried_at;
   std::size_t skipped = 0;                          ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::string because;                              ///< one sentence with the evidence
@@ -85,6 +99,7 @@ struct Diagnosis {
   std::vector<int> outliers;          ///< row numbers
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
   std::size_t candidates_tried = 0;
+  std::vector<OwnTerm> own_terms;
   std::size_t noise_replicates = 0;  ///< that were searched
 };
 

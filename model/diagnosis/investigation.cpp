@@ -38,9 +38,8 @@ constexpr double kLateShare = 0.3;
 /// An effect scores at least this (beyond kRefinement), whatever the replicates: e^(8/2) = 55 to 1 by Schwarz's
 /// approximation of the Bayes factor.
 constexpr double kLeastEntry = 8.0;
-/// Noise that changed by more than this is looked at again; twice, then it is what it is.
+/// Noise that changed by more than this is looked at again; kMostRounds times, then it is what it is.
 constexpr double kNoiseFell = 0.85, kNoiseRose = 1.15;
-constexpr int kMostRounds = 2;
 /// Part of the freedom of repeats that a test of structure relies on: correlated repeats tell less than their number. A
 /// choice.
 constexpr double kFreedomOfTests = 0.6;
@@ -220,17 +219,19 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
   return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
 }
 
-MatrixXd columns_with_own(const Base& base, const Regressors& regressors, const Found& found) {
-  MatrixXd columns = base.columns;
-  for (const Choice& own : found.solution.own)
-    columns = beside(std::move(columns), regressors.columns(found.families[own.family].effect, own.nonlinear).of);
-  return columns;
+bool noise_changed(const Observations& data, const VectorXd& residual, bool plain, NoiseModel& noise,
+                   std::vector<bool>& left_out) {
+  std::vector<bool> outliers = plain ? left_out : isolated_outliers(data, residual);
+  NoiseModel again = noise_of(data, residual, smooth_columns(data), outliers);
+  if (outliers == left_out && !changed(noise, again)) return false;
+  left_out = std::move(outliers);
+  noise = std::move(again);
+  return true;
 }
 
 Found searched(const Model& model, const Regressors& regressors, const Base& base,
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
-  const MatrixXd smooth = smooth_columns(data);
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
   std::vector<EffectInstance> others_than_own = candidates;
@@ -241,7 +242,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   });
   Found found;
   found.left_out = base.core.left_out;
-  found.noise = noise_of(data, base.residual, smooth, found.left_out);
+  found.noise = noise_of(data, base.residual, smooth_columns(data), found.left_out);
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
@@ -260,13 +261,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
     const VectorXd residual = residual_of(joined(base, search, found.solution), whitener);
     if (round < kMostRounds) {
-      const std::vector<bool> outliers = options.plain ? found.left_out : isolated_outliers(data, residual);
-      const NoiseModel noise = noise_of(data, residual, smooth, outliers);
-      if (outliers != found.left_out || changed(found.noise, noise)) {
-        found.left_out = outliers;
-        found.noise = noise;
-        continue;
-      }
+      if (noise_changed(data, residual, options.plain, found.noise, found.left_out)) continue;
     }
     weigh(regressors, base, search, found);
     const Structure structure(data, whitener, noise_freedom);

@@ -63,10 +63,13 @@ struct LinearProblem {
 /// Fits the model with every function of its curves. @param fit  where the fit is reported too; may be null
 [[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit);
 
-/// Columns of the model, its own terms at the values that a solution gives them.
-[[nodiscard]] Eigen::MatrixXd columns_with_own(const Base& base, const Regressors& regressors, const Found& found);
-
 [[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
+
+/// The noise is looked at again, with what was found taken off, so many times at the utmost.
+inline constexpr int kMostRounds = 2;
+/// Noise and outliers anew from what is left; false: they are what they were.
+[[nodiscard]] bool noise_changed(const Observations& data, const Eigen::VectorXd& residual, bool plain,
+                                 NoiseModel& noise, std::vector<bool>& left_out);
 
 [[nodiscard]] Found searched(const Model& model, const Regressors& regressors, const Base& base,
                              const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);

@@ -5,6 +5,7 @@
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/interrupt.hpp"
+#include "commissioning/models/answer_check.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/plots.hpp"
 
@@ -37,6 +38,8 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseArguments& argument
   const auto diagnosis = model::diagnose(work->model, work->data, options);
   if (!diagnosis) return tl::unexpected(in_file(diagnosis.error(), arguments.common.model));
   Cell answer = diagnosis_cell(*diagnosis);
+  if (const auto added = add_check_inputs(answer, arguments.common, *work, arguments.plain); !added)
+    return tl::unexpected(added.error());
   if (!arguments.plot.empty()) {
     if (const auto drawn = draw(*work, *diagnosis, arguments); !drawn) return tl::unexpected(drawn.error());
     answer.text += "\nplot written to " + arguments.plot + "\n";

@@ -1,0 +1,221 @@
+#include "commissioning/models/answer_check.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/file.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/models/json.hpp"
+#include "laser/map/csv.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using model::Candidate;
+using model::Claim;
+
+constexpr std::size_t kWidestName = 40;
+
+Result<std::string> joined_sha256(const std::vector<std::string>& files) {
+  std::string all;
+  for (const std::string& file : files) {
+    const auto content = read_file(file);
+    if (!content) return tl::unexpected(content.error());
+    all += *content;
+  }
+  return sha256_hex(all);
+}
+
+/// Values of an object by key; the first that is missing or of another kind is the problem.
+class AnswerReader {
+ public:
+  AnswerReader(const std::string& file, std::optional<Problem>& problem) : file_(file), problem_(problem) {}
+
+  double number(const Json& object, const char* key) {
+    const Json* value = of(object, key, "a number", [](const Json& one) { return one.is_number(); });
+    return value ? value->get<double>() : 0.0;
+  }
+  std::optional<double> number_if_any(const Json& object, const char* key) {
+    const Json* value =
+        of(object, key, "a number or null", [](const Json& one) { return one.is_number() || one.is_null(); });
+    return value && value->is_number() ? std::optional(value->get<double>()) : std::nullopt;
+  }
+  std::size_t count(const Json& object, const char* key) {
+    const Json* value = of(object, key, "a count", [](const Json& one) { return one.is_number_unsigned(); });
+    return value ? value->get<std::size_t>() : 0;
+  }
+  bool flag(const Json& object, const char* key) {
+    const Json* value = of(object, key, "true or false", [](const Json& one) { return one.is_boolean(); });
+    return value && value->get<bool>();
+  }
+  std::string word(const Json& object, const char* key) {
+    const Json* value = of(object, key, "a text", [](const Json& one) { return one.is_string(); });
+    return value ? value->get<std::string>() : std::string();
+  }
+  std::optional<std::string> word_if_any(const Json& object, const char* key) {
+    const Json* value =
+        of(object, key, "a text or null", [](const Json& one) { return one.is_string() || one.is_null(); });
+    return value && value->is_string() ? std::optional(value->get<std::string>()) : std::nullopt;
+  }
+  Json list(const Json& object, const char* key) {
+    const Json* value = of(object, key, "a list", [](const Json& one) { return one.is_array(); });
+    return value ? *value : Json::array();
+  }
+  Json object(const Json& object, const char* key) {
+    const Json* value = of(object, key, "an object", [](const Json& one) { return one.is_object(); });
+    return value ? *value : Json::object();
+  }
+  void refuse(const std::string& why) {
+    if (!problem_) problem_ = Problem{ProblemKind::bad_input, why, file_, 0, 0, {}};
+  }
+
+ private:
+  template <class Is>
+  const Json* of(const Json& object, const char* key, const char* expected, Is is) {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    if (found != object.end() && is(*found)) return &*found;
+    refuse(fmt::format("{}: expected {}, as `ecs model diagnose --json` writes it", key, expected));
+    return nullptr;
+  }
+  const std::string& file_;
+  std::optional<Problem>& problem_;
+};
+
+Candidate candidate_in(const Json& object, AnswerReader& reader) {
+  Candidate candidate;
+  if (auto effect = object.is_object() ? effect_in(object) : std::nullopt)
+    candidate.effect = std::move(*effect);
+  else
+    reader.refuse("effect: expected one of the library, as `ecs model diagnose --json` writes it");
+  candidate.named = reader.flag(object, "named");
+  candidate.found = reader.flag(object, "found");
+  candidate.rms_after_um = reader.number(object, "rms_after_um");
+  candidate.explained = reader.number(object, "explained");
+  candidate.explainable_share = reader.number(object, "explainable_share");
+  candidate.e_value = reader.number_if_any(object, "e_value");
+  candidate.held_out_rms_um = reader.number_if_any(object, "held_out_rms_um");
+  candidate.held_out_rms_before_um = reader.number_if_any(object, "held_out_rms_before_um");
+  const Json tried_at = reader.object(object, "tried_at");
+  candidate.tried_at.value = reader.number(tried_at, "value");
+  for (const Json& one : reader.list(tried_at, "coefficients"))
+    candidate.tried_at.coefficients.push_back(reader.count(Json{{"coefficients", one}}, "coefficients"));
+  const Json parameters = reader.object(object, "parameters");
+  for (const auto& [name, value] : parameters.items())
+    if (value.is_number()) candidate.parameters.push_back({name, "", value.get<double>(), {}, false, false});
+  return candidate;
+}
+
+Claim claim_in(const Json& object, AnswerReader& reader) {
+  Claim claim;
+  claim.observations = reader.count(object, "observations");
+  claim.rms_um = reader.number(object, "rms_um");
+  claim.rms_after_um = reader.number(object, "rms_after_um");
+  claim.candidates_tried = reader.count(object, "candidates_tried");
+  claim.plain = reader.flag(object, "plain");
+  for (const Json& one : reader.list(object, "own_terms"))
+    claim.own_terms.push_back({reader.count(one, "effect"), reader.number(one, "value")});
+  for (const Json& one : reader.list(object, "candidates")) claim.candidates.push_back(candidate_in(one, reader));
+  return claim;
+}
+
+/// Everything of an answer that a check reads.
+struct KeptAnswer {
+  Claim claim;
+  std::string data_sha256;
+  model::Model model;
+  std::optional<params::Machine> machine;
+};
+
+Result<KeptAnswer> read_kept_answer(const std::string& file) {
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  const Json object = Json::parse(*text, nullptr, false);
+  std::optional<Problem> problem;
+  AnswerReader reader(file, problem);
+  if (!object.is_object()) reader.refuse("expected one JSON object, as `ecs model diagnose --json` writes it");
+  KeptAnswer kept;
+  kept.claim = claim_in(object, reader);
+  kept.data_sha256 = reader.word(object, "data_sha256");
+  const std::string model_text = reader.word(object, "model");
+  const auto map_text = reader.word_if_any(object, "map"), machine_text = reader.word_if_any(object, "machine");
+  if (problem) return tl::unexpected(std::move(*problem));
+  auto model = model::parse_model(model_text, file + ": model", {});
+  if (!model) return tl::unexpected(model.error());
+  kept.model = std::move(*model);
+  if (map_text) {
+    auto map = laser::parse_map_csv(*map_text, file + ": map");
+    if (!map) return tl::unexpected(map.error());
+    kept.model.map = std::move(*map);
+  }
+  if (machine_text) {
+    auto machine = params::parse_machine(*machine_text, file + ": machine");
+    if (!machine) return tl::unexpected(machine.error());
+    kept.machine = std::move(machine->machine);
+  }
+  return kept;
+}
+
+std::string shown(const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : "-"; }
+
+}  // namespace
+
+Result<void> add_check_inputs(Cell& answer, const ModelArguments& arguments, const ModelWork& work, bool plain) {
+  const auto hash = joined_sha256(arguments.data);
+  if (!hash) return tl::unexpected(hash.error());
+  Json machine;
+  if (!arguments.machine.empty()) {
+    const auto text = read_file(arguments.machine);
+    if (!text) return tl::unexpected(text.error());
+    machine = *text;
+  }
+  model::Model model = work.model;
+  model.map_file.clear();
+  model.history.clear();
+  answer.json["data_sha256"] = *hash;
+  answer.json["plain"] = plain;
+  answer.json["model"] = to_toml(model);
+  answer.json["map"] = work.model.map ? Json(laser::to_map_csv(*work.model.map)) : Json();
+  answer.json["machine"] = machine;
+  return {};
+}
+
+Result<model::Check> check_answer(MessageSink& messages, const std::string& answer_file,
+                                  const std::vector<std::string>& data, const std::string& machine,
+                                  const ImportArguments& import) {
+  auto kept = read_kept_answer(answer_file);
+  if (!kept) return tl::unexpected(kept.error());
+  const auto hash = joined_sha256(data);
+  if (!hash) return tl::unexpected(hash.error());
+  if (*hash != kept->data_sha256)
+    return problem(ProblemKind::bad_input, fmt::format("the data are not those of {}: expected SHA-256 {}, got {}",
+                                                       answer_file, kept->data_sha256, *hash));
+  if (!machine.empty()) {
+    auto other = machine_in(messages, machine);
+    if (!other) return tl::unexpected(other.error());
+    kept->machine = std::move(*other);
+  }
+  const auto set = measured_in(messages, data, import);
+  if (!set) return tl::unexpected(set.error());
+  return model::checked(kept->model, model::observations_of(*set, kept->model, kept->machine), kept->claim);
+}
+
+Cell check_cell(const model::Check& check) {
+  Cell numbers{Json::array(), {}};
+  for (const model::CheckedNumber& one : check.numbers)
+    numbers.add(record_cell("{name} {claimed:>14} {recomputed:>14}  {holds}\n",
+                            {{"name", {one.name, padded(one.name, kWidestName)}},
+                             {"claimed", {number_or_null(one.claimed), shown(one.claimed)}},
+                             {"recomputed", {number_or_null(one.recomputed), shown(one.recomputed)}},
+                             {"holds", yes_cell(one.holds, "holds", "DIFFERS")}}));
+  std::string objections;
+  for (const std::string& one : check.objections) objections += paragraph(one, 0, 2);
+  const bool holds = check.holds();
+  return record_cell("{holds}\n" + fmt::format("{:<{}} {:>14} {:>14}\n", "", kWidestName, "claimed", "recomputed") +
+                         "{checked}{objections}",
+                     {{"holds", yes_cell(holds, "The answer holds.", "The answer does not hold.")},
+                      {"checked", numbers},
+                      {"objections", {check.objections, objections}}});
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,181 @@
+#include "model/diagnosis/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "model/diagnosis/e_value.hpp"
+#include "model/diagnosis/trial.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/held_out.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+
+bool near(double a, double b, double share, double least = 0.0) {
+  return std::abs(a - b) <= std::max(least, share * std::max(std::abs(a), std::abs(b)));
+}
+
+void check_number(Check& check, std::string name, const std::optional<double>& claimed,
+                  const std::optional<double>& recomputed, double least = 0.0) {
+  const bool holds = claimed && recomputed ? near(*claimed, *recomputed, kNumberTolerance, least)
+                                           : claimed.has_value() == recomputed.has_value();
+  check.numbers.push_back({std::move(name), claimed, recomputed, holds});
+}
+
+void check_e_value(Check& check, std::string name, const std::optional<double>& claimed,
+                   const std::optional<double>& recomputed) {
+  bool holds = claimed.has_value() == recomputed.has_value();
+  if (claimed && recomputed)
+    holds = *claimed > 0.0 && *recomputed > 0.0 &&
+            near(std::log(*claimed), std::log(*recomputed), kLnTolerance, kLeastLnTolerance);
+  check.numbers.push_back({std::move(name), claimed, recomputed, holds});
+}
+
+/// An effect of the answer as the search has it.
+struct Member {
+  const Candidate& claimed;
+  EffectInstance effect;  ///< as it is tried
+  Choice choice;
+};
+
+std::string beyond_library(const Candidate& candidate) {
+  return fmt::format("{} is no candidate on these data", to_text(candidate.effect));
+}
+
+/// Members whose effect cannot be tried on these data are objected to.
+std::vector<Member> members_of(const Claim& claim, const Model& model, const Regressors& regressors, Check& check) {
+  std::vector<Member> members;
+  const std::vector<EffectInstance> all = all_candidates(model, regressors);
+  for (const Candidate& candidate : claim.candidates) {
+    if (!candidate.named && !candidate.found) continue;
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
+    if (found == all.end()) {
+      check.objections.push_back(beyond_library(candidate));
+      continue;
+    }
+    Member member{candidate, *found, {}};
+    member.choice.nonlinear = candidate.tried_at.value;
+    for (const std::size_t column : candidate.tried_at.coefficients)
+      member.choice.columns.push_back(static_cast<Index>(column));
+    members.push_back(std::move(member));
+  }
+  return members;
+}
+
+LinearProblem problem_with(LinearProblem problem, const std::vector<Member>& members, const Regressors& regressors,
+                           const Member* without) {
+  for (const Member& member : members)
+    if (&member != without) problem = joined_with(problem, columns_on(regressors, member.effect, member.choice));
+  return problem;
+}
+
+/// On the readings that were searched, with noise and outliers settled beside all members.
+Result<void> check_e_values(const Model& model, const Observations& data, const Claim& claim,
+                            const std::vector<Member>& members, Check& check) {
+  const Regressors regressors(data);
+  const auto base = base_of(model, regressors, claim.plain, nullptr);
+  if (!base) return tl::unexpected(base.error());
+  const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
+  const LinearProblem all = problem_with(alone, members, regressors, nullptr);
+  std::vector<bool> left_out = base->core.left_out;
+  NoiseModel noise = noise_of(data, base->residual, smooth_columns(data), left_out);
+  for (int round = 0; round < kMostRounds; ++round)
+    if (!noise_changed(data, residual_of(all, Whitener(data, noise, left_out)), claim.plain, noise, left_out)) break;
+  for (const Member& member : members) {
+    if (!member.claimed.named) continue;
+    const LinearProblem others = problem_with(alone, members, regressors, &member);
+    auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect);
+    if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(claim.candidates_tried, 1));
+    check_e_value(check, to_text(member.effect) + " e_value", member.claimed.e_value, e_value);
+  }
+  return {};
+}
+
+void check_parameters(const Member& member, const EffectFit& fit, Check& check) {
+  const auto find = [](const std::vector<ParameterEstimate>& list, const std::string& name) {
+    return std::find_if(list.begin(), list.end(), [&](const ParameterEstimate& one) { return one.name == name; });
+  };
+  for (const ParameterEstimate& claimed : member.claimed.parameters) {
+    const auto own = find(fit.parameters, claimed.name);
+    const bool known = own != fit.parameters.end();
+    check_number(check, to_text(member.effect) + " " + claimed.name, claimed.value,
+                 known ? std::optional(own->value) : std::nullopt,
+                 known && own->sigma ? kSigmaTolerance * *own->sigma : 0.0);
+  }
+}
+
+void check_member(const Member& member, const Regressors& regressors, const Base& base, const LinearProblem& model,
+                  const FittedWith& after, Check& check) {
+  const Observations& data = regressors.data();
+  const std::string name = to_text(member.effect) + " ";
+  const LinearProblem problem = joined_with(model, columns_on(regressors, member.effect, member.choice));
+  const TrialNumbers numbers = trial_numbers(problem, base, after, Whitener(data, after.noise, after.left_out));
+  const Candidate& claimed = member.claimed;
+  check_number(check, name + "rms_after_um", claimed.rms_after_um, numbers.rms_after_um);
+  check_number(check, name + "explained", claimed.explained, numbers.explained);
+  check_number(check, name + "explainable_share", claimed.explainable_share, numbers.explainable_share);
+  const Parts parts = parts_of(data);
+  const auto held_out = [&](const LinearProblem& of) {
+    return held_out_rms(data, after.noise, after.left_out, parts, of.columns, of.target);
+  };
+  if (claimed.held_out_rms_um)
+    check_number(check, name + "held_out_rms_um", claimed.held_out_rms_um, held_out(problem));
+  if (claimed.held_out_rms_before_um)
+    check_number(check, name + "held_out_rms_before_um", claimed.held_out_rms_before_um, held_out(model));
+}
+
+/// The searched terms of the model that are free each have one value.
+bool own_terms_fit(const Claim& claim, const Base& base) {
+  if (claim.own_terms.size() != base.own.size()) return false;
+  for (std::size_t i = 0; i < base.own.size(); ++i)
+    if (claim.own_terms[i].effect != base.own[i]) return false;
+  return true;
+}
+
+}  // namespace
+
+bool Check::holds() const {
+  return objections.empty() &&
+         std::all_of(numbers.begin(), numbers.end(), [](const CheckedNumber& number) { return number.holds; });
+}
+
+Result<Check> checked(const Model& model, const Observations& data, const Claim& claim) {
+  if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to check");
+  const Regressors regressors(data);
+  const auto base = base_of(model, regressors, claim.plain, nullptr);
+  if (!base) return tl::unexpected(base.error());
+  Check check;
+  check_number(check, "observations", static_cast<double>(claim.observations), static_cast<double>(data.size()));
+  check_number(check, "rms_um", claim.rms_um, rms_of(base->residual));
+  const std::vector<Member> members = members_of(claim, model, regressors, check);
+  if (!own_terms_fit(claim, *base)) {
+    if (!members.empty()) check.objections.emplace_back("own_terms are not the free searched terms of the model");
+    return check;
+  }
+  std::vector<EffectInstance> named;
+  for (const Member& member : members)
+    if (member.claimed.named) named.push_back(effect_of(member.effect, member.choice));
+  const auto after = fitted_with(model, claim.own_terms, named, regressors, claim.plain);
+  if (!after) return tl::unexpected(after.error());
+  check_number(check, "rms_after_um", claim.rms_after_um, after->fit.rms_um);
+  const LinearProblem alone = problem_with_own(model, *base, regressors, claim.own_terms);
+  std::size_t place = model.effects.size();
+  for (const Member& member : members) {
+    if (!member.claimed.named) continue;
+    check_member(member, regressors, *base, alone, *after, check);
+    check_parameters(member, after->fit.effects[place++], check);
+  }
+  if (named.empty()) return check;
+  const std::size_t largest = DiagnoseOptions{}.largest_search;
+  const bool part = data.size() > largest;
+  if (const auto done = check_e_values(model, part ? searched_part(data, largest) : data, claim, members, check); !done)
+    return tl::unexpected(done.error());
+  return check;
+}
+
+}  // namespace ecs::model

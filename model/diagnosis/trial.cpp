@@ -1,0 +1,115 @@
+// Large sets are searched on a stratified sample (Cochran 1977, 5).
+#include "model/diagnosis/trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "model/data/curve_basis.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/user_start.hpp"
+#include "model/regression/candidates.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Any number: the same data always give the same choice.
+constexpr std::uint64_t kSeed = 20261120;
+
+}  // namespace
+
+std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
+  std::vector<EffectInstance> all = candidate_instances(regressors.data());
+  for (const EffectInstance& candidate : model.candidates) all.push_back(with_best_start(model, candidate, regressors));
+  return all;
+}
+
+Observations searched_part(const Observations& data, std::size_t wanted) {
+  std::vector<std::size_t> chosen;
+  std::mt19937_64 random(kSeed);
+  const double step = static_cast<double>(data.size()) / static_cast<double>(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const double place = (static_cast<double>(i) + std::uniform_real_distribution<double>(0.0, 1.0)(random)) * step;
+    const auto k = std::min(static_cast<std::size_t>(place), data.size() - 1);
+    if (chosen.empty() || k > chosen.back()) chosen.push_back(k);
+  }
+  return subset(data, chosen);
+}
+
+Columns columns_on(const Regressors& regressors, const EffectInstance& effect, const Choice& choice) {
+  Columns all = regressors.columns(effect, choice.nonlinear);
+  if (all.fixed.size() > 0) return all;
+  Columns chosen;
+  std::vector<Index> kept;
+  for (const Index j : choice.columns)
+    if (j < all.of.cols()) kept.push_back(j);
+  chosen.of.resize(all.of.rows(), static_cast<Index>(kept.size()));
+  for (std::size_t j = 0; j < kept.size(); ++j) chosen.of.col(static_cast<Index>(j)) = all.of.col(kept[j]);
+  return chosen;
+}
+
+LinearProblem joined_with(const LinearProblem& problem, const Columns& more) {
+  LinearProblem all = problem;
+  if (more.fixed.size() > 0) all.target -= more.fixed;
+  all.columns.conservativeResize(Eigen::NoChange, problem.columns.cols() + more.of.cols());
+  all.columns.rightCols(more.of.cols()) = more.of;
+  return all;
+}
+
+LinearProblem problem_with_own(const Model& model, const Base& base, const Regressors& regressors,
+                               const std::vector<OwnTerm>& own) {
+  LinearProblem problem{base.columns, base.target};
+  for (const OwnTerm& term : own)
+    problem = joined_with(problem, {.of = regressors.columns(model.effects[term.effect], term.value).of, .fixed = {}});
+  return problem;
+}
+
+double rms_without(const VectorXd& residual, const std::vector<bool>& left_out) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
+    if (left_out[k]) continue;
+    sum += residual(static_cast<Index>(k)) * residual(static_cast<Index>(k));
+    count += 1.0;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+double explainable_share(double rms_um, double rms_after_um, double noise_um) {
+  const double above_noise = rms_um * rms_um - noise_um * noise_um;
+  return above_noise > 0.0 ? std::clamp((rms_um * rms_um - rms_after_um * rms_after_um) / above_noise, 0.0, 1.0) : 0.0;
+}
+
+Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
+                               const std::vector<EffectInstance>& effects, const Regressors& regressors, bool plain) {
+  Model with = model;
+  for (const OwnTerm& term : own) {
+    EffectInstance& effect = with.effects[term.effect];
+    effect.fitted[std::string(effect.definition().searched_parameter())] = term.value;
+  }
+  with.effects.insert(with.effects.end(), effects.begin(), effects.end());
+  FittedWith after;
+  const auto base = base_of(with, regressors, plain, &after.fit);
+  if (!base) return tl::unexpected(base.error());
+  after.left_out = base->core.left_out;
+  after.noise = noise_of(regressors.data(), base->residual, smooth_columns(regressors.data()), after.left_out);
+  return after;
+}
+
+TrialNumbers trial_numbers(const LinearProblem& problem, const Base& base, const FittedWith& after,
+                           const Whitener& whitener) {
+  const VectorXd residual = residual_of(problem, whitener);
+  const double rms_um = rms_of(base.residual);
+  TrialNumbers numbers;
+  numbers.rms_after_um = rms_of(residual);
+  numbers.explained = rms_um > 0.0 ? 1.0 - std::pow(numbers.rms_after_um / rms_um, 2) : 0.0;
+  numbers.kept_rms_before_um = rms_without(base.residual, after.left_out);
+  numbers.kept_rms_after_um = rms_without(residual, after.left_out);
+  numbers.explainable_share =
+      explainable_share(numbers.kept_rms_before_um, numbers.kept_rms_after_um, after.noise.pure.noise_um);
+  return numbers;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,51 @@
+// One effect tried beside a model at given values, and the numbers told of it: what a diagnosis reports and a check
+// recomputes. Internal to model/ (Eigen). Does not live here: which effects and values (investigation.hpp).
+#pragma once
+
+#include <vector>
+
+#include "model/diagnosis/investigation.hpp"
+
+namespace ecs::model {
+
+/// Every effect that a diagnosis of these data tries: the library's, then the model's own candidates.
+[[nodiscard]] std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors);
+
+/// An even choice of readings, at random one from each stretch of the file; the same for the same data.
+[[nodiscard]] Observations searched_part(const Observations& data, std::size_t wanted);
+
+/// Columns of an effect on all readings at the values of a choice.
+[[nodiscard]] Columns columns_on(const Regressors& regressors, const EffectInstance& effect, const Choice& choice);
+[[nodiscard]] LinearProblem joined_with(const LinearProblem& problem, const Columns& more);
+
+/// Columns and target of the model, its own terms at these values.
+[[nodiscard]] LinearProblem problem_with_own(const Model& model, const Base& base, const Regressors& regressors,
+                                             const std::vector<OwnTerm>& own);
+
+/// √(mean r²) of all readings but the outliers.
+[[nodiscard]] double rms_without(const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
+/// Share of what is above noise in `rms_um` that is gone, 0 … 1; 0 where nothing is above noise.
+[[nodiscard]] double explainable_share(double rms_um, double rms_after_um, double noise_um);
+
+/// The model with effects of a diagnosis, all fitted together from their values.
+struct FittedWith {
+  Fit fit;
+  NoiseModel noise;
+  std::vector<bool> left_out;
+};
+[[nodiscard]] Result<FittedWith> fitted_with(const Model& model, const std::vector<OwnTerm>& own,
+                                             const std::vector<EffectInstance>& effects, const Regressors& regressors,
+                                             bool plain);
+
+/// How well one effect alone beside the model explains the readings.
+struct TrialNumbers {
+  double rms_after_um = 0.0;
+  double explained = 0.0;
+  double kept_rms_before_um = 0.0;  ///< outliers apart
+  double kept_rms_after_um = 0.0;
+  double explainable_share = 0.0;
+};
+[[nodiscard]] TrialNumbers trial_numbers(const LinearProblem& problem, const Base& base, const FittedWith& after,
+                                         const Whitener& whitener);
+
+}  // namespace ecs::model
