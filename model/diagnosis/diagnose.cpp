@@ -17,8 +17,6 @@
 #include "model/fit/held_out.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/fit/user_start.hpp"
-#include "model/regression/candidates.hpp"
 #include "model/regression/needs.hpp"
 
 namespace ecs::model {
@@ -26,7 +24,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
 /// Candidates listed, and of them those that are proved on readings not fitted to: what a person reads, and pays for.
