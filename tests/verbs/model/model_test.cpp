@@ -467,8 +467,8 @@ TEST_CASE("instruments' own files are data as well") {
 }
 
 TEST_CASE("every verb of the menu takes a machine") {
-  for (const char* verb :
-       {"effects", "predict", "fit", "compare", "diagnose", "check", "next", "add", "undo", "history", "what-if", "reveal"}) {
+  for (const char* verb : {"effects", "predict", "fit", "compare", "diagnose", "check", "next", "add", "undo",
+                           "history", "what-if", "reveal"}) {
     CAPTURE(verb);
     CHECK(ran({"model", verb, "--help"}).out.find("--machine") != std::string::npos);
   }
