@@ -26,8 +26,6 @@ Result<Outcome> check(VerbContext& context, const CheckArguments& arguments) {
 
 extern const VerbDefinition kModelCheck =
     verb<CheckArguments>("model check", "recomputes a saved diagnosis from its data; exit 1 if it does not hold",
-                         "ecs model diagnose model.toml data.csv --machine machine.toml --json > answer.json\n  "
-                         "ecs model check answer.json data.csv",
-                         check);
+                         "ecs model check answer.json data.csv", check);
 
 }  // namespace ecs::app
