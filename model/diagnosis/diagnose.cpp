@@ -53,6 +53,7 @@ struct RankedCandidate {
   std::vector<SetMember> set{};
   std::vector<double> values{};  ///< of the searched parameter that fit as well
   std::optional<double> e_value{};
+  bool denied = false;
 };
 
 /// The fewest alternatives whose probabilities reach kCredible together (narrowest group: Spector and Janson 2022).
@@ -90,8 +91,8 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
       members.push_back({to_text(instance(alternatives[i])), shares[i]});
       probability_in[g].try_emplace(members.back().name, shares[i]);
     }
-    RankedCandidate one{instance(group.member),           group.member, named,        {}, shares.front(),
-                        credible_set(std::move(members)), group.values, group.e_value};
+    RankedCandidate one{instance(group.member),           group.member, named,         {},          shares.front(),
+                        credible_set(std::move(members)), group.values, group.e_value, group.denied};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
     list.push_back(std::move(one));
   }
@@ -268,7 +269,7 @@ Verdict verdict_of(const Found& found, const DiagnoseOptions& options) {
 
 /// Whether a cause alone is proved and explains nearly all, although more is left.
 bool explains_most(const ReportInput& in, const RankedCandidate& first) {
-  if (!in.found.objection.empty() || first.e_value.value_or(0.0) < kProved) return false;
+  if (first.denied || first.e_value.value_or(0.0) < kProved) return false;
   if (first.effect.traits().is_curve) return false;  // a curve follows most of anything
   if (!is_pitch_or_no_wave(in.found.families[first.choice.family], first.choice)) return false;
   const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);

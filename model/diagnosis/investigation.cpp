@@ -10,6 +10,7 @@
 
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/waves.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/outliers.hpp"
 #include "model/fit/report.hpp"
@@ -167,18 +168,26 @@ void judge(const Regressors& regressors, const Search& search, const Whitener& w
     const Solution rest = search.solution(others(chosen, i), found.solution.own);
     const auto run = best_run_offset(data, whitener, rest.space);
     const Choice& member = found.groups[i].member;
-    if (run && run_comes_first(*run, found.families[member.family].effect, member.score()) &&
-        (!found.bad_run || run->gain > found.bad_run->gain))
-      found.bad_run = run;
+    if (!run || !run_comes_first(*run, found.families[member.family].effect, member.score())) continue;
+    found.groups[i].denied = true;
+    if (!found.bad_run || run->gain > found.bad_run->gain) found.bad_run = run;
   }
   if (found.bad_run)
     found.objection =
         fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
   else
     found.objection = objection_to_waves(data, found.families, chosen);
-  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i)
+  const bool of_waves = !found.bad_run && !found.objection.empty();
+  for (std::size_t i = 0; i < chosen.size(); ++i) {  // a step that waves need is as little a cause as they are
+    const EffectDefinition& definition = found.families[chosen[i].family].effect.definition();
+    const bool is_jump = definition.traits.shape_of_position && !definition.search.has_slope;
+    if (of_waves && (definition.traits.periodic || is_jump)) found.groups[i].denied = true;
+  }
+  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
     found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
+    found.groups[i].denied = !found.objection.empty();
+  }
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ struct Group {
   /// Of its searched parameter: all that fit within Δχ² 9 of the best, the facts of the machine first; of one without a
   /// derivative (a place) the least and the greatest.
   std::vector<double> values;
+  bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
 };
 /// One group per effect of the solution, in its order.

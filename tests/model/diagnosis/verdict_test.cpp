@@ -40,6 +40,23 @@ TEST_CASE("where the structure outweighs the cause nothing is named") {
   CHECK(named_causes(found) == 0);
 }
 
+TEST_CASE("a proved cause is named beside structure that nothing explains: partly explained") {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Diagnosis found =
+        diagnosed(straight(), measured({}, kNoise_um,
+                                       with_value_of_target(
+                                           1.0, [](const laser::Reading& r) { return 5.0 * d(r); }, seed)));
+    CHECK(found.verdict == Verdict::partly_explained);
+    REQUIRE(named_causes(found) == 1);
+    const Candidate& first = found.candidates.front();
+    CHECK(first.named);
+    CHECK(to_text(first.effect) == "backlash:X:EX");
+    CHECK(first.e_value.value_or(0.0) >= 100.0);
+    CHECK(first.explainable_share >= 0.9);
+    REQUIRE_FALSE(found.where.empty());
+  }
+}
+
 TEST_CASE("an adequate model lists the closest candidates with their probability, none of them named") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, nothing, seed));
