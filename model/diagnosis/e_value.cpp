@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 constexpr double kSpareInHalf = 4.0;
 /// Share of a column that must be left beside the model in each half, in squares, for the half to show it.
 constexpr double kLeastShown = 1e-6;
-/// ln of the greatest e-value that is told: a double ends beyond.
+/// ln of the greatest e-value that is reported: a double ends beyond.
 constexpr double kMostLn = 690.0;
 /// Readings weighed at the utmost.
 constexpr std::size_t kMostWeighed = 1200;

@@ -50,7 +50,7 @@ double parameter(const Candidate& candidate, std::string_view name) {
 
 }  // namespace
 
-TEST_CASE("two waves at one place are told each with its own numbers") {
+TEST_CASE("two waves at one place are reported each with its own numbers") {
   const std::vector<Candidate> named = named_in(diagnosis_of("two_periods"));
   REQUIRE(named.size() == 2);
   CHECK(parameter(named[0], "period_mm") == Approx(0.25).epsilon(1e-4));
@@ -59,7 +59,7 @@ TEST_CASE("two waves at one place are told each with its own numbers") {
   CHECK(parameter(named[1], "amplitude_um") == Approx(1.1).epsilon(0.05));
 }
 
-TEST_CASE("no wave is longer than half a plate, and its turn is told in its size") {
+TEST_CASE("no wave is longer than half a plate, and its turn is reported in its size") {
   const Diagnosis found = diagnosis_of("plate");
   const std::vector<Candidate> named = named_in(found);
   REQUIRE_FALSE(named.empty());

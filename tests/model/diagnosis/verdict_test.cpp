@@ -72,7 +72,7 @@ TEST_CASE("an adequate model lists the closest candidates with their probability
   }
 }
 
-TEST_CASE("a slope that is missing beside a wave of free period is told as the slope") {
+TEST_CASE("a slope that is missing beside a wave of free period is reported as the slope") {
   Model model;
   model.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::cyclic, Axis::X, Sense::EX)};
   for (unsigned seed = 1; seed <= 3; ++seed) {

@@ -176,7 +176,7 @@ TEST_CASE("a chirp is no wave of one period") {
         "along the travel"));
 }
 
-TEST_CASE("an amplitude that grows with time is told as such") {
+TEST_CASE("an amplitude that grows with time is reported as such") {
   const double last_s = *measured({}, 0.0, nothing).readings.back().time_s;
   for (unsigned seed = 1; seed <= 10; ++seed)
     CHECK(contains(
