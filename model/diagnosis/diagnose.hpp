@@ -27,7 +27,7 @@ enum class Verdict : std::uint8_t {
 /// false names in a thousand adequate machines; three effects and 4000 readings bound the time to seconds. All are
 /// choices.
 struct DiagnoseOptions {
-  std::size_t noise_replicates = 400;            ///< simulated data sets of noise alone
+  std::size_t noise_replicates = 200;            ///< simulated data sets of noise alone that a name must beat
   double false_naming_limit = 0.005;             ///< a cause is named only below this family-wise probability
   std::size_t most_effects = 3;                  ///< that may be missing at once
   std::size_t largest_search = 4000;             ///< readings searched; of larger sets an even choice, confirmed on all

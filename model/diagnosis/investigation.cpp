@@ -1,6 +1,6 @@
 // The level that a score must exceed, from replicates of noise searched in the same way (parametric bootstrap: Efron
-// and Tibshirani 1993, 6.5; the largest of all tests: Westfall and Young 1993), noise and search in turn until neither
-// moves.
+// and Tibshirani 1993, 6.5; the largest of all tests: Westfall and Young 1993; drawn until a bet on them is lost:
+// Fischer and Ramdas 2025), noise and search in turn until neither moves.
 #include "model/diagnosis/investigation.hpp"
 
 #include <algorithm>
@@ -52,16 +52,46 @@ constexpr double kLowestScore = -50.0, kHighestScore = 1000.0;
 constexpr int kHalvings = 60;
 /// Below this e-value readings that an effect was not fitted to speak against it rather than for it.
 constexpr double kSpeaksAgainst = 1.0;
+/// Replicates drawn before it is asked whether noise explains all: few, for most data sets of a healthy machine end
+/// there. A bet that their chance is rare is lost with this wealth: it would be won back in one case of a hundred.
+constexpr std::size_t kFirstReplicates = 40;
+constexpr double kRareChance = 0.1, kLost = 0.01;
+/// Tests of structure are held against so many times the replicates that are searched: they are cheap, and their limit
+/// is further out.
+constexpr std::size_t kStructureReplicates = 2;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
 
-MatrixXf without_absorbed(const MatrixXd& q, MatrixXf noise_replicates) {
-  if (q.cols() == 0) return noise_replicates;
-  const MatrixXf qf = q.cast<float>();
-  const MatrixXf products = qf.transpose() * noise_replicates;
-  noise_replicates.noalias() -= qf * products;
-  return noise_replicates;
-}
+/// Replicates of noise, whitened, what the model absorbs taken off.
+class Replicates {
+ public:
+  Replicates(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+             const Whitener& whitener, const Space& base)
+      : noise_(data, noise, left_out), whitener_(whitener), base_(base), drawn_(base.y.size(), 0) {}
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(drawn_.cols()); }
+  [[nodiscard]] const MatrixXf& all() const { return drawn_; }
+  void draw_up_to(std::size_t count) {
+    if (count <= size()) return;
+    const MatrixXf fresh = without(base_.q, whitener_(noise_.next(count - size())).cast<float>());
+    drawn_.conservativeResize(Eigen::NoChange, drawn_.cols() + fresh.cols());
+    drawn_.rightCols(fresh.cols()) = fresh;
+  }
+  /// All of them, what `space` absorbs taken off.
+  [[nodiscard]] MatrixXf beside(const Space& space) const { return without(space.q, drawn_); }
+
+ private:
+  static MatrixXf without(const MatrixXd& q, MatrixXf columns) {
+    if (q.cols() == 0) return columns;
+    const MatrixXf qf = q.cast<float>();
+    const MatrixXf products = qf.transpose() * columns;
+    columns.noalias() -= qf * products;
+    return columns;
+  }
+  SimulatedNoise noise_;
+  const Whitener& whitener_;
+  const Space& base_;
+  MatrixXf drawn_;
+};
 
 /// Least score that noise alone reaches with at most the given chance.
 double score_at(const std::vector<double>& replicate_scores, double chance) {
@@ -90,10 +120,35 @@ LinearProblem joined(const Base& base, const Search& search, const Solution& sol
   return all;
 }
 
-double chance_of_largest(const std::vector<StructureTest>& tests, const std::vector<double>& of_replicates) {
+double largest_of(const std::vector<StructureTest>& tests) {
   double largest = 0.0;
   for (const StructureTest& test : tests) largest = std::max(largest, test.minus_log_p);
-  return tail_probability(of_replicates, largest);
+  return largest;
+}
+
+/// Whether so many replicates of noise reach a value that it is not worth drawing more.
+bool loses_to_noise(double value, const std::vector<double>& replicates) {
+  const auto reached = static_cast<std::size_t>(
+      std::count_if(replicates.begin(), replicates.end(), [&](double replicate) { return replicate >= value; }));
+  return wealth_of_bet(kRareChance, reached, replicates.size()) < kLost;
+}
+
+/// The score that an effect must reach; beyond all where noise explains everything.
+void find_level(const Search& search, const Structure& structure, Replicates& replicates,
+                const DiagnoseOptions& options, Found& found) {
+  const Space& alone = search.alone().space;
+  replicates.draw_up_to(std::min(kFirstReplicates, options.noise_replicates));
+  found.replicate_scores = search.best_scores(replicates.all());
+  found.entry_score = kBeyondAll;
+  const MatrixXf what_is_left = alone.y.cast<float>();
+  if (loses_to_noise(search.best_scores(what_is_left).front(), found.replicate_scores) &&
+      loses_to_noise(largest_of(found.before), structure.largest_of(alone, replicates.beside(alone))))
+    return;
+  replicates.draw_up_to(options.noise_replicates);
+  const auto more = static_cast<Index>(replicates.size() - found.replicate_scores.size());
+  const std::vector<double> scores = search.best_scores(replicates.all().rightCols(more));
+  found.replicate_scores.insert(found.replicate_scores.end(), scores.begin(), scores.end());
+  found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
 }
 
 /// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
@@ -258,27 +313,25 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const Search search(regressors, whitener, base.columns, base.target, others_than_own, own, options.cancelled);
     found.families = search.families();
     found.candidates_tried = search.candidates();
-    const MatrixXf noise_replicates = without_absorbed(
-        search.base().q,
-        whitener(simulated_noise(data, found.noise, options.noise_replicates, found.left_out)).cast<float>());
-    if (found.replicate_scores.empty()) {
-      found.replicate_scores = search.best_scores(noise_replicates);
-      found.entry_score =
-          kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
-    }
+    const Structure structure(data, whitener, noise_freedom);
+    const Space& alone = search.alone().space;
+    found.before = structure.tests(alone);
+    Replicates replicates(data, found.noise, found.left_out, whitener, search.base());
+    if (round == 0) find_level(search, structure, replicates, options, found);
     const double n = static_cast<double>(data.size());
-    found.solution = best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
+    found.solution = search.alone();
+    if (found.entry_score < kBeyondAll)
+      found.solution =
+          best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
     const VectorXd residual = residual_of(joined(base, search, found.solution), whitener);
     if (round < kMostRounds) {
       if (noise_changed(data, residual, options.plain, found.noise, found.left_out)) continue;
     }
     weigh(regressors, base, search, found);
-    const Structure structure(data, whitener, noise_freedom);
     const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
-      return chance_of_largest(tests, structure.largest_of(space, without_absorbed(space.q, noise_replicates)));
+      return tail_probability(structure.largest_of(space, replicates.beside(space)), largest_of(tests));
     };
-    const Space& alone = search.alone().space;
-    found.before = structure.tests(alone);
+    if (found.entry_score < kBeyondAll) replicates.draw_up_to(kStructureReplicates * options.noise_replicates);
     found.structure_p_before = chance_beside(alone, found.before);
     if (!found.solution.chosen.empty())
       found.cross_validated_share = cross_validated_share_of(data, search, whitener, found.solution);

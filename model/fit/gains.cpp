@@ -14,116 +14,123 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::Ref;
 using Eigen::VectorXd;
 
 /// Functions of a curve beyond its leading ones, at least: fewer are a line and a bow, which have effects of their own.
 constexpr std::size_t kFewestCurveFunctions = 4;
 
-/// Gain of the first 1, 2, … columns in this order, from products; columns that add nothing gain nothing.
-struct Gains {
-  std::vector<double> gain;        ///< cumulative
-  std::vector<std::size_t> free;   ///< independent columns so far
-  double first_coefficient = 0.0;  ///< of a single column
-  double first_square = 0.0;
+/// Sets of at most so many columns are worked on without an allocation: a wave with its harmonic has four.
+constexpr int kFewColumns = 6;
+
+/// One step of the factor: what the columns up to here gain together.
+struct Step {
+  double gain = 0.0;
+  std::size_t free = 0;  ///< independent columns so far
+  double square = 0.0;   ///< of this column, what the ones before have taken off
+  double right = 0.0;    ///< its product with what is left
+  bool adds = false;     ///< anything is left of this column
 };
 
-Gains gains_in_order(const MatrixXd& gram, const VectorXd& z, const std::vector<Index>& order,
-                     const Eigen::VectorXd& original_square, double absorbed) {
-  // Cholesky column by column
-  const std::size_t k = order.size();
-  MatrixXd l = MatrixXd::Zero(static_cast<Index>(k), static_cast<Index>(k));
-  VectorXd u = VectorXd::Zero(static_cast<Index>(k));
-  Gains gains;
-  double sum = 0.0;
-  std::size_t free = 0;
-  for (std::size_t i = 0; i < k; ++i) {
-    const auto ii = static_cast<Index>(i);
-    double square = static_cast<double>(gram(order[i], order[i]));
-    double right = static_cast<double>(z(order[i]));
-    for (Index j = 0; j < ii; ++j) {
-      double v = static_cast<double>(gram(order[i], order[static_cast<std::size_t>(j)]));
-      for (Index m = 0; m < j; ++m) v -= l(ii, m) * l(j, m);
-      l(ii, j) = l(j, j) > 0.0 ? v / l(j, j) : 0.0;
-      square -= l(ii, j) * l(ii, j);
-      right -= l(ii, j) * u(j);
+/// Cholesky column by column in this order, from products; columns that add nothing gain nothing.
+template <int kMost, class Each>
+void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z, const std::vector<Index>& order,
+                   const Ref<const VectorXd>& original, double absorbed, Each each) {
+  const auto k = static_cast<Index>(order.size());
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost> l(k, k);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> u(k);
+  l.setZero();
+  u.setZero();
+  Step step;
+  for (Index i = 0; i < k; ++i) {
+    const Index column = order[static_cast<std::size_t>(i)];
+    step.square = gram(column, column);
+    step.right = z(column);
+    for (Index j = 0; j < i; ++j) {
+      double v = gram(column, order[static_cast<std::size_t>(j)]);
+      for (Index m = 0; m < j; ++m) v -= l(i, m) * l(j, m);
+      l(i, j) = l(j, j) > 0.0 ? v / l(j, j) : 0.0;
+      step.square -= l(i, j) * l(i, j);
+      step.right -= l(i, j) * u(j);
     }
-    if (square > absorbed * original_square(order[i]) && square > 0.0) {
-      l(ii, ii) = std::sqrt(square);
-      u(ii) = right / l(ii, ii);
-      sum += u(ii) * u(ii);
-      ++free;
+    step.adds = step.square > absorbed * original(column) && step.square > 0.0;
+    if (step.adds) {
+      l(i, i) = std::sqrt(step.square);
+      u(i) = step.right / l(i, i);
+      step.gain += u(i) * u(i);
+      ++step.free;
     }
-    if (i == 0 && square > absorbed * original_square(order[i]) && square > 0.0) {
-      gains.first_coefficient = right / square;
-      gains.first_square = square;
-    }
-    gains.gain.push_back(sum);
-    gains.free.push_back(free);
+    each(i, step);
   }
-  return gains;
 }
 
-/// Best set of columns by score, with the coefficient of a single one kept inside its physical range.
-Choice best_variant(const Family& family, const std::vector<std::vector<Index>>& variants, const MatrixXd& gram,
-                    const VectorXd& z, const VectorXd& original, double absorbed, const CostOf& cost) {
-  Choice best;
-  best.gain = -1.0;
+/// A single coefficient at its best inside the physical range.
+double gain_inside(const Family& family, const Step& only) {
+  double c = only.right / only.square;
+  const double free = c;
+  if (family.least) c = std::max(c, *family.least);
+  if (family.greatest) c = std::min(c, *family.greatest);
+  return c * only.square * (2.0 * free - c);
+}
+
+/// Curves: all leading sets from one pass. @pre every variant is the beginning of the last
+Gain best_curve(const std::vector<std::vector<Index>>& variants, const Ref<const MatrixXd>& gram,
+                const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, double absorbed, Price price) {
+  Gain best;
   double best_score = -kBeyondAll;
-  for (const std::vector<Index>& variant : variants) {
-    if (variant.empty() || variant.back() >= static_cast<Index>(z.size())) continue;
-    const Gains gains = gains_in_order(gram, z, variant, original, absorbed);
-    double gain = gains.gain.back();
-    const std::size_t free = gains.free.back();
-    if (free == 0) continue;
-    if (variant.size() == 1 && (family.least || family.greatest)) {
-      double c = gains.first_coefficient;
-      if (family.least) c = std::max(c, *family.least);
-      if (family.greatest) c = std::min(c, *family.greatest);
-      gain = c * gains.first_square * (2.0 * gains.first_coefficient - c);
-    }
-    // a wave has its amplitude and phase even where the targets show little of one
-    const std::size_t priced = family.effect.traits().periodic ? variant.size() : free;
-    const double score = gain - cost(priced);
-    if (score > best_score) {
+  std::size_t next = 0;
+  const auto each = [&](Index i, const Step& step) {
+    if (static_cast<std::size_t>(i) + 1 != variants[next].size()) return;
+    const double score = step.gain - price.of(step.free);
+    if (step.free > 0 && score > best_score) {
       best_score = score;
-      best.columns = variant;
-      best.gain = gain;
-      best.cost = cost(priced);
-      best.parameters = priced;
+      best = {step.gain, price.of(step.free), step.free, next};
     }
-  }
-  return best;
-}
-
-/// Curves: all leading sets from one pass.
-Choice best_curve(const std::vector<std::vector<Index>>& variants, const MatrixXd& gram, const VectorXd& z,
-                  const VectorXd& original, double absorbed, const CostOf& cost) {
-  Choice best;
-  best.gain = -1.0;
-  if (variants.empty()) return best;
-  const Gains gains = gains_in_order(gram, z, variants.back(), original, absorbed);
-  double best_score = -kBeyondAll;
-  for (const std::vector<Index>& variant : variants) {
-    const std::size_t last = variant.size() - 1;
-    if (gains.free[last] == 0) continue;
-    const double score = gains.gain[last] - cost(gains.free[last]);
-    if (score <= best_score) continue;
-    best_score = score;
-    best.columns = variant;
-    best.gain = gains.gain[last];
-    best.cost = cost(gains.free[last]);
-    best.parameters = gains.free[last];
-  }
+    ++next;
+  };
+  for_each_step<Eigen::Dynamic>(gram, z, variants.back(), original, absorbed, each);
   return best;
 }
 
 }  // namespace
 
-Choice best_choice(const Family& family, const std::vector<std::vector<Index>>& variants, const MatrixXd& gram,
-                   const VectorXd& z, const VectorXd& original, double absorbed, const CostOf& cost) {
-  if (family.effect.traits().periodic) absorbed = std::max(absorbed, kAbsorbedPeriod);
-  if (family.effect.traits().is_curve) return best_curve(variants, gram, z, original, absorbed, cost);
-  return best_variant(family, variants, gram, z, original, absorbed, cost);
+Gain best_gain(const Family& family, const std::vector<std::vector<Index>>& variants, const Ref<const MatrixXd>& gram,
+               const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, double absorbed, Price price) {
+  const EffectTraits& traits = family.effect.traits();
+  if (variants.empty()) return {};
+  if (traits.is_curve) return best_curve(variants, gram, z, original, absorbed, price);
+  if (traits.periodic) absorbed = std::max(absorbed, kAbsorbedPeriod);
+  Gain best;
+  double best_score = -kBeyondAll;
+  for (std::size_t v = 0; v < variants.size(); ++v) {
+    const std::vector<Index>& variant = variants[v];
+    if (variant.empty() || variant.back() >= z.size()) continue;
+    Step last;
+    const auto each = [&](Index, const Step& step) { last = step; };
+    if (variant.size() <= kFewColumns)
+      for_each_step<kFewColumns>(gram, z, variant, original, absorbed, each);
+    else
+      for_each_step<Eigen::Dynamic>(gram, z, variant, original, absorbed, each);
+    if (last.free == 0) continue;
+    const bool bounded = variant.size() == 1 && (family.least || family.greatest);
+    const double gain = bounded ? gain_inside(family, last) : last.gain;
+    // a wave has its amplitude and phase even where the targets show little of one
+    const std::size_t priced = traits.periodic ? variant.size() : last.free;
+    const double score = gain - price.of(priced);
+    if (score <= best_score) continue;
+    best_score = score;
+    best = {gain, price.of(priced), priced, v};
+  }
+  return best;
+}
+
+Choice choice_of(const Gain& gain, const std::vector<std::vector<Index>>& variants) {
+  Choice choice;
+  choice.gain = gain.gain;
+  choice.cost = gain.cost;
+  choice.parameters = gain.parameters;
+  if (gain.parameters > 0) choice.columns = variants[gain.variant];
+  return choice;
 }
 
 std::vector<std::vector<Index>> variants_of(const EffectInstance& effect, const Columns& columns, bool natural) {

@@ -2,7 +2,6 @@
 // Does not live here: where the products come from (search.cpp, search_bank.cpp).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -20,16 +19,25 @@ inline constexpr double kAbsorbedScreening = 1e-5;
 /// A choice: a fiftieth of the square makes amplitudes sevenfold uncertain.
 inline constexpr double kAbsorbedPeriod = 0.02;
 
-/// Price of using so many independent columns.
-using CostOf = std::function<double(std::size_t)>;
+/// What one set of columns gains, without saying which columns they are.
+struct Gain {
+  double gain = -1.0;  ///< fall of χ²; below 0: nothing is left of the columns
+  double cost = 0.0;
+  std::size_t parameters = 0;  ///< independent columns; of a wave all
+  std::size_t variant = 0;     ///< place in the list of variants
+  [[nodiscard]] double score() const { return gain - cost; }
+};
 
-/// Best choice of columns of a family by score: the best leading set of a curve, else the best of the variants, a
-/// single coefficient kept inside its physical range. Gain below 0 where nothing is left of the columns.
+/// Best of the variants by score: of a curve a leading set, else any, a single coefficient kept inside its physical
+/// range.
 /// @param gram      products of the columns, what is absorbed taken off (columns × columns), whitened
 /// @param z         products with what is left
 /// @param original  squares of the columns before anything was absorbed
-[[nodiscard]] Choice best_choice(const Family& family, const std::vector<std::vector<Eigen::Index>>& variants,
-                                 const Eigen::MatrixXd& gram, const Eigen::VectorXd& z, const Eigen::VectorXd& original,
-                                 double absorbed, const CostOf& cost);
+[[nodiscard]] Gain best_gain(const Family& family, const std::vector<std::vector<Eigen::Index>>& variants,
+                             const Eigen::Ref<const Eigen::MatrixXd>& gram, const Eigen::Ref<const Eigen::VectorXd>& z,
+                             const Eigen::Ref<const Eigen::VectorXd>& original, double absorbed, Price price);
+
+/// The same as a choice, its family and nonlinear parameter still to be set.
+[[nodiscard]] Choice choice_of(const Gain& gain, const std::vector<std::vector<Eigen::Index>>& variants);
 
 }  // namespace ecs::model

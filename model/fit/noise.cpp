@@ -338,35 +338,41 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
   return false;
 }
 
-Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
-                                const std::vector<bool>& left_out) {
-  Eigen::MatrixXd sets =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(count));
-  std::mt19937_64 random(kSeed);
-  std::normal_distribution<double> normal;
+SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
+    : data_(data),
+      noise_(noise),
+      left_out_(left_out),
+      pass_(passes_of(data)),
+      random_(kSeed),
+      spread_(std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof)) {
   std::vector<double> weights;
   for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
-  std::discrete_distribution<std::size_t> any(weights.begin(), weights.end());
-  const std::vector<std::size_t> pass = passes_of(data);
-  const double freedom = std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof);
-  std::chi_squared_distribution<double> spread(freedom);
+  any_ = std::discrete_distribution<std::size_t>(weights.begin(), weights.end());
+}
+
+Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
+  const auto n = static_cast<Eigen::Index>(data_.size());
+  Eigen::MatrixXd sets = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(count));
   for (Eigen::Index b = 0; b < sets.cols(); ++b) {
-    const NoiseShape& shape = noise.shapes[any(random)];
-    const double widen = std::sqrt(freedom / spread(random));
-    for (std::size_t g = 0; g < noise.groups.size(); ++g) {
+    const NoiseShape& shape = noise_.shapes[any_(random_)];
+    const double widen = std::sqrt(spread_.n() / spread_(random_));
+    const auto memory_since = [&](std::size_t before, std::size_t k) {
+      if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
+      if (std::isnan(data_.time_s[k]) || std::isnan(data_.time_s[before])) return 0.0;
+      return std::exp(-std::max(0.0, data_.time_s[k] - data_.time_s[before]) / shape.time);
+    };
+    for (std::size_t g = 0; g < noise_.groups.size(); ++g) {
       const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
       const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
-      double state = normal(random);
-      std::size_t before = noise.groups[g].rows.front();
-      for (const std::size_t k : noise.groups[g].rows) {
-        double memory = 0.0;
-        if (noise.has_time && !std::isnan(data.time_s[k]) && !std::isnan(data.time_s[before]))
-          memory = std::exp(-std::max(0.0, data.time_s[k] - data.time_s[before]) / shape.time);
-        else if (!noise.has_time && pass[k] == pass[before])
-          memory = std::exp(-1.0 / shape.time);
-        before = k;
-        state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal(random);
-        if (!left_out[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal(random) + correlated * state;
+      double state = correlated > 0.0 ? normal_(random_) : 0.0;
+      std::size_t before = noise_.groups[g].rows.front();
+      for (const std::size_t k : noise_.groups[g].rows) {
+        if (correlated > 0.0) {
+          const double memory = memory_since(before, k);
+          state = memory * state + std::sqrt(std::max(0.0, 1.0 - memory * memory)) * normal_(random_);
+          before = k;
+        }
+        if (!left_out_[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal_(random_) + correlated * state;
       }
     }
   }

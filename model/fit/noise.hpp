@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <random>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -73,10 +74,24 @@ struct Repeats {
 [[nodiscard]] bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::VectorXd& residual,
                            const std::vector<bool>& left_out);
 
-/// Data sets of noise alone (readings × count), each of one shape that the data leave possible, drawn by its weight;
-/// the same for the same data. Rows left out are 0.
-[[nodiscard]] Eigen::MatrixXd simulated_noise(const Observations& data, const NoiseModel& noise, std::size_t count,
-                                              const std::vector<bool>& left_out);
+/// Draws data sets of noise alone, each of one shape that the data leave possible, chosen by its weight; the same ones
+/// for the same data. The references must outlive it.
+class SimulatedNoise {
+ public:
+  SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out);
+  /// The next ones (readings × count); rows left out are 0.
+  [[nodiscard]] Eigen::MatrixXd next(std::size_t count);
+
+ private:
+  const Observations& data_;
+  const NoiseModel& noise_;
+  const std::vector<bool>& left_out_;
+  std::vector<std::size_t> pass_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  std::discrete_distribution<std::size_t> any_;
+  std::chi_squared_distribution<double> spread_;
+};
 
 /// The same noise everywhere, independent: ordinary least squares.
 [[nodiscard]] NoiseModel plain_noise(const Observations& data, double sigma_um);

@@ -14,6 +14,9 @@
 namespace ecs::model {
 namespace {
 
+using Eigen::Index;
+using Eigen::VectorXd;
+
 /// What takes longer is no turbulence: readings where there is no time, else seconds (about three correlation times of
 /// the slowest shape).
 constexpr double kReadings = 20.0, kSlow_s = 200.0;
@@ -26,7 +29,7 @@ constexpr std::array kShares{0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 0.97};
 /// A square counts as at most so many variances (4.5 sigmas): beyond, it is an outlier and says nothing of the noise.
 constexpr double kMostSquareOfNoise = 20.0;
 /// Polynomial of a pass: at most of this degree, and at most one order for so many readings.
-constexpr Eigen::Index kMostDegree = 5, kReadingsAnOrder = 6;
+constexpr Index kMostDegree = 5, kReadingsAnOrder = 6;
 /// Smallest time between ends and pivot of a polynomial: no division by 0, no ln of 0.
 constexpr double kLeastWidth = 1e-9, kLeastPivot = 1e-12;
 /// Degrees of freedom of a pass, and of a group, below which their own level is not believed. A choice.
@@ -42,15 +45,38 @@ constexpr double kLeastRatio = 1e-3, kGreatestRatio = 1e3;
 /// scatter is known to a few per cent itself, so that a small excess costs little and a double one everything.
 constexpr double kPriceOfExcess = 0.1;
 
-/// Readings of one pass in order, with the time of each.
+/// Orders of a polynomial and the deviations of a pass: few columns, worked on row by row.
+using RowMajor =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, Eigen::Dynamic, kMostDegree + 2>;
+using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostDegree + 2>;
+
+/// Readings of one pass in order, with the time of each, and its low polynomial in time.
 struct Pass {
   std::size_t group = 0;
   std::vector<std::size_t> rows;
   std::vector<double> time;  ///< s, or readings
+  RowMajor columns;          ///< orders of the polynomial, then the deviations
 };
 
+/// Chebyshev polynomials of the time of a pass and the deviations: what a pass as a whole does need not be noise.
+void set_columns(Pass& pass, const std::vector<double>& deviation, double slow) {
+  const auto n = static_cast<Index>(pass.rows.size());
+  const double first = pass.time.front(), last = pass.time.back(), width = std::max(last - first, kLeastWidth);
+  const auto by_length = static_cast<Index>(width / slow);
+  const Index least = slow > kReadings ? 1 : 0;  // a line at least, where there is time
+  const Index degree = last > first ? std::min({kMostDegree, n / kReadingsAnOrder, least + by_length}) : 0;
+  pass.columns.resize(n, degree + 2);
+  for (Index i = 0; i < n; ++i) {
+    const double u = 2.0 * (pass.time[static_cast<std::size_t>(i)] - first) / width - 1.0;
+    pass.columns(i, 0) = 1.0;
+    if (degree > 0) pass.columns(i, 1) = u;
+    for (Index j = 2; j <= degree; ++j) pass.columns(i, j) = 2.0 * u * pass.columns(i, j - 1) - pass.columns(i, j - 2);
+    pass.columns(i, degree + 1) = deviation[pass.rows[static_cast<std::size_t>(i)]];
+  }
+}
+
 std::vector<Pass> usable_passes(const Observations& data, const std::vector<NoiseGroup>& groups,
-                                const std::vector<double>& deviation) {
+                                const std::vector<double>& deviation, double slow) {
   const std::vector<std::size_t> number = passes_of(data);
   std::vector<Pass> passes;
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -62,73 +88,69 @@ std::vector<Pass> usable_passes(const Observations& data, const std::vector<Nois
       pass.time.push_back(data.time_s.empty() ? static_cast<double>(pass.rows.size()) : data.time_s[k]);
       pass.rows.push_back(k);
     }
-    for (auto& each : of_group) passes.push_back(std::move(each.second));
+    for (auto& each : of_group) {
+      set_columns(each.second, deviation, slow);
+      passes.push_back(std::move(each.second));
+    }
   }
   return passes;
 }
 
-/// A pass made independent under one shape of noise, a low polynomial in time taken off (what a pass as a whole does
-/// need not be noise): the residuals left, ln of the determinants, degrees of freedom.
+/// A pass made independent under one shape of noise, the polynomial taken off: the residuals left, ln of the
+/// determinants, degrees of freedom.
 struct PassFit {
-  std::vector<double> residual;
-  std::vector<double> low;  ///< what the polynomial took, in units of the noise: one number per order
+  VectorXd residual;
+  VectorXd low;  ///< what the polynomial took, in units of the noise: one number per order
   double ln_determinant = 0.0;
   double freedom = 0.0;
 };
-PassFit fitted_pass(const Pass& pass, const std::vector<double>& deviation, double share, double time, double slow) {
-  const auto n = static_cast<Eigen::Index>(pass.rows.size());
-  const double first = pass.time.front(), last = pass.time.back(), width = std::max(last - first, kLeastWidth);
-  const auto by_length = static_cast<Eigen::Index>(width / slow);
-  const Eigen::Index least = slow > kReadings ? 1 : 0;  // a line at least, where there is time
-  const Eigen::Index degree = last > first ? std::min({kMostDegree, n / kReadingsAnOrder, least + by_length}) : 0;
-  Eigen::MatrixXd columns(n, degree + 2);  // the polynomial, then the deviations
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double u = 2.0 * (pass.time[static_cast<std::size_t>(i)] - first) / width - 1.0;
-    for (Eigen::Index j = 0; j <= degree; ++j)
-      columns(i, j) = std::cos(static_cast<double>(j) * std::acos(std::clamp(u, -1.0, 1.0)));
-    columns(i, degree + 1) = deviation[pass.rows[static_cast<std::size_t>(i)]];
-  }
+PassFit fitted_pass(const Pass& pass, double share, double time) {
+  RowMajor columns = pass.columns;
+  const Index n = columns.rows(), orders = columns.cols() - 1;
   PassFit fit;
-  double variance = share;
-  Eigen::RowVectorXd state = Eigen::RowVectorXd::Zero(columns.cols());
-  for (Eigen::Index i = 0; i < n; ++i) {
+  double variance = share, step_of_memory = -1.0, memory = 0.0;
+  Row state = Row::Zero(columns.cols());
+  for (Index i = 0; i < n; ++i) {
     if (i > 0) {
-      const double memory =
-          std::exp(-(pass.time[static_cast<std::size_t>(i)] - pass.time[static_cast<std::size_t>(i - 1)]) / time);
+      const double step = pass.time[static_cast<std::size_t>(i)] - pass.time[static_cast<std::size_t>(i - 1)];
+      if (step != step_of_memory) memory = std::exp(-step / time);
+      step_of_memory = step;
       variance = memory * memory * (variance - share) + share;
       state *= memory;
     }
     const double innovation = variance + 1.0 - share;
-    const Eigen::RowVectorXd fresh = columns.row(i) - state;
+    const Row fresh = columns.row(i) - state;
     state += variance / innovation * fresh;
     variance *= 1.0 - variance / innovation;
     columns.row(i) = fresh / std::sqrt(innovation);
     fit.ln_determinant += std::log(innovation);
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns.leftCols(degree + 1));
-  Eigen::VectorXd y = columns.col(degree + 1);
-  const Eigen::VectorXd turned = qr.householderQ().transpose() * y;
-  fit.low.assign(turned.data(), turned.data() + degree + 1);
-  y -= columns.leftCols(degree + 1) * qr.solve(y);
-  for (Eigen::Index j = 0; j <= degree; ++j)
-    fit.ln_determinant += 2.0 * std::log(std::max(std::abs(qr.matrixQR()(j, j)), kLeastPivot));
-  fit.residual.assign(y.data(), y.data() + n);
-  fit.freedom = static_cast<double>(n - degree - 1);
+  fit.low.resize(orders);
+  for (Index j = 0; j < orders; ++j) {  // modified Gram-Schmidt (Golub and Van Loan 2013, 5.2.8)
+    const double length = columns.col(j).norm();
+    fit.ln_determinant += 2.0 * std::log(std::max(length, kLeastPivot));
+    if (length > kLeastPivot) columns.col(j) /= length;
+    for (Index m = j + 1; m <= orders; ++m) {
+      const double part = columns.col(j).dot(columns.col(m));
+      columns.col(m) -= part * columns.col(j);
+      if (m == orders) fit.low(j) = part;
+    }
+  }
+  fit.residual = columns.col(orders);
+  fit.freedom = static_cast<double>(n - orders);
   return fit;
 }
 
 /// The passes without the few that scatter far more than the others of their group: something happened there.
-std::vector<Pass> quiet_passes(std::vector<Pass> passes, const std::vector<double>& deviation, std::size_t groups,
-                               double slow) {
+std::vector<Pass> quiet_passes(std::vector<Pass> passes, std::size_t groups) {
   // a choice: a pass of 2.5 times the median level is no chance; where a fifth of them are so, that is the noise
   constexpr double kFar = 2.5, kMostShare = 0.2;
   std::vector<std::vector<double>> squares(groups);
   std::vector<double> square(passes.size(), kNotMeasured), limit(passes.size(), 0.0);
   for (std::size_t i = 0; i < passes.size(); ++i) {
-    const PassFit fit = fitted_pass(passes[i], deviation, 0.0, 1.0, slow);
+    const PassFit fit = fitted_pass(passes[i], 0.0, 1.0);
     if (fit.freedom < kFewestPassFreedom) continue;
-    square[i] = 0.0;
-    for (const double r : fit.residual) square[i] += r * r / fit.freedom;
+    square[i] = fit.residual.squaredNorm() / fit.freedom;
     limit[i] = kFar * (1.0 + kThreeSigma * std::sqrt(2.0 / fit.freedom));
     squares[passes[i].group].push_back(square[i]);
   }
@@ -156,11 +178,11 @@ double agreement_of_low_orders(const std::vector<Pass>& passes, const std::vecto
                                const std::vector<double>& variance) {
   constexpr double kPriceOfStructure = 5.0;  // nats: odds of 150 to 1 against structure that imitates noise
   constexpr double kEfficiency = 0.4;        // of a median of squares against their mean (0.37 for χ² of one degree)
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> squares;
+  std::map<std::pair<std::size_t, Index>, std::vector<double>> squares;
   for (std::size_t i = 0; i < passes.size(); ++i)
-    for (std::size_t j = 0; j < fits[i].low.size(); ++j)
+    for (Index j = 0; j < fits[i].low.size(); ++j)
       if (variance[passes[i].group] > 0.0)
-        squares[{passes[i].group, j}].push_back(fits[i].low[j] * fits[i].low[j] / variance[passes[i].group]);
+        squares[{passes[i].group, j}].push_back(fits[i].low(j) * fits[i].low(j) / variance[passes[i].group]);
   double both = 0.0, less = 0.0;
   for (auto& [key, list] : squares) {
     if (list.size() < kFewestPasses) continue;
@@ -235,7 +257,7 @@ double robust_mean_square(const std::vector<double>& squares) {
 std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vector<NoiseGroup>& groups,
                                       const std::vector<double>& deviation, double information) {
   const double slow = data.time_s.empty() ? kReadings : kSlow_s;
-  const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation), deviation, groups.size(), slow);
+  const std::vector<Pass> passes = quiet_passes(usable_passes(data, groups, deviation, slow), groups.size());
   const std::span<const double> times =
       data.time_s.empty() ? std::span<const double>(kTimes_readings) : std::span<const double>(kTimes_s);
   std::vector<NoiseShape> shapes{{0.0, 1.0, 0.0, {}}};
@@ -255,7 +277,7 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
     std::vector<double> freedom(groups.size(), 0.0), count(groups.size(), 0.0), level(groups.size(), 0.0);
     std::vector<PassFit> fits;
     for (const Pass& pass : passes) {
-      fits.push_back(fitted_pass(pass, deviation, shape.share, shape.time, slow));
+      fits.push_back(fitted_pass(pass, shape.share, shape.time));
       for (const double r : fits.back().residual) squares[pass.group].push_back(r * r);
       freedom[pass.group] += fits.back().freedom;
       count[pass.group] += static_cast<double>(fits.back().residual.size());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "model/effects/definition.hpp"
 #include "model/effects/tried_values.hpp"
@@ -27,6 +28,9 @@ constexpr double kUserTrials = 12.0;
 constexpr double kBeyondNeighbour = 1.2;
 /// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
 constexpr double kAtLimit = 0.005;
+/// A refinement ends at this share of its range: a period's peak is then missed by a thousandth of its height.
+constexpr double kRefined = 2e-3;
+constexpr std::size_t kMostKept = 128;  ///< whitened columns of choices
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
@@ -35,6 +39,55 @@ MatrixXd without(const MatrixXd& q, MatrixXd columns) {
   columns.noalias() -= q * (q.transpose() * columns);
   columns.noalias() -= q * (q.transpose() * columns);
   return columns;
+}
+
+/// Seeks the greatest value of `f` in a range, to `tolerance`, from a start inside where it is known: parabolas through
+/// the best three points, golden sections where they do not serve (Brent 1973, 5.8).
+template <class Function>
+void seek_maximum(ValueRange range, double start, double f_start, double tolerance, const Function& f) {
+  constexpr double kSection = 0.3819660112501051;  // 1 - golden ratio
+  constexpr int kMostSteps = 16;
+  double low = range.least, high = range.greatest;
+  double best = start, second = start, third = start;
+  double f_best = f_start, f_second = f_best, f_third = f_best;
+  double step = 0.0, step_before = 0.0;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (std::abs(best - middle) <= 2.0 * tolerance - 0.5 * (high - low)) return;
+    const double r = (best - second) * (f_best - f_third);
+    double q = (best - third) * (f_best - f_second);
+    double p = (best - third) * q - (best - second) * r;
+    q = 2.0 * (q - r);
+    if (q > 0.0) p = -p;
+    q = std::abs(q);
+    const bool parabola =
+        std::abs(p) < std::abs(0.5 * q * step_before) && p > q * (low - best) && p < q * (high - best);
+    step_before = step;
+    if (parabola) {
+      step = p / q;
+      if (best + step - low < 2.0 * tolerance || high - best - step < 2.0 * tolerance)
+        step = best < middle ? tolerance : -tolerance;
+    } else {
+      step_before = (best < middle ? high : low) - best;
+      step = kSection * step_before;
+    }
+    const double next = best + (std::abs(step) >= tolerance ? step : std::copysign(tolerance, step));
+    const double f_next = f(next);
+    if (f_next >= f_best) {
+      (next < best ? high : low) = best;
+      third = std::exchange(second, std::exchange(best, next));
+      f_third = std::exchange(f_second, std::exchange(f_best, f_next));
+      continue;
+    }
+    (next < best ? low : high) = next;
+    if (f_next >= f_second || second == best) {
+      third = std::exchange(second, next);
+      f_third = std::exchange(f_second, f_next);
+    } else if (f_next >= f_third || third == best || third == second) {
+      third = next;
+      f_third = f_next;
+    }
+  }
 }
 
 double mean_step(const Observations& data, const Family& family) {
@@ -121,14 +174,13 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
   }
 }
 
-double Search::cost_of(const Family& family, double nonlinear, std::size_t linear) const {
-  double cost = family.ln_readings * static_cast<double>(linear);
-  if (family.effect.is_user()) return cost + family.search_cost;
-  if (family.grid.size() + family.facts.size() <= 1) return cost;
-  if (nonlinear < family.shortest_seen) cost += kUnseenPeriod;
+Price Search::price_of(const Family& family, double nonlinear) const {
+  if (family.effect.is_user()) return {family.ln_readings, family.search_cost};
+  if (family.grid.size() + family.facts.size() <= 1) return {family.ln_readings, 0.0};
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
-  return cost + (fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost);
+  const double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
+  return {family.ln_readings, chosen + (nonlinear < family.shortest_seen ? kUnseenPeriod : 0.0)};
 }
 
 Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
@@ -143,20 +195,21 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
   if (has_places(f)) return choice_in(view_of(space, f), f, nonlinear);
   const Family& family = families_[f];
   const Columns columns = regressors_.columns(family.effect, nonlinear, family.acting);
-  const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
   Choice choice;
   if (columns.fixed.size() > 0) {
     const VectorXd white = whitener_(columns.fixed);
     const VectorXd left = without(space.q, white);
     choice.gain =
         left.squaredNorm() <= kAbsorbed * white.squaredNorm() ? -1.0 : 2.0 * left.dot(space.y) - left.squaredNorm();
-    choice.cost = cost(0);
+    choice.cost = price_of(family, nonlinear).of(0);
   } else {
     const MatrixXd white = whitener_(columns.of);
     const VectorXd original = white.colwise().squaredNorm();
     const MatrixXd left = without(space.q, white);
-    choice = best_choice(family, banks_[f].variants, left.transpose() * left, left.transpose() * space.y, original,
-                         kAbsorbed, cost);
+    const auto& variants = banks_[f].variants;
+    choice = choice_of(best_gain(family, variants, left.transpose() * left, left.transpose() * space.y, original,
+                                 kAbsorbed, price_of(family, nonlinear)),
+                       variants);
   }
   return completed(choice, f, nonlinear);
 }
@@ -187,26 +240,14 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
     low = std::max(low, centre - kBeyondNeighbour * width);
     high = std::min(high, centre + kBeyondNeighbour * width);
   }
-  const auto at = [&](double v) { return exactly(to(v)); };
-  constexpr double kGolden = 0.6180339887498949;
-  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-  Choice at_a = at(a), at_b = at(b);
-  for (int i = 0; i < 14; ++i) {
-    if (at_a.gain > at_b.gain) {
-      high = b;
-      b = a;
-      at_b = at_a;
-      a = high - kGolden * (high - low);
-      at_a = at(a);
-    } else {
-      low = a;
-      a = b;
-      at_a = at_b;
-      b = low + kGolden * (high - low);
-      at_b = at(b);
-    }
-    for (const Choice* c : {&at_a, &at_b})
-      if (c->score() > best.score()) best = *c;
+  const auto gain_at = [&](double v) {
+    const Choice choice = exactly(to(v));
+    if (choice.score() > best.score()) best = choice;
+    return choice.gain;
+  };
+  if (low < high) {
+    const double start = std::clamp(centre, low, high);
+    seek_maximum({low, high}, start, start == centre ? best.gain : gain_at(start), kRefined * (high - low), gain_at);
   }
   if (at_limit(f, best.nonlinear)) best.gain = 0.0;
   return best;
@@ -236,22 +277,30 @@ Columns Search::columns_of(const Choice& choice) const {
   return chosen;
 }
 
+const MatrixXd& Search::white_columns_of(const Choice& choice) const {
+  if (white_columns_.size() >= kMostKept) white_columns_.clear();
+  const auto [at, is_new] =
+      white_columns_.try_emplace(std::tuple(choice.family, choice.nonlinear, choice.columns), MatrixXd());
+  if (is_new) {
+    const Columns columns = columns_of(choice);
+    at->second = whitener_(columns.fixed.size() > 0 ? MatrixXd(columns.fixed) : columns.of);
+  }
+  return at->second;
+}
+
 Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
   Solution solution;
   solution.chosen = chosen;
   solution.own = own;
   solution.space = base_;
-  for (const Choice& choice : own) absorb(solution.space, whitener_(columns_of(choice).of));
+  for (const Choice& choice : own) absorb(solution.space, white_columns_of(choice));
   solution.chi2_before = own.empty() ? base_.chi2() : alone_.space.chi2();
   for (Choice& choice : solution.chosen) {
-    const Columns columns = columns_of(choice);
     const double before = solution.space.chi2();
-    if (columns.fixed.size() > 0) {
-      const VectorXd white = whitener_(columns.fixed);
-      solution.space.y -= without(solution.space.q, white);
-    } else {
-      absorb(solution.space, whitener_(columns.of));
-    }
+    if (families_[choice.family].effect.traits().fixed_size)
+      solution.space.y -= without(solution.space.q, white_columns_of(choice)).col(0);
+    else
+      absorb(solution.space, white_columns_of(choice));
     choice.gain = before - solution.space.chi2();
     solution.cost += choice.cost;
   }
@@ -312,8 +361,9 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);
       const std::size_t f = best.chosen[i].family;
-      const std::vector<Choice> peaks =
-          round == 0 && families_[f].effect.traits().periodic ? peaks_of(rest.space, f) : std::vector<Choice>{};
+      const std::vector<Choice> peaks = round == 0 && i + 1 < chosen.size() && families_[f].effect.traits().periodic
+                                            ? peaks_of(rest.space, f)
+                                            : std::vector<Choice>{};
       const Choice again =
           peaks.empty() ? refined_choice(rest.space, f, best.chosen[i].nonlinear) : best_period(rest.space, peaks);
       if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));

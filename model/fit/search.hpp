@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -25,6 +27,12 @@ struct Space {
 
 /// Adds whitened columns to what is absorbed; columns that are (nearly) absorbed already do not count.
 void absorb(Space& space, const Eigen::MatrixXd& white_columns);
+
+/// Price of free coefficients and of having chosen where they are.
+struct Price {
+  double each = 0.0, once = 0.0;
+  [[nodiscard]] double of(std::size_t coefficients) const { return each * static_cast<double>(coefficients) + once; }
+};
 
 /// A candidate with the values that its nonlinear parameter is tried at.
 struct Family {
@@ -87,7 +95,8 @@ class Search {
   /// The problem with these effects added, sizes fitted together, nonlinear parameters as they are.
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const { return solution(chosen, alone_.own); }
-  /// The same, nonlinear parameters refined together; those of the model's own terms sought over their whole range.
+  /// The same, nonlinear parameters refined together; periods before the last and those of the model's own terms are
+  /// sought over their whole range (the last comes from such a search).
   [[nodiscard]] Solution refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
   [[nodiscard]] Solution refined(const std::vector<Choice>& chosen) const { return refined(chosen, alone_.own); }
 
@@ -117,6 +126,7 @@ class Search {
     Eigen::Index start = 0, count = 0;  ///< columns of the family's shapes
     std::size_t gram = 0;  ///< place of its products in `grams_`: count × count, then the original squares
     bool coarse = false;   ///< part of the thinner grid that the blanks use
+    Price price{};
   };
   /// Shapes of a family at all its values, once per place instead of once per reading.
   struct Shapes {
@@ -144,8 +154,8 @@ class Search {
   void build_bank();
   void build_shapes(std::size_t family);
   void build_grams(std::size_t family);
-  void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
-                   const Eigen::MatrixXd& absorbed);
+  void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXf& left, const Eigen::MatrixXf& right,
+                   const Eigen::MatrixXf& absorbed);
   /// Sums of rows over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
   [[nodiscard]] bool has_places(std::size_t family) const { return banks_[family].weight.size() > 0; }
@@ -153,20 +163,21 @@ class Search {
   [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
   void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, std::vector<double>& top) const;
-  [[nodiscard]] double cost_of(const Family& family, double nonlinear, std::size_t linear) const;
-  [[nodiscard]] Choice screened(const Item& item, const Eigen::MatrixXd& gram, const Eigen::VectorXd& z) const;
+  [[nodiscard]] Price price_of(const Family& family, double nonlinear) const;
   [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
-  /// Scores of all values of a family, best first; those that gain nothing left out.
+  /// Scores of all values of a family, best first, at most so many; those that gain nothing left out.
   [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Eigen::MatrixXd& more_q,
-                                              const Eigen::VectorXd& y) const;
-  /// A period refined, its double and other peaks tried as well.
+                                              const Eigen::VectorXd& y, std::size_t most) const;
   /// At a limit of its range: it is another effect under its name.
   [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
+  /// A period refined, its double, its half and other peaks tried as well.
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
   /// An own term at the best of all its values beside what `space` absorbs, with all its columns.
   [[nodiscard]] Choice best_own(const Space& space, std::size_t family) const;
   [[nodiscard]] Solution best_alone() const;
+  /// Columns of a choice, whitened; the latest are kept, for neighbouring solutions share most of theirs.
+  [[nodiscard]] const Eigen::MatrixXd& white_columns_of(const Choice& choice) const;
 
   const Regressors& regressors_;
   const Whitener& whitener_;
@@ -179,6 +190,7 @@ class Search {
   std::vector<FamilyBank> banks_;
   std::vector<Item> items_;
   std::vector<double> grams_;
+  mutable std::map<std::tuple<std::size_t, double, std::vector<Eigen::Index>>, Eigen::MatrixXd> white_columns_;
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.

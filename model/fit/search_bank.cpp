@@ -73,7 +73,7 @@ void Search::build_shapes(std::size_t f) {
   Index total = 0;
   bank.first = items_.size();
   const auto add = [&](double value, Index count, bool coarse) {
-    items_.push_back({f, value, total, count, 0, coarse});
+    items_.push_back({f, value, total, count, 0, coarse, price_of(family, value)});
     total += count;
   };
   Index count = periodic ? 2 : 1;
@@ -115,8 +115,8 @@ void Search::build_shapes(std::size_t f) {
   bank.shapes = std::make_shared<const Shapes>(std::move(shapes));
 }
 
-void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXd& left, const MatrixXd& right,
-                         const MatrixXd& absorbed) {
+void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXf& left, const MatrixXf& right,
+                         const MatrixXf& absorbed) {
   for (std::size_t i = bank.first; i < bank.last; ++i) {
     Item& item = items_[i];
     if (item.start < from || item.start + item.count > from + right.cols()) continue;
@@ -125,10 +125,10 @@ void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXd& lef
     grams_.resize(grams_.size() + static_cast<std::size_t>(item.count * (item.count + 1)));
     Eigen::Map<MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
     Eigen::Map<VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
-    gram.noalias() = left.middleCols(at, item.count).transpose() * right.middleCols(at, item.count);
+    const auto of_item = [&](const MatrixXf& columns) { return columns.middleCols(at, item.count); };
+    gram = of_item(left).transpose().lazyProduct(of_item(right)).cast<double>();
     original = gram.diagonal();
-    const auto lost = absorbed.middleCols(at, item.count);
-    gram.noalias() -= lost.transpose() * lost;
+    gram -= of_item(absorbed).transpose().lazyProduct(of_item(absorbed)).cast<double>();
   }
 }
 
@@ -138,6 +138,7 @@ void Search::build_grams(std::size_t f) {
   const std::vector<std::size_t>& rows = families_[f].acting.rows;
   const Index n = base_.y.size();
   const Shapes& shapes = *bank.shapes;
+  MatrixXf weight, base_q;
   if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes) {
     MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
     for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
@@ -146,21 +147,23 @@ void Search::build_grams(std::size_t f) {
     bank.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
     bank.weight.triangularView<Eigen::StrictlyUpper>() = bank.weight.transpose();
     bank.base_q = white.transpose() * base_.q;
+    weight = bank.weight.cast<float>();
+    base_q = bank.base_q.cast<float>();
   }
   for (Index from = 0; from < shapes.columns.cols();) {
     Index end = from;  // whole items only
     for (std::size_t i = bank.first; i < bank.last; ++i)
       if (items_[i].start == end && (end == from || end + items_[i].count - from <= kPiece)) end += items_[i].count;
-    const MatrixXd piece = shapes.columns.middleCols(from, end - from).cast<double>();
-    if (bank.weight.size() > 0) {
-      store_grams(bank, from, piece, bank.weight * piece, bank.base_q.transpose() * piece);
+    const MatrixXf piece = shapes.columns.middleCols(from, end - from);
+    if (weight.size() > 0) {
+      store_grams(bank, from, piece, weight * piece, base_q.transpose() * piece);
     } else {
       MatrixXd spread = MatrixXd::Zero(n, piece.cols());
       for (Index j = 0; j < piece.cols(); ++j)
         for (std::size_t i = 0; i < rows.size(); ++i)
-          spread(static_cast<Index>(rows[i]), j) = piece(bank.node_of[i], j);
-      const MatrixXd white = whitener_(spread);
-      store_grams(bank, from, white, white, base_.q.transpose() * white);
+          spread(static_cast<Index>(rows[i]), j) = static_cast<double>(piece(bank.node_of[i], j));
+      const MatrixXf white = whitener_(spread).cast<float>();
+      store_grams(bank, from, white, white, base_.q.cast<float>().transpose() * white);
     }
     from = end;
   }
@@ -205,9 +208,9 @@ Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) cons
   const VectorXd original = gram.diagonal();
   const MatrixXd absorbed = view.q.transpose() * columns;
   gram.noalias() -= absorbed.transpose() * absorbed;
-  const auto cost = [&](std::size_t linear) { return cost_of(family, nonlinear, linear); };
-  return completed(best_choice(family, bank.variants, gram, columns.transpose() * view.y, original, kAbsorbed, cost), f,
-                   nonlinear);
+  const Gain best = best_gain(family, bank.variants, gram, columns.transpose() * view.y, original, kAbsorbed,
+                              price_of(family, nonlinear));
+  return completed(choice_of(best, bank.variants), f, nonlinear);
 }
 
 }  // namespace ecs::model

@@ -17,62 +17,75 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
+/// Peaks of a scan looked at, and of them those that differ from the best by more than a share of its period.
+constexpr std::size_t kMostPeaks = 6, kOtherPeaks = 2;
+constexpr double kSamePeak = 0.02;
+/// Refining a period that is known from its double or half raises its score by no more than this. A choice: its
+/// frequency is off by half the rounding of the refinement.
+constexpr double kRefinedRise = 10.0;
+
 bool by_score(const Choice& a, const Choice& b) { return a.score() > b.score(); }
 
 }  // namespace
 
-Choice Search::screened(const Item& item, const MatrixXd& gram, const VectorXd& z) const {
-  const Family& family = families_[item.family];
-  const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
-  const auto cost = [&](std::size_t linear) { return cost_of(family, item.nonlinear, linear); };
-  Choice choice;
-  if (family.effect.traits().fixed_size) {
-    if (gram(0, 0) <= kAbsorbedScreening * original(0)) {
-      choice.gain = -1.0;
-    } else {
-      choice.gain = 2.0 * z(0) - gram(0, 0);
-      choice.cost = cost(0);
-    }
-  } else {
-    choice = best_choice(family, banks_[item.family].variants, gram, z, original, kAbsorbedScreening, cost);
-  }
-  return completed(choice, item.family, item.nonlinear);
-}
-
-std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, const VectorXd& y) const {
+std::vector<Choice> Search::scores_of(std::size_t f, const MatrixXd& more_q, const VectorXd& y,
+                                      std::size_t most) const {
+  const Family& family = families_[f];
   const FamilyBank& bank = banks_[f];
   const MatrixXf& columns = bank.shapes->columns;
   const VectorXd z = (columns.transpose() * gathered(f, y).cast<float>()).cast<double>();
   MatrixXd lost;
   if (more_q.cols() > 0) lost = (gathered(f, more_q).cast<float>().transpose() * columns).cast<double>();
-  std::vector<Choice> list;
+  struct Scored {
+    Gain gain;
+    std::size_t item = 0;
+  };
+  std::vector<Scored> list;
+  MatrixXd gram;
   for (std::size_t i = bank.first; i < bank.last; ++i) {
     const Item& item = items_[i];
-    MatrixXd gram = Eigen::Map<const MatrixXd>(grams_.data() + item.gram, item.count, item.count);
+    gram = Eigen::Map<const MatrixXd>(grams_.data() + item.gram, item.count, item.count);
+    const Eigen::Map<const VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
     if (lost.size() > 0) {
       const auto part = lost.middleCols(item.start, item.count);
-      gram.noalias() -= part.transpose() * part;
+      gram -= part.transpose().lazyProduct(part);
     }
-    const Choice choice = screened(item, gram, z.segment(item.start, item.count));
-    if (choice.gain > 0.0) list.push_back(choice);
+    Gain gain;
+    if (!family.effect.traits().fixed_size)
+      gain = best_gain(family, bank.variants, gram, z.segment(item.start, item.count), original, kAbsorbedScreening,
+                       item.price);
+    else if (gram(0, 0) > kAbsorbedScreening * original(0))
+      gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
+    if (gain.gain > 0.0) list.push_back({gain, i});
   }
-  std::stable_sort(list.begin(), list.end(), by_score);
-  return list;
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Scored& a, const Scored& b) { return a.gain.score() > b.gain.score(); });
+  std::vector<Choice> choices;
+  for (const Scored& one : list) {
+    if (choices.size() >= most) break;
+    choices.push_back(completed(choice_of(one.gain, bank.variants), f, items_[one.item].nonlinear));
+  }
+  return choices;
 }
 
 Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks) const {
   const std::size_t f = peaks.front().family;
   Choice best = refined_choice(space, f, peaks.front().nonlinear);
   bool fits = best.gain > 0.0 && !too_steep(space, best);
-  // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
-  std::vector<double> tries{2.0 * best.nonlinear, 0.5 * best.nonlinear};
-  for (std::size_t j = 1; j < std::min<std::size_t>(peaks.size(), 6) && tries.size() < 4; ++j)
-    if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) > 0.02) tries.push_back(peaks[j].nonlinear);
-  for (const double value : tries) {
-    const Choice other = refined_choice(space, f, value);
-    if ((fits && other.score() <= best.score()) || too_steep(space, other)) continue;
+  const auto take = [&](const Choice& other) {
+    if ((fits && other.score() <= best.score()) || too_steep(space, other)) return;
     best = other;
     fits = true;
+  };
+  // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
+  for (const double value : {2.0 * best.nonlinear, 0.5 * best.nonlinear})
+    if (choice_at(space, f, value).score() > (fits ? best.score() - kRefinedRise : 0.0))
+      take(refined_choice(space, f, value));
+  std::size_t tried = 0;
+  for (std::size_t j = 1; j < std::min(peaks.size(), kMostPeaks) && tried < kOtherPeaks; ++j) {
+    if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) <= kSamePeak) continue;
+    ++tried;
+    take(refined_choice(space, f, peaks[j].nonlinear));
   }
   if (!fits) best.gain = 0.0;
   return best;
@@ -83,7 +96,7 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
 bool Search::too_steep(const Space& space, const Choice& choice) const {
   const EffectInstance& effect = families_[choice.family].effect;
   if (effect.sense && is_rotation(*effect.sense)) return false;
-  MatrixXd white = whitener_(columns_of(choice).of);
+  MatrixXd white = white_columns_of(choice);
   white -= space.q * (space.q.transpose() * white);
   const double amplitude_um = least_squares(white, space.y).norm();
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
@@ -91,7 +104,7 @@ bool Search::too_steep(const Space& space, const Choice& choice) const {
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f) const {
   return scores_of(f, whitener_.transposed(MatrixXd(space.q.rightCols(space.q.cols() - base_.q.cols()))),
-                   whitener_.transposed(MatrixXd(space.y)).col(0));
+                   whitener_.transposed(MatrixXd(space.y)).col(0), items_.size());
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
@@ -101,7 +114,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   std::vector<Choice> list;
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
-    peaks[f] = scores_of(f, more_q, y);
+    peaks[f] = scores_of(f, more_q, y, kMostPeaks);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
   std::stable_sort(list.begin(), list.end(), by_score);
@@ -125,7 +138,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
     best = std::max(best, score);
   };
   if (family.effect.traits().fixed_size) {
-    const double cost = cost_of(family, item.nonlinear, 0);
+    const double cost = item.price.of(0);
     for (Index b = 0; b < z.cols(); ++b) raise(b, static_cast<double>(2.0F * z(0, b)) - gram(0, 0) - cost);
     return;
   }
@@ -160,7 +173,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, std
       }
       const bool complete = family.effect.traits().is_curve ? allowed[static_cast<std::size_t>(i) + 1] : i + 1 == k;
       if (free == 0 || !complete) continue;
-      const double cost = cost_of(family, item.nonlinear, free);
+      const double cost = item.price.of(free);
       for (Index b = 0; b < z.cols(); ++b) raise(b, sum(b) - cost);
     }
   }

@@ -121,6 +121,11 @@ double tail_probability(std::vector<double> noise_replicates, double value) {
   return reached > kFewReached ? std::max(reached / n, extrapolated) : extrapolated;
 }
 
+double wealth_of_bet(double chance, std::size_t reached, std::size_t drawn) {  // binomial mixture over 0 … chance
+  const double l = static_cast<double>(reached), rest = static_cast<double>(drawn - reached);
+  return std::exp(ln_beta_ratio(l + 1.0, rest + 1.0, chance)) / chance;
+}
+
 Interval clopper_pearson(unsigned hits, unsigned trials, double confidence) {
   if (trials == 0) return {};
   const double half = 0.5 * (1.0 - confidence);

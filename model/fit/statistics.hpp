@@ -25,6 +25,11 @@ inline constexpr double kBeyondAll = 1e300;
 /// tail fitted to the upper fifth of them. 1 without replicates.
 [[nodiscard]] double tail_probability(std::vector<double> noise_replicates, double value);
 
+/// Wealth of a bet that noise alone reaches a value with a chance of at most `chance`, from 1 before the first draw,
+/// once `reached` of `drawn` replicates have: whatever the moment of stopping, wealth w comes about by luck with a
+/// chance of at most 1/w, and wealth w is won back to 1 with a chance of at most w (Fischer and Ramdas 2025).
+[[nodiscard]] double wealth_of_bet(double chance, std::size_t reached, std::size_t drawn);
+
 /// Interval of a share, 0 … 1, that holds with at least the given confidence (Clopper and Pearson 1934).
 struct Interval {
   double low = 0.0;

@@ -23,8 +23,8 @@ Family family_of(const char* effect) {
 Choice best(const Family& family, const MatrixXd& columns, const VectorXd& y,
             const std::vector<std::vector<Index>>& variants, double price = 0.0) {
   const MatrixXd gram = columns.transpose() * columns;
-  return best_choice(family, variants, gram, columns.transpose() * y, gram.diagonal(), kAbsorbed,
-                     [&](std::size_t count) { return price * static_cast<double>(count); });
+  return choice_of(best_gain(family, variants, gram, columns.transpose() * y, gram.diagonal(), kAbsorbed, {price, 0.0}),
+                   variants);
 }
 
 }  // namespace
@@ -55,9 +55,8 @@ TEST_CASE("two columns that are the same count as one") {
 
 TEST_CASE("a column of which the model absorbs everything gains nothing") {
   const MatrixXd left = MatrixXd::Constant(1, 1, 1e-10);
-  const Choice choice = best_choice(family_of("scale"), {{0}}, left, VectorXd::Ones(1), VectorXd::Ones(1), kAbsorbed,
-                                    [](std::size_t) { return 0.0; });
-  CHECK(choice.gain < 0.0);
+  const Gain gain = best_gain(family_of("scale"), {{0}}, left, VectorXd::Ones(1), VectorXd::Ones(1), kAbsorbed, {});
+  CHECK(gain.gain < 0.0);
 }
 
 TEST_CASE("a single coefficient outside its physical range gains as much as the nearest that is allowed") {

@@ -147,12 +147,12 @@ TEST_CASE(
   m.left_out[10] = true;
   NoiseModel noise = plain_noise(m.data, kWhite_um);
   noise.pure.dof = 164.0;
-  const MatrixXd sets = simulated_noise(m.data, noise, 2000, m.left_out);
+  const MatrixXd sets = SimulatedNoise(m.data, noise, m.left_out).next(2000);
   CHECK(sets.row(10).squaredNorm() == 0.0);
   const double freedom = 0.7 * 164.0;  // E(freedom/χ²) = freedom/(freedom − 2)
   const double mean_square = sets.squaredNorm() / (2000.0 * 245.0);
   CHECK(mean_square == Approx(kWhite_um * kWhite_um * freedom / (freedom - 2.0)).epsilon(0.02));
-  CHECK((sets - simulated_noise(m.data, noise, 2000, m.left_out)).norm() == 0.0);
+  CHECK((sets - SimulatedNoise(m.data, noise, m.left_out).next(2000)).norm() == 0.0);
 }
 
 TEST_CASE("whitened noise has size one and no memory") {
@@ -162,7 +162,7 @@ TEST_CASE("whitened noise has size one and no memory") {
   noise.groups.front().time = 30.0;
   noise.shapes = {{0.8, 30.0, 1.0, {0.8}}};  // 0.16 white and 0.64 correlated make 0.8 um²
   noise.pure.dof = 1e9;
-  const MatrixXd sets = simulated_noise(m.data, noise, 500, m.left_out);
+  const MatrixXd sets = SimulatedNoise(m.data, noise, m.left_out).next(500);
   const MatrixXd independent = Whitener(m.data, noise, m.left_out)(sets);
   CHECK(independent.squaredNorm() / static_cast<double>(independent.size()) == Approx(1.0).epsilon(0.02));
   const Index n = independent.rows();

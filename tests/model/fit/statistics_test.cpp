@@ -30,3 +30,20 @@ TEST_CASE("beyond the noise replicates the tail goes on falling") {
   CHECK(tail_probability(blanks, 20.0) < 5e-4);
   CHECK(tail_probability(blanks, 20.0) > 1e-6);
 }
+
+TEST_CASE("a bet on rare chances wins by what is never reached and loses by what is reached often") {
+  CHECK(wealth_of_bet(0.1, 0, 0) == Approx(1.0));
+  CHECK(wealth_of_bet(0.1, 0, 1) == Approx((1.0 - 0.9 * 0.9) / 0.1));  // mean of 2(1 - u) over 0 … 0.1
+  CHECK(wealth_of_bet(0.1, 0, 50) == Approx((1.0 - std::pow(0.9, 51)) / 0.1));
+  CHECK(wealth_of_bet(0.1, 25, 50) < 1e-6);
+}
+
+TEST_CASE("wealth is a fair game: what the next draw may bring is on average what there is") {
+  for (const std::size_t reached : {std::size_t{0}, std::size_t{1}, std::size_t{4}}) {
+    const std::size_t drawn = 12;
+    const double chance_of_one = (static_cast<double>(reached) + 1.0) / (static_cast<double>(drawn) + 2.0);
+    const double next = chance_of_one * wealth_of_bet(0.1, reached + 1, drawn + 1) +
+                        (1.0 - chance_of_one) * wealth_of_bet(0.1, reached, drawn + 1);
+    CHECK(next == Approx(wealth_of_bet(0.1, reached, drawn)));
+  }
+}
