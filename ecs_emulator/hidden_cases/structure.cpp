@@ -8,6 +8,23 @@
 #include "ecs_emulator/random/draw.hpp"
 
 namespace ecs::emulator {
+
+namespace structure {  // structure_moving.cpp
+Structure dying_wave(StructureDrawing& d);
+Structure beating_waves(StructureDrawing& d);
+Structure period_jump(StructureDrawing& d);
+Structure scale_walk(StructureDrawing& d);
+Structure one_way_graduation(StructureDrawing& d);
+Structure zoned_backlash(StructureDrawing& d);
+Structure growing_wave(StructureDrawing& d);
+Structure turning_phase(StructureDrawing& d);
+Structure settling(StructureDrawing& d);
+Structure warm_form(StructureDrawing& d);
+Structure loaded_backlash(StructureDrawing& d);
+Structure resonance(StructureDrawing& d);
+Structure crane(StructureDrawing& d);
+}  // namespace structure
+
 namespace {
 
 constexpr double kRevolution_rad = 2.0 * std::numbers::pi;
@@ -157,6 +174,8 @@ Structure squared_load(StructureDrawing& d) {
 
 const std::vector<StructureDefinition>& structures() {
   constexpr Needs kOneLine{.least_runs = 3, .whole_runs = true};
+  constexpr Needs kBothWays{.bidirectional = true, .least_runs = 3, .whole_runs = true};
+  constexpr Needs kTimed{.time = true, .least_runs = 4, .whole_runs = true};
   static const std::vector<StructureDefinition> kAll{
       {"bad_run", {.time = true, .least_runs = 3, .whole_runs = true}, bad_run},
       {"bad_pass", {.bidirectional = true, .time = true, .least_runs = 3, .whole_runs = true}, bad_pass},
@@ -175,6 +194,19 @@ const std::vector<StructureDefinition>& structures() {
       {"warm_backlash", {.temperature = true, .bidirectional = true, .time = true, .least_runs = 3}, warm_backlash},
       {"squared_feed", {.feeds = true, .least_runs = 3}, squared_feed},
       {"squared_load", {.loads = true, .least_runs = 4}, squared_load},
+      {"dying_wave", kOneLine, structure::dying_wave},
+      {"beating_waves", kOneLine, structure::beating_waves},
+      {"period_jump", kOneLine, structure::period_jump},
+      {"scale_walk", kOneLine, structure::scale_walk},
+      {"one_way_graduation", kBothWays, structure::one_way_graduation},
+      {"zoned_backlash", kBothWays, structure::zoned_backlash},
+      {"growing_wave", kTimed, structure::growing_wave},
+      {"turning_phase", kTimed, structure::turning_phase},
+      {"settling", kTimed, structure::settling},
+      {"warm_form", {.temperature = true, .time = true, .least_runs = 5, .whole_runs = true}, structure::warm_form},
+      {"loaded_backlash", {.loads = true, .bidirectional = true, .least_runs = 4}, structure::loaded_backlash},
+      {"resonance", {.feeds = true, .least_runs = 4, .whole_runs = true}, structure::resonance},
+      {"crane", {.time = true, .least_runs = 5}, structure::crane},
   };
   return kAll;
 }

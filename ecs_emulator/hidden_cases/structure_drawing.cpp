@@ -44,6 +44,13 @@ std::map<int, double> StructureDrawing::draw_for_each_run() {
   return values;
 }
 
+double StructureDrawing::draw_waves() {
+  constexpr std::size_t kFewestTargets = 24;
+  constexpr double kTargetsAWave = 4.0, kFewest = 3.2;
+  if (places_mm->size() < kFewestTargets) return 0.0;
+  return log_between(random, kFewest, static_cast<double>(places_mm->size()) / kTargetsAWave);
+}
+
 std::optional<std::size_t> StructureDrawing::draw_sensor() {
   if (scene.sensors.size() < 2) return std::nullopt;
   return static_cast<std::size_t>(whole(random, 1, static_cast<int>(scene.sensors.size()) - 1));

@@ -25,6 +25,8 @@ class StructureDrawing {
   [[nodiscard]] double mean(const Value& value) const;
 
   [[nodiscard]] std::map<int, double> draw_for_each_run();
+  /// Waves along the line that its targets can show, no whole number of them; 0 where it has too few targets.
+  [[nodiscard]] double draw_waves();
   /// A sensor, not the air's, if there is one.
   [[nodiscard]] std::optional<std::size_t> draw_sensor();
 
