@@ -10,6 +10,8 @@
 namespace ecs::emulator {
 namespace {
 
+constexpr double kLeastInFreeBase = 0.08;  ///< how often a free base holds an effect at a good place
+
 bool same_place(const PlacedEffect& a, const PlacedEffect& b) { return name_of(a) == name_of(b); }
 
 class Background {
@@ -27,9 +29,9 @@ class Background {
     for (const PlacedEffect& place : reserved_.needed) take(place, 0.0);
     std::vector<PlacedEffect> wanted;
     for (const EffectDefinition* kind : effects())
-      if (kind->base_probability > 0.0)
+      if (const double probability = base_probability(*kind); probability > 0.0)
         for (const PlacedEffect& place : good_places(scene_, ground_, *kind))
-          if (chance(random_, kind->base_probability)) wanted.push_back(place);
+          if (chance(random_, probability)) wanted.push_back(place);
     shuffle(random_, wanted);
     const std::size_t most = taken_.size() + static_cast<std::size_t>(whole(random_, 1, 4)) + ground_.senses.size();
     for (const PlacedEffect& place : wanted)
@@ -38,6 +40,11 @@ class Background {
   }
 
  private:
+  [[nodiscard]] double base_probability(const EffectDefinition& kind) const {
+    if (!reserved_.free || kind.seat == Seat::unit) return kind.base_probability;
+    return std::max(kind.base_probability, kLeastInFreeBase);
+  }
+
   /// A curve without mean and slope comes with the effect that has them.
   void take_with_its_line(const PlacedEffect& place) {
     const auto line = line_of(place);
@@ -65,6 +72,7 @@ class Background {
     if (absorbed_.left_of(own).squaredNorm() < share * own.squaredNorm()) return false;
     Absorbed more = absorbed_;
     more.add(columns);
+    if (reserved_.free) more.add(slope_columns(scene_, *effect));
     for (const Eigen::VectorXd& hidden : hidden_)
       if (more.left_of(hidden).squaredNorm() < kLeastShare * hidden.squaredNorm()) return false;
     absorbed_ = more;

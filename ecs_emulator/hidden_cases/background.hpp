@@ -12,6 +12,7 @@ namespace ecs::emulator {
 struct Reserved {
   std::vector<PlacedEffect> hidden;
   std::vector<PlacedEffect> needed;  ///< places that it must hold
+  bool free = false;                 ///< its nonlinear parameters are not given, and any effect may be in it
   Designs design = kNoDesign;        ///< effects excluded from it have no place in this base model
 };
 

@@ -31,6 +31,13 @@ const EffectDefinition* draw_effect_kind(Random& random) {
   return drawn_effects()[static_cast<std::size_t>(whole(random, 0, static_cast<int>(drawn_effects().size()) - 1))];
 }
 
+/// An effect that a free base model must hold: a fault of the map is none of a model.
+const EffectDefinition* draw_base_kind(Random& random) {
+  std::vector<const EffectDefinition*> kinds(effects().begin(), effects().end());
+  std::erase_if(kinds, [](const EffectDefinition* kind) { return kind->seat == Seat::unit; });
+  return one(random, kinds);
+}
+
 /// Two effects that can be sized independently.
 bool can_be_a_pair(const EffectDefinition& a, const EffectDefinition& b) {
   return &a != &b && !(a.seat == Seat::unit && b.seat == Seat::unit) && !(a.natural_size && b.natural_size);
@@ -44,6 +51,10 @@ Result<void> check(const HiddenCaseRequest& request) {
     return refused(fmt::format("snr: expected above 0 and up to 1000, got {}", shortest(*request.snr)));
   if (request.xytz && (request.kind || request.effect != nullptr))
     return refused("the XYTZ case has its own kind and effect: omit --kind and --effect");
+  if (request.free_base && (request.xytz || request.kind == CaseKind::confounded))
+    return refused("a confounded design and the XYTZ case have base models of their own: omit --free-base");
+  if (request.noise != NoiseLaw::usual && request.kind != CaseKind::blank)
+    return refused("noise: laws other than the usual one are for --kind blank");
   if (request.effect == nullptr || !request.kind) return {};
   if (*request.kind == CaseKind::blank || *request.kind == CaseKind::out_of_library)
     return refused(fmt::format("effect: a {} hides no effect of the library; omit --effect", name_of(*request.kind)));
@@ -65,6 +76,8 @@ Wanted begin(Random& random, const HiddenCaseRequest& request) {
   const auto readings =
       static_cast<std::size_t>(log_between(random, wanted.kind == CaseKind::confounded ? 180.0 : 110.0, most));
   wanted.readings = request.readings.value_or(readings);
+  wanted.free_base = request.free_base;
+  wanted.law = request.noise;
   const EffectDefinition* effect = draw_effect_kind(random);
   if (request.effect != nullptr)
     wanted.effects = {request.effect};
@@ -76,6 +89,7 @@ Wanted begin(Random& random, const HiddenCaseRequest& request) {
 /// What is drawn anew where the design cannot show it.
 void vary(Random& random, const HiddenCaseRequest& request, Wanted& wanted) {
   wanted.structure = &one(random, structures());
+  if (request.free_base) wanted.in_base = draw_base_kind(random);
   wanted.design = one(random, confounded_designs());
   if (wanted.kind == CaseKind::confounded && request.effect != nullptr)
     wanted.design = one(random, confounded_designs_of(*request.effect));

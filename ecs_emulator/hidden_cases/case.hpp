@@ -30,6 +30,8 @@ struct HiddenCaseRequest {
   const EffectDefinition* effect = nullptr;  ///< the first of those that are hidden
   std::optional<double> snr;
   std::optional<std::size_t> readings;
+  bool free_base = false;  ///< any effect may be in the base model, and no nonlinear parameter of it is given
+  NoiseLaw noise = NoiseLaw::usual;
   bool xytz = false;  ///< the XYTZ machine under the thesis's printed equation (27)
 };
 
@@ -45,6 +47,7 @@ struct HiddenCase {
   Scene scene;                       ///< as it really was
   Scene recorded;                    ///< as the sensors show it
   std::vector<PlacedEffect> base;    ///< the base model, with its true sizes
+  bool free_base = false;            ///< its nonlinear parameters are not given
   std::vector<HiddenEffect> hidden;  ///< by falling snr
   Structure structure;
   double structure_snr = 0.0;

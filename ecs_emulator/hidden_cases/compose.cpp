@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "ecs_emulator/effects/places.hpp"
 #include "ecs_emulator/effects/shape.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double kForeign = 0.6;  ///< of the size of foreign structure that the library's best three must leave
 constexpr int kLibrarySteps = 3;
+constexpr int kLeastRuns = 5;        ///< in which a zero that moves from run to run shows
+constexpr double kHallSensor = 0.3;  ///< how often a free base comes with a sensor that coincides with runs
 
 /// What a design needs beyond what the hidden effect asks for: it shall not give the effect away.
 Needs distractions(Random& random, const Needs& needs) {
@@ -70,18 +73,44 @@ Needs needs_of(const Wanted& wanted) {
   return needs;
 }
 
+/// What the base model and the noise ask of the design, too.
+Needs needs_beside(const Wanted& wanted) {
+  Needs needs;
+  if (wanted.in_base != nullptr) needs = wanted.in_base->needs;
+  needs.one_run = wanted.law == NoiseLaw::slow;
+  if (wanted.law == NoiseLaw::by_run) needs.least_runs = kLeastRuns;
+  return needs;
+}
+
+/// A thermometer of the hall, which was read once a run: it coincides with the runs and acts on nothing.
+void add_hall_sensor(Random& random, Scene& scene) {
+  std::map<int, double> degC;
+  const std::vector<double> levels{19.5, 21.0, 22.5};
+  scene.sensors.emplace_back("t_hall_degC");
+  for (Stop& stop : scene.stops)
+    stop.weather.degC.push_back(degC.try_emplace(stop.run, one(random, levels)).first->second);
+}
+
 }  // namespace
 
 std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
   HiddenCase c;
   c.kind = wanted.kind;
-  const bool known = needs_of(wanted).known || chance(random, 0.06);
-  Needs needs = distractions(random, needs_of(wanted));
+  c.free_base = wanted.free_base;
+  const Needs asked = needs_of(wanted) | needs_beside(wanted);
+  const bool known = asked.known || chance(random, 0.06);
+  Needs needs = distractions(random, asked);
   if (!needs.map && wanted.kind != CaseKind::out_of_library) needs.map = chance(random, 0.06);
   const auto ground = prepare(random, needs, known, wanted.readings, c.scene);
   if (!ground) return std::nullopt;
 
   Reserved reserved;
+  reserved.free = wanted.free_base;
+  if (wanted.in_base != nullptr) {
+    const auto places = good_places(c.scene, *ground, *wanted.in_base);
+    if (places.empty()) return std::nullopt;
+    reserved.needed.push_back(one(random, places));
+  }
   if (wanted.kind == CaseKind::single || wanted.kind == CaseKind::pair) {
     for (const EffectDefinition* kind : wanted.effects) {
       const auto effect = draw_effect(random, c.scene, *ground, *kind);
@@ -103,7 +132,12 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
       return std::nullopt;
   }
   if (!c.structure.value.empty() && !is_foreign(c.scene, *ground, absorbed, c.structure.value)) return std::nullopt;
-  return finished(random, std::move(c), *ground, absorbed, wanted.snr);
+  if (wanted.in_base != nullptr && std::none_of(c.base.begin(), c.base.end(), [&](const PlacedEffect& effect) {
+        return effect.kind == wanted.in_base;
+      }))
+    return std::nullopt;
+  if (wanted.free_base && chance(random, kHallSensor)) add_hall_sensor(random, c.scene);
+  return finished(random, std::move(c), *ground, absorbed, wanted.snr, wanted.law);
 }
 
 }  // namespace ecs::emulator

@@ -16,6 +16,9 @@ struct Wanted {
   std::vector<const EffectDefinition*> effects;    ///< hidden; of a blank: what the design is made for
   const StructureDefinition* structure = nullptr;  ///< out of library
   const ConfoundedDesign* design = nullptr;        ///< confounded
+  bool free_base = false;
+  const EffectDefinition* in_base = nullptr;  ///< of a free base: an effect that it must hold
+  NoiseLaw law = NoiseLaw::usual;
   double snr = 3.0;
   std::size_t readings = 300;
 };
@@ -31,6 +34,6 @@ struct Wanted {
 /// Sizes, noise, background, readings and truth for a scene with its hidden effects (sizes still open) and its base
 /// model. Nothing where sizes or noise would be out of reach.
 [[nodiscard]] std::optional<HiddenCase> finished(Random& random, HiddenCase begun, const Ground& ground,
-                                                 const Absorbed& absorbed, double snr);
+                                                 const Absorbed& absorbed, double snr, NoiseLaw law = NoiseLaw::usual);
 
 }  // namespace ecs::emulator

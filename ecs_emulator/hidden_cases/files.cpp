@@ -72,7 +72,7 @@ std::string model_file(const HiddenCase& c) {
     if (!effect.sensor2.empty()) text += fmt::format("sensor2 = \"{}\"\n", effect.sensor2);
     std::string given;
     for (const ParameterDefinition& parameter : effect.kind->parameters)
-      if (parameter.search != nullptr)  // no fit of the base model looks for it
+      if (parameter.search != nullptr && !c.free_base)  // no fit of the base model looks for it
         given += fmt::format("{}{} = {}", given.empty() ? "" : ", ", parameter.name,
                              shortest(effect.parameter(parameter.name)));
     if (!given.empty()) text += "parameters = { " + given + " }\n";
@@ -207,6 +207,7 @@ std::string truth_of(const HiddenCase& c) {
   json["seed"] = c.seed;
   json["kind"] = name_of(c.kind);
   json["noise_um"] = c.noise.sigma_um;
+  if (c.noise.law != NoiseLaw::usual) json["noise_law"] = name_of(c.noise.law);
   json["effects"] = nlohmann::ordered_json::array();
   for (const HiddenEffect& hidden : c.hidden) json["effects"].push_back(json_of(hidden));
   json["group"] = c.group;

@@ -16,15 +16,23 @@ constexpr double kMostSensorError = 0.15;  ///< what sensors leave of thermal er
 constexpr double kMostBend = 0.15;  ///< what exact matrices make of large rotations beyond first order, in sigmas
 constexpr double kOwnPart = 0.3;    ///< of a hidden effect's mean square that its companion must leave
 
-Noise draw_noise_level(Random& random, double sigma_um) {
+Noise draw_noise_level(Random& random, double sigma_um, NoiseLaw law) {
   Noise noise;
+  noise.law = law;
   noise.sigma_um = sigma_um;
+  noise.per_unit = std::pow(10.0, std::max(0.0, std::ceil(-std::log10(sigma_um / 8.0))));
+  if (law == NoiseLaw::rounded) noise.per_unit = 1.0 / (sigma_um * between(random, 1.5, 4.0));
+  if (law == NoiseLaw::by_run || law == NoiseLaw::random_walk) noise.correlated_share = between(random, 0.3, 0.8);
+  if (law == NoiseLaw::slow) {
+    noise.correlated_share = between(random, 0.5, 0.95);
+    noise.correlation_s = log_between(random, 60.0, 600.0);
+  }
+  if (law != NoiseLaw::usual) return noise;
   if (chance(random, 0.5)) {
     noise.correlated_share = between(random, 0.05, 0.6);
     noise.correlation_s = log_between(random, 2.0, 30.0);
   }
   if (chance(random, 0.2)) noise.outlier_probability = between(random, 0.002, 0.01);
-  noise.per_unit = std::pow(10.0, std::max(0.0, std::ceil(-std::log10(sigma_um / 8.0))));
   return noise;
 }
 
@@ -36,8 +44,8 @@ void scale_map(Scene& scene, double factor) {
 
 class Finishing {
  public:
-  Finishing(Random& random, HiddenCase& c, const Ground& ground, const Absorbed& absorbed, double snr)
-      : random_(random), case_(c), ground_(ground), absorbed_(absorbed), snr_(snr) {}
+  Finishing(Random& random, HiddenCase& c, const Ground& ground, const Absorbed& absorbed, double snr, NoiseLaw law)
+      : random_(random), case_(c), ground_(ground), absorbed_(absorbed), snr_(snr), law_(law) {}
 
   bool done() {
     if (!settle_sigma()) return false;
@@ -45,7 +53,9 @@ class Finishing {
     size_background();
     if (!measure()) return false;
     judge();
-    return companions_apart();
+    if (!companions_apart()) return false;
+    if (law_ == NoiseLaw::doubled) give_rows_twice();
+    return true;
   }
 
  private:
@@ -58,7 +68,7 @@ class Finishing {
     for (const HiddenEffect& hidden : case_.hidden)
       if (hidden.effect.kind->natural_size) sigma_um = rms_of(absorbed_.left_of(of(hidden.effect))) / snr_;
     if (!(sigma_um >= kLeastSigma_um && sigma_um <= kMostSigma_um)) return false;
-    case_.noise = draw_noise_level(random_, sigma_um);
+    case_.noise = draw_noise_level(random_, sigma_um, law_);
     return true;
   }
 
@@ -81,7 +91,8 @@ class Finishing {
 
   void size_background() {
     for (PlacedEffect& effect : case_.base)
-      effect = scaled(effect, case_.noise.sigma_um * log_between(random_, 1.5, 20.0) / rms_of(of(effect)));
+      if (!effect.kind->natural_size)
+        effect = scaled(effect, case_.noise.sigma_um * log_between(random_, 1.5, 20.0) / rms_of(of(effect)));
   }
 
   [[nodiscard]] std::vector<PlacedEffect> all_effects() const {
@@ -135,6 +146,17 @@ class Finishing {
     if (!case_.group.empty()) case_.group.insert(case_.group.begin(), name);
   }
 
+  void give_rows_twice() {
+    const auto twice = [](auto& list) {
+      auto each = std::move(list);
+      list.clear();
+      for (const auto& one : each) list.insert(list.end(), 2, one);
+    };
+    twice(case_.scene.stops);
+    twice(case_.recorded.stops);
+    twice(case_.readings);
+  }
+
   /// Neither of two hidden effects can stand for the other, and no single effect that bends likewise for both.
   [[nodiscard]] bool companions_apart() const {
     if (case_.hidden.size() < 2) return true;
@@ -162,13 +184,14 @@ class Finishing {
   const Ground& ground_;
   const Absorbed& absorbed_;
   double snr_;
+  NoiseLaw law_;
 };
 
 }  // namespace
 
 std::optional<HiddenCase> finished(Random& random, HiddenCase begun, const Ground& ground, const Absorbed& absorbed,
-                                   double snr) {
-  if (!Finishing(random, begun, ground, absorbed, snr).done()) return std::nullopt;
+                                   double snr, NoiseLaw law) {
+  if (!Finishing(random, begun, ground, absorbed, snr, law).done()) return std::nullopt;
   return begun;
 }
 

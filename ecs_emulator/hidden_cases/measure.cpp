@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kThermometer_degC = 0.004;
 
+/// From one run to the next a zero keeps this part of itself, and a walk makes the size of its share in so many rows.
+constexpr double kMemoryOfRuns = 0.6, kRowsOfWalk = 30.0;
+
 double seen(const ToolPose& pose, Sense sense) {
   const std::size_t direction = index_of(direction_of(sense));
   return is_rotation(sense) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
@@ -24,6 +27,13 @@ void add_mapped_errors(const Scene& scene, const Stop& stop, ComponentValues& er
         table_value(scene.map, table.axis, table.sense, stop.position_mm[index_of(table.axis)],
                     table.axis == stop.axis ? stop.approach : 0);
   }
+}
+
+/// Student's t of three degrees of freedom, of variance 1.
+double student_of_three(Random& random) {
+  double squares = 0.0;
+  for (int k = 0; k < 3; ++k) squares += std::pow(random.normal(), 2);
+  return random.normal() / std::sqrt(squares);
 }
 
 }  // namespace
@@ -56,13 +66,20 @@ std::vector<double> draw_noise(Random& random, const Scene& scene, const Noise& 
   const double white_um = noise.sigma_um * std::sqrt(1.0 - noise.correlated_share);
   const double turbulence_um = noise.sigma_um * std::sqrt(noise.correlated_share);
   double turbulence = random.normal();
-  double before_s = 0.0;
+  const Stop* before = scene.stops.data();
   std::vector<double> drawn;
   for (const Stop& stop : scene.stops) {
-    const double memory = std::exp(-(stop.time_s - before_s) / noise.correlation_s);
-    turbulence = memory * turbulence + std::sqrt(1.0 - memory * memory) * random.normal();
-    before_s = stop.time_s;
-    double value = white_um * random.normal() + turbulence_um * turbulence;
+    if (noise.law == NoiseLaw::random_walk) {
+      turbulence += random.normal() / std::sqrt(kRowsOfWalk);
+    } else if (noise.law != NoiseLaw::by_run || stop.run != before->run) {
+      const double memory = noise.law == NoiseLaw::by_run
+                                ? kMemoryOfRuns
+                                : std::exp(-(stop.time_s - before->time_s) / noise.correlation_s);
+      turbulence = memory * turbulence + std::sqrt(1.0 - memory * memory) * random.normal();
+    }
+    before = &stop;
+    const double own = noise.law == NoiseLaw::heavy_tails ? student_of_three(random) : random.normal();
+    double value = white_um * own + turbulence_um * turbulence;
     if (chance(random, noise.outlier_probability))
       value += sign_of_chance(random) * between(random, 7.0, 20.0) * noise.sigma_um;
     drawn.push_back(value);

@@ -2,6 +2,9 @@
 // Does not live here: what a component's error is (contribution.hpp).
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "ecs_emulator/hidden_cases/contribution.hpp"
@@ -9,10 +12,26 @@
 
 namespace ecs::emulator {
 
+/// How what does not repeat is distributed.
+enum class NoiseLaw : std::uint8_t {
+  usual,        ///< white, now and then with turbulence over seconds and isolated outliers
+  white,        ///< Gaussian, independent
+  rounded,      ///< white, and a display whose step is larger than it
+  doubled,      ///< white, and every row is in the file twice
+  heavy_tails,  ///< Student's t of three degrees of freedom
+  slow,         ///< turbulence over minutes, no target measured again
+  by_run,       ///< white, and a zero of each run that depends on the one before (first-order autoregression)
+  random_walk,  ///< white, and a zero that walks from row to row
+};
+inline constexpr std::array<std::string_view, 8> kNoiseLawNames{"usual",       "white", "rounded", "doubled",
+                                                                "heavy-tails", "slow",  "by-run",  "random-walk"};
+[[nodiscard]] constexpr std::string_view name_of(NoiseLaw law) { return kNoiseLawNames[static_cast<std::size_t>(law)]; }
+
 /// What does not repeat.
 struct Noise {
+  NoiseLaw law = NoiseLaw::usual;
   double sigma_um = 0.5;          ///< of one reading, all of it but the outliers [um, um/m]
-  double correlated_share = 0.0;  ///< of the variance: turbulence
+  double correlated_share = 0.0;  ///< of the variance: turbulence, or the zero that moves from run to run, row to row
   double correlation_s = 10.0;    ///< of the turbulence
   double outlier_probability = 0.0;
   double per_unit = 1000.0;  ///< the display shows multiples of 1/per_unit
@@ -23,7 +42,7 @@ struct Noise {
 [[nodiscard]] std::vector<double> exact_errors(const Scene& scene, const std::vector<PlacedEffect>& effects,
                                                const std::vector<double>& extra);
 
-/// Noise of each reading, in the order of time: white, turbulence as a first-order Gauss-Markov process, outliers.
+/// Noise of each reading, in the order of time, by its law; turbulence is a first-order Gauss-Markov process.
 [[nodiscard]] std::vector<double> draw_noise(Random& random, const Scene& scene, const Noise& noise);
 
 /// What the sensors show of the weather: noise and resolution of a good thermometer, barometer and hygrometer.

@@ -9,7 +9,8 @@
 namespace ecs::emulator {
 namespace {
 
-constexpr double kNothing = 1e-7;  ///< of its size: what is left of a column that is absorbed already
+constexpr double kSmallStep = 1e-4;  ///< of a parameter, for a slope
+constexpr double kNothing = 1e-7;    ///< of its size: what is left of a column that is absorbed already
 
 double distance(const Eigen::MatrixXd& left_columns, const Eigen::VectorXd& left, const EffectDefinition& kind) {
   if (kind.fixed_size) return (left - left_columns.col(0)).norm();
@@ -39,6 +40,21 @@ Eigen::MatrixXd contribution_columns(const Scene& scene, const Ground& ground, c
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), static_cast<Eigen::Index>(units.size()));
   for (std::size_t k = 0; k < units.size(); ++k)
     columns.col(static_cast<Eigen::Index>(k)) = vector_of(contribution(scene, units[k]));
+  return columns;
+}
+
+Eigen::MatrixXd slope_columns(const Scene& scene, const PlacedEffect& effect) {
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(scene.stops.size()), 0);
+  for (const ParameterDefinition& parameter : effect.kind->parameters) {
+    if (parameter.search == nullptr) continue;
+    const auto at = [&](double factor) {
+      PlacedEffect moved = effect;
+      moved.parameters[std::string(parameter.name)] *= factor;
+      return vector_of(contribution(scene, moved));
+    };
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+    columns.rightCols(1) = at(1.0 + kSmallStep) - at(1.0 - kSmallStep);
+  }
   return columns;
 }
 

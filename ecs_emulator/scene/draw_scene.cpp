@@ -162,6 +162,7 @@ Travel draw_travel(Random& random, const Needs& needs, std::size_t lines, std::s
   const int least_targets = needs.fine ? 24 : lines > 3 ? 7 : 10;
   const int most_runs = std::max(1, static_cast<int>(wanted / passes / least_targets));
   travel.runs = std::max(std::min(most_runs, one(random, std::vector{1, 2, 3, 3, 5, 5, 7, 10})), needs.least_runs);
+  if (needs.one_run) travel.runs = 1;
   const int count = std::max(least_targets, static_cast<int>(std::ceil(wanted / passes / travel.runs)));
   scene.even_grid = !chance(random, 0.45) && !needs.irregular;
   for (const Axis a : axes_of(scene))
@@ -227,6 +228,7 @@ Needs operator|(const Needs& a, const Needs& b) {
   n.irregular = a.irregular || b.irregular;
   n.least_axes = std::max(a.least_axes, b.least_axes);
   n.least_runs = std::max(a.least_runs, b.least_runs);
+  n.one_run = a.one_run || b.one_run;
   n.whole_runs = a.whole_runs || b.whole_runs;
   return n;
 }

@@ -25,6 +25,7 @@ struct Needs {
   bool irregular = false;  ///< targets at uneven distances: no period hides between them
   int least_axes = 1;
   int least_runs = 1;
+  bool one_run = false;     ///< no target is measured again
   bool whole_runs = false;  ///< one line: a run is one stretch of time
 };
 /// What both need.

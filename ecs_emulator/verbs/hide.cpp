@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +11,8 @@ namespace ecs::emulator {
 namespace {
 
 struct HideArguments {
-  std::string folder, kind, effect, printed_case;
+  std::string folder, kind, effect, noise, printed_case;
+  bool free_base = false;
   std::optional<std::uint64_t> seed;
   std::optional<double> snr;
   std::optional<std::size_t> readings;
@@ -27,13 +30,24 @@ void declare_hide(Verb& verb, HideArguments& arguments) {
             cli::OnInteger([&arguments](long long n) { arguments.readings = static_cast<std::size_t>(n); }),
             "about so many readings, 100 to 20000"})
       .integer("--count", arguments.count, "so many cases, seeds counting up, into DIR/0001 …", 1, 9999)
+      .flag("--free-base", arguments.free_base,
+            "any effect may be in the base model, and its periods, places and time constants are not given")
+      .choice("--noise", arguments.noise, {kNoiseLawNames.begin(), kNoiseLawNames.end()},
+              "of --kind blank: how the noise is distributed (usual)")
       .choice("--case", arguments.printed_case, {"xytz"},
               "xytz: the XYTZ machine under the thesis's printed equation (27)");
 }
 
 Result<Outcome> hide(VerbContext& /*context*/, const HideArguments& arguments) {
-  HiddenCaseRequest request{arguments.seed.value_or(1),     {}, nullptr, arguments.snr, arguments.readings,
-                            !arguments.printed_case.empty()};
+  HiddenCaseRequest request;
+  request.seed = arguments.seed.value_or(1);
+  request.snr = arguments.snr;
+  request.readings = arguments.readings;
+  request.xytz = !arguments.printed_case.empty();
+  request.free_base = arguments.free_base;
+  if (!arguments.noise.empty())
+    request.noise = static_cast<NoiseLaw>(std::find(kNoiseLawNames.begin(), kNoiseLawNames.end(), arguments.noise) -
+                                          kNoiseLawNames.begin());
   if (!arguments.kind.empty()) request.kind = case_kind_named(arguments.kind);
   if (!arguments.effect.empty()) request.effect = effect_named(arguments.effect);
   if (!arguments.effect.empty() && request.effect == nullptr)

@@ -329,6 +329,44 @@ TEST_CASE("the noise of a reading is what the truth says") {
   CHECK(sum / counted == doctest::Approx(1.0).epsilon(0.1));
 }
 
+TEST_CASE("every law of noise has the size that the truth says, and its own marks") {
+  for (const NoiseLaw law : {NoiseLaw::white, NoiseLaw::rounded, NoiseLaw::doubled, NoiseLaw::heavy_tails,
+                             NoiseLaw::slow, NoiseLaw::by_run}) {
+    CAPTURE(name_of(law));
+    double sum = 0.0;
+    constexpr int kCases = 12;
+    for (std::uint64_t seed = 1; seed <= kCases; ++seed) {
+      HiddenCaseRequest request = request_for(seed, CaseKind::blank);
+      request.noise = law;
+      const HiddenCase c = case_of(request);
+      std::vector<double> noise = exact_errors(c.scene, c.base, {});
+      for (std::size_t k = 0; k < noise.size(); ++k) noise[k] = (noise[k] - c.readings[k]) / c.noise.sigma_um;
+      sum += std::pow(rms(noise), 2) / kCases;
+      if (law == NoiseLaw::slow) CHECK(c.scene.stops.back().run == 1);
+      if (law == NoiseLaw::by_run) CHECK(c.scene.stops.back().run >= 5);
+      if (law == NoiseLaw::rounded) CHECK(1.0 / c.noise.per_unit > c.noise.sigma_um);
+      for (std::size_t k = 0; law == NoiseLaw::doubled && k < c.readings.size(); k += 2)
+        CHECK(c.readings[k] == c.readings[k + 1]);
+    }
+    CHECK(sum == doctest::Approx(law == NoiseLaw::rounded ? 1.7 : 1.0).epsilon(0.45));
+  }
+}
+
+TEST_CASE(
+    "a free base model gives no period, place or time constant, and any effect but a fault of the map is in one") {
+  std::set<std::string> held;
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+    HiddenCaseRequest request = request_for(seed, CaseKind::single);
+    request.free_base = true;
+    const HiddenCase c = case_of(request);
+    CHECK(files_of(c).at("model.toml").find("parameters") == std::string::npos);
+    for (const PlacedEffect& effect : c.base) held.emplace(effect.kind->id);
+  }
+  for (const char* id : {"cyclic", "progressive", "warm_up", "reversal_spike", "step", "cosine", "thermal_bend"})
+    CHECK_MESSAGE(held.contains(id), id);
+  CHECK(held.size() >= 18);
+}
+
 TEST_CASE("every effect of the library can be hidden, alone and in company") {
   for (const EffectDefinition* effect : effects()) {
     CAPTURE(effect->id);
@@ -372,6 +410,7 @@ TEST_CASE("structure that is in no library says on which columns it depends") {
     for (const std::string& name : c.structure.variables) CHECK_MESSAGE(data.find(name) != std::string::npos, name);
   }
   CHECK(kinds.size() >= 6);
+  CHECK(structures().size() == 30);
 }
 
 TEST_CASE("on an XYTZ machine the yaw of Y does not enter equation (27)") {
