@@ -10,6 +10,7 @@
 
 #include "base/file.hpp"
 #include "base/sealed.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::bench {
 namespace {
@@ -69,6 +70,7 @@ Truth truth_of(const json& object) {
   truth.group_optional = words(object, "group_optional");
   truth.variables = words(object, "variables");
   truth.text = word(object, "text");
+  truth.noise_law = word(object, "noise_law");
   truth.noise_um = number(object, "noise_um");
   truth.true_model_rms_um = number(object, "true_model_rms_um");
   truth.snr = number(object, "snr");
@@ -80,6 +82,18 @@ Truth truth_of(const json& object) {
 }  // namespace
 
 std::string_view name_of(CaseKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
+
+std::vector<std::string> free_in_base(const Case& one) {
+  constexpr std::array<std::string_view, 4> kCounted{"cyclic", "progressive", "warm_up", "reversal_spike"};
+  std::vector<std::string> found;
+  for (const std::string_view id : kCounted)
+    if (std::any_of(one.model.effects.begin(), one.model.effects.end(), [id](const model::EffectInstance& effect) {
+          const std::string searched(effect.definition().searched_parameter());
+          return effect.definition().id == id && (searched.empty() || !effect.parameters.contains(searched));
+        }))
+      found.emplace_back(id);
+  return found;
+}
 
 std::vector<std::filesystem::path> case_folders(const std::filesystem::path& root) {
   std::vector<std::filesystem::path> folders;

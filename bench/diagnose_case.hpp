@@ -35,6 +35,7 @@ struct Truth {
   std::vector<std::string> group_optional;  ///< may stand in it as well
   std::vector<std::string> variables;       ///< of structure outside the library: what it depends on
   std::string text;                         ///< what was hidden, in words
+  std::string noise_law;                    ///< of a blank made for it; "": the usual one
   double snr = 0.0;                         ///< of the weakest hidden effect
   double noise_um = 0.0;                    ///< of one reading
   double true_model_rms_um = 0.0;           ///< of all readings with the true effects added; 0: unknown
@@ -48,6 +49,10 @@ struct Case {
   laser::MeasurementSet data;
   Truth truth;
 };
+
+/// The effects of its model among `cyclic`, `progressive`, `warm_up` and `reversal_spike` that are left free: their
+/// curve, or their period, time constant or length.
+[[nodiscard]] std::vector<std::string> free_in_base(const Case& one);
 
 /// Folders below `root` that hold a case, in the order of their names.
 [[nodiscard]] std::vector<std::filesystem::path> case_folders(const std::filesystem::path& root);

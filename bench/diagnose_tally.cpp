@@ -14,6 +14,8 @@
 namespace ecs::bench {
 namespace {
 
+constexpr double kProvedFrom = 100.0;  ///< e-value, docs/model.md
+
 std::string rate(unsigned hits, unsigned cases) {
   const auto interval = model::clopper_pearson(hits, cases);
   return fmt::format("{:>4}/{:<4} = {:5.1f} %  ({:5.1f} … {:5.1f})", hits, cases,
@@ -26,7 +28,13 @@ bool count(const Case& one, const Answer& answer, Tally& tally) {
   const model::Diagnosis& d = answer.diagnosis;
   const bool good = right(one, d);
   ++tally.cases;
+  tally.blank = one.kind == CaseKind::blank;
   tally.hits += good ? 1U : 0U;
+  tally.named += std::any_of(d.candidates.begin(), d.candidates.end(), [](const auto& c) { return c.named; }) ? 1U : 0U;
+  tally.proved += std::any_of(d.candidates.begin(), d.candidates.end(),
+                              [](const auto& c) { return c.e_value.value_or(0.0) >= kProvedFrom; })
+                      ? 1U
+                      : 0U;
   if (answer.has_rival) tally.rival_hits += rival_right(one, answer.rival) ? 1U : 0U;
   auto& effect = tally.by_effect[one.kind == CaseKind::single ? one.name.substr(0, one.name.find(':')) : ""];
   effect.first += good ? 1U : 0U;
@@ -79,6 +87,9 @@ void print(const std::string& name, const Tally& tally, bool rival) {
   fmt::print("{:<26} {}", name, rate(tally.hits, tally.cases));
   if (rival) fmt::print("   stepwise BIC −6: {}", rate(tally.rival_hits, tally.cases));
   fmt::print("\n");
+  if (tally.blank)
+    fmt::print("    named: {}\n    e-value of 100 or more: {}\n", rate(tally.named, tally.cases),
+               rate(tally.proved, tally.cases));
   if (tally.variables > 0)
     fmt::print("    strongest dependence is a right one: {}\n", rate(tally.variables_named, tally.variables));
   if (tally.added > 0)

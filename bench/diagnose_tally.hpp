@@ -12,7 +12,9 @@ namespace ecs::bench {
 
 /// Rates of one kind of case.
 struct Tally {
+  bool blank = false;
   unsigned cases = 0, hits = 0, rival_hits = 0;
+  unsigned named = 0, proved = 0;               ///< blanks: an effect is named; any candidate has an e-value of 100
   unsigned variables = 0, variables_named = 0;  ///< of structure outside the library
   unsigned parameters = 0, within = 0;
   unsigned added = 0, added_well = 0;
