@@ -2,6 +2,7 @@
 // with their intervals.
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <map>
 
 #include <CLI/CLI.hpp>
@@ -84,9 +85,7 @@ int score_folders(const std::string& root, const Options& options, unsigned most
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app{"The proving table of the diagnosis"};
   Options options;
   unsigned most = 0;
@@ -101,4 +100,15 @@ int main(int argc, char** argv) {
   app.add_flag("--rival", options.rival, "beside it the stepwise search by BIC");
   CLI11_PARSE(app, argc, argv);
   return score_folders(folder, options, most);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& failed) {
+    std::fputs(failed.what(), stderr);
+    return 1;
+  }
 }
