@@ -77,10 +77,11 @@ enum class Place : std::uint8_t {
 /// Facts by which search, fit, planning and words treat effects; each says what follows from it.
 struct EffectTraits {
   // what is fitted
-  bool is_curve = false;              ///< smooth functions of rising roughness, as many as the evidence asks for
-  bool keeps_mean_and_slope = false;  ///< of a curve: these are its own and come first among its columns
-  bool fixed_size = false;            ///< no coefficient: the data say yes or no
-  bool periodic = false;              ///< sines and cosines of its searched parameter; searched in frequency
+  bool is_curve = false;     ///< smooth functions of rising roughness, as many as the evidence asks for
+  bool keeps_mean = false;   ///< of a curve: its mean is no other effect and comes first among its columns
+  bool keeps_slope = false;  ///< of a curve: its slope is no other effect and comes next
+  bool fixed_size = false;   ///< no coefficient: the data say yes or no
+  bool periodic = false;     ///< sines and cosines of its searched parameter; searched in frequency
   // what it looks like
   bool of_approach = false;        ///< acts only on readings of known approach of its own moving axis
   bool shape_of_position = false;  ///< free shape over one axis: three together follow any curve
@@ -223,8 +224,10 @@ struct EffectDefinition {
   /// Number of linear coefficients; of a curve 0.
   [[nodiscard]] std::size_t column_count() const;
   [[nodiscard]] bool has_need(Need need) const;
-  /// Columns of a curve that come before its smooth functions: mean and slope, or none.
-  [[nodiscard]] std::size_t leading_columns() const { return traits.keeps_mean_and_slope ? 2 : 0; }
+  /// Columns of a curve that come before its smooth functions: mean and slope, or what it keeps of them.
+  [[nodiscard]] std::size_t leading_columns() const {
+    return static_cast<std::size_t>(traits.keeps_mean) + static_cast<std::size_t>(traits.keeps_slope);
+  }
   /// The unit can compensate it.
   [[nodiscard]] bool is_carried() const { return carrier == Carrier::error_map || carrier == Carrier::parameters; }
   /// Acts through a lever or an angle between axes: has a code and no sense.

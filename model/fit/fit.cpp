@@ -30,16 +30,11 @@ FittedCurve curve_of(const Slot& slot, const Regressors& regressors, const Vecto
     places.push_back(basis.least_mm() + (basis.greatest_mm() - basis.least_mm()) * i / kPoints);
   for (const std::size_t k : slot.acting.rows) places.push_back(data.p_mm(k, *slot.effect.axis));
   places = distinct(places, 1e-6);
-  const std::size_t leading = slot.effect.definition().leading_columns();
   for (const double p : places) {
     double value = 0.0;
-    for (std::size_t j = 0; j < slot.used.size(); ++j) {
-      const auto f = static_cast<std::size_t>(slot.used[j]);
-      double function = 1.0;
-      if (f == 1 && leading > 0) function = (p - basis.centre_mm()) / basis.half_width_mm();
-      if (f >= leading) function = basis.value(f - leading, p);
-      value += sizes(static_cast<Index>(j)) * function;
-    }
+    for (std::size_t j = 0; j < slot.used.size(); ++j)
+      value += sizes(static_cast<Index>(j)) *
+               curve_function(slot.effect.definition(), basis, static_cast<std::size_t>(slot.used[j]), p);
     curve.p_mm.push_back(p + datum);
     curve.value.push_back(value);
   }

@@ -121,7 +121,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
   std::vector<std::pair<double, Explanation>> unseen;
   for (const EffectInstance& effect : candidate_instances(now)) {
     const EffectTraits& traits = effect.traits();
-    const bool free_shape = (traits.is_curve && !traits.keeps_mean_and_slope) || traits.fixed_size ||
+    const bool free_shape = (traits.is_curve && !traits.keeps_mean) || traits.fixed_size ||
                             !effect.definition().searched_parameter().empty();
     const bool believed = std::any_of(model.effects.begin(), model.effects.end(),
                                       [&](const EffectInstance& e) { return same_candidate(e, effect); });
@@ -129,7 +129,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
     Explanation one;
     one.name = name_with_sensor(effect);
     // of an angle its slope: the mean is lost where the readout is zeroed on another line
-    const Index shown = traits.keeps_mean_and_slope ? 1 : 0;
+    const Index shown = traits.keeps_mean ? 1 : 0;
     one.columns = regressors.columns(effect, 0.0).of.leftCols(shown + 1);
     const VectorXd shape = one.columns.col(shown);
     double size = rms_where_not_zero(shape.head(present));

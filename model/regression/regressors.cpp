@@ -128,21 +128,25 @@ Columns Regressors::columns(const EffectInstance& effect, double searched) const
   return columns(effect, searched, acting(effect));
 }
 
-Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Acting& acting,
-                                          std::size_t leading) const {
+double curve_function(const EffectDefinition& definition, const CurveBasis& basis, std::size_t column, double p_mm) {
+  const std::size_t leading = definition.leading_columns();
+  if (column >= leading) return basis.value(column - leading, p_mm);
+  if (column == 0 && definition.traits.keeps_mean) return 1.0;
+  return (p_mm - basis.centre_mm()) / basis.half_width_mm();
+}
+
+Eigen::MatrixXd Regressors::curve_columns(const EffectInstance& effect, const Acting& acting) const {
+  const EffectDefinition& definition = effect.definition();
   const CurveBasis& basis = basis_of(effect);
+  const std::size_t count = definition.leading_columns() + basis.size();
   Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data_.size()), static_cast<Eigen::Index>(leading + basis.size()));
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data_.size()), static_cast<Eigen::Index>(count));
   for (const std::size_t k : acting.rows) {
     const double p = data_.p_mm(k, *effect.axis);
-    const double factor = effect.definition().curve_factor({data_, k, effect});
-    auto row = columns.row(static_cast<Eigen::Index>(k));
-    if (leading > 0) {
-      row(0) = factor;
-      row(1) = factor * (p - basis.centre_mm()) / basis.half_width_mm();
-    }
-    for (std::size_t f = 0; f < basis.size(); ++f)
-      row(static_cast<Eigen::Index>(leading + f)) = factor * basis.value(f, p);
+    const double factor = definition.curve_factor({data_, k, effect});
+    for (std::size_t f = 0; f < count; ++f)
+      columns(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(f)) =
+          factor * curve_function(definition, basis, f, p);
   }
   return columns;
 }
@@ -164,7 +168,7 @@ Columns Regressors::columns(const EffectInstance& effect, double searched, const
   }
   if (definition.traits.is_curve) {
     columns.leading = definition.leading_columns();
-    columns.of = curve_columns(effect, acting, columns.leading);
+    columns.of = curve_columns(effect, acting);
     return columns;
   }
   columns.of = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(definition.column_count()));

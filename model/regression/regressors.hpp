@@ -51,12 +51,16 @@ class Regressors {
   [[nodiscard]] const Observations& data() const { return data_; }
 
  private:
-  [[nodiscard]] Eigen::MatrixXd curve_columns(const EffectInstance& effect, const Acting& acting,
-                                              std::size_t leading) const;
+  [[nodiscard]] Eigen::MatrixXd curve_columns(const EffectInstance& effect, const Acting& acting) const;
 
   const Observations& data_;
   mutable std::map<std::string, CurveBasis> bases_;
 };
+
+/// Function of a column of an effect that is a curve, without its factor: mean and slope that it keeps, then `basis`.
+/// @param p_mm  from the datum of its axis
+[[nodiscard]] double curve_function(const EffectDefinition& definition, const CurveBasis& basis, std::size_t column,
+                                    double p_mm);
 
 /// Linear coefficients → parameters with sigma. `covariance` of the coefficients; empty: none.
 [[nodiscard]] std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect,

@@ -51,6 +51,20 @@ TEST_CASE("each cause on a line is named first") {
                  "progressive:X:EX"));
 }
 
+TEST_CASE("lost motion that grows along the axis is one cause, a line or a curve") {
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  const auto named_for = [&](const Truth& truth) {
+    std::vector<std::string> names;
+    for (const Candidate& candidate : diagnosed(model, measured({}, 0.2, truth)).candidates)
+      if (candidate.named) names.push_back(to_text(candidate.effect));
+    return names;
+  };
+  const std::vector<std::string> only{"reversal_curve:X:EX"};
+  CHECK(named_for([](const laser::Reading& r) { return 4.0 * d(r) * p(r) / 1000.0; }) == only);
+  CHECK(named_for([](const laser::Reading& r) { return 2.0 * d(r) * std::sin(6.0 * p(r) / 1000.0); }) == only);
+}
+
 TEST_CASE("the evidence is given: parameters with sigma, proof on held-out readings, chance of a false name") {
   const Candidate first = first_for([](const laser::Reading& r) { return 1.0 * d(r); });
   REQUIRE(first.parameters.size() == 1);

@@ -142,7 +142,7 @@ TEST_CASE("every effect has the one kind of contribution that its traits announc
     CHECK((definition.search.tried != nullptr) == !definition.searched_parameter().empty());
     CHECK((definition.search.assumed != nullptr) == !definition.searched_parameter().empty());
     if (traits.periodic) CHECK(!definition.searched_parameter().empty());
-    if (traits.keeps_mean_and_slope) CHECK(traits.is_curve);
+    if (traits.keeps_mean || traits.keeps_slope) CHECK(traits.is_curve);
   }
 }
 
