@@ -12,9 +12,9 @@ constexpr double kMostOfPositions = 0.6;
 constexpr double kFewPositions = 5.0;
 
 /// Functions that so many different positions can hold; mean and slope take two.
-std::size_t most_functions(double positions) {
+std::size_t most_functions(double positions, bool apart) {
   if (positions < 3.0) return 0;
-  if (positions <= kFewPositions) return static_cast<std::size_t>(positions) - 2;
+  if (positions <= kFewPositions || apart) return static_cast<std::size_t>(positions) - 2;
   return static_cast<std::size_t>(std::min(positions - 3.0, kMostOfPositions * positions));
 }
 
@@ -40,7 +40,7 @@ std::vector<double> distinct(std::vector<double> values, double tolerance) {
   return kept;
 }
 
-CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most) {
+CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most, bool apart) {
   if (positions_mm.empty()) return;
   const auto [least, greatest] = std::minmax_element(positions_mm.begin(), positions_mm.end());
   least_mm_ = *least;
@@ -49,7 +49,7 @@ CurveBasis::CurveBasis(const std::vector<double>& positions_mm, std::size_t most
   for (const double p : positions_mm) centre_mm_ += p / n;
   const double width = greatest_mm_ - least_mm_;
   if (width <= 0.0) return;
-  const std::size_t room = most_functions(static_cast<double>(distinct(positions_mm, 1e-6 * width).size()));
+  const std::size_t room = most_functions(static_cast<double>(distinct(positions_mm, 1e-6 * width).size()), apart);
   for (std::size_t k = 0; k < std::min(most, room); ++k) {
     double sum = 0.0, sum_pf = 0.0, sum_pp = 0.0;
     for (const double p : positions_mm) {

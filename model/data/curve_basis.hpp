@@ -16,7 +16,9 @@ class CurveBasis {
   CurveBasis() = default;
   /// @param positions_mm  measured positions, one per reading, in any order
   /// @param most          functions wanted; fewer where the positions are too few to hold them
-  CurveBasis(const std::vector<double>& positions_mm, std::size_t most);
+  /// @param apart         something else than its smoothness tells the curve from the rest: it may be free at every
+  /// position
+  CurveBasis(const std::vector<double>& positions_mm, std::size_t most, bool apart = false);
 
   [[nodiscard]] std::size_t size() const { return mean_.size(); }
   /// Function k at a position; beyond the measured travel the end value holds.

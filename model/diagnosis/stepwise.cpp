@@ -72,20 +72,30 @@ bool may_act_twice(const EffectInstance& one, const EffectInstance& other) {
          (one.traits().one_per_axis && one.axis != other.axis);
 }
 
-/// Whether effects may be missing together: one cause occurs once in one place; three free shapes over the
-/// same axis explain anything, and so do three drifts of the same sense.
+/// Whether two shapes of position bend the same readings alike: over the same axis, no levers that tell them apart.
+bool bend_alike(const Family& one, const Family& other) {
+  const bool levers = one.lever_varies || other.lever_varies;
+  return one.effect.axis == other.effect.axis && (!levers || one.effect.code == other.effect.code);
+}
+
+/// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
+/// explain anything, and so do three drifts of the same sense.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 2;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
-    std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;
+    std::size_t shapes = 0, alike = 0, functions = 0, most = 0, drifts = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
       if (one.traits().is_drift && other.traits().is_drift && one.sense == other.sense) ++drifts;
-      if (one.traits().shape_of_position && other.traits().shape_of_position && one.axis == other.axis) {
+      if (one.traits().shape_of_position && other.traits().shape_of_position &&
+          bend_alike(search.families()[chosen[i].family], search.families()[chosen[j].family])) {
         ++shapes;
-        functions += chosen[j].parameters;
+        if (one.traits().of_approach == other.traits().of_approach) {
+          ++alike;
+          functions += chosen[j].parameters;
+        }
         if (other.traits().is_curve) most = std::max(most, chosen[j].columns.size());
       }
       if (j >= i || one.id != other.id) continue;
@@ -94,7 +104,7 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     }
     if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
-    if (shapes > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
+    if (alike > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
   return true;
 }

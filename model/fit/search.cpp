@@ -164,6 +164,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates) {
     if (effect.is_user())
       family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data())) *
                            (family.ln_readings + 2.0 * std::log(kUserTrials));
+    family.lever_varies = regressors_.lever_varies(effect);
     family.least = definition.least_coefficient;
     family.greatest = definition.greatest_coefficient;
     if (definition.place == Place::map) {
@@ -297,11 +298,17 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
   solution.chi2_before = own.empty() ? base_.chi2() : alone_.space.chi2();
   for (Choice& choice : solution.chosen) {
     const double before = solution.space.chi2();
+    const Index had = solution.space.q.cols();
     if (families_[choice.family].effect.traits().fixed_size)
       solution.space.y -= without(solution.space.q, white_columns_of(choice)).col(0);
     else
       absorb(solution.space, white_columns_of(choice));
     choice.gain = before - solution.space.chi2();
+    if (families_[choice.family].effect.traits().is_curve) {  // functions that another curve has too are paid for once
+      const std::size_t fresh = static_cast<std::size_t>(solution.space.q.cols() - had);
+      choice.cost = price_of(families_[choice.family], choice.nonlinear).of(fresh);
+      choice.parameters = fresh;
+    }
     solution.cost += choice.cost;
   }
   return solution;

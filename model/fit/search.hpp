@@ -44,6 +44,7 @@ struct Family {
   double fact_cost = 0.0;                 ///< price of choosing among the facts
   double ln_readings = 0.0;               ///< price of one free coefficient
   double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
+  bool lever_varies = false;              ///< an angular error that its levers tell from other shapes of position
   std::optional<double> least, greatest;  ///< physical range of the single coefficient
 };
 

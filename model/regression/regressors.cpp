@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
 
 #include "model/effects/quantities.hpp"
 #include "model/regression/needs.hpp"
@@ -9,6 +12,9 @@
 
 namespace ecs::model {
 namespace {
+
+/// Levers closer than a hundredth of a millimetre are one, targets closer than a micrometre.
+constexpr double kSameLever_m = 1e-5, kSameTarget_mm = 1e-3;
 
 bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
@@ -110,7 +116,20 @@ const CurveBasis& Regressors::basis_of(const EffectInstance& effect) const {
   std::vector<double> places;
   for (std::size_t k = 0; k < data_.size(); ++k)
     if (acts_by_place(data_, k, effect)) places.push_back(data_.p_mm(k, *effect.axis));
-  return bases_.emplace(key, CurveBasis(places, kMostCurveFunctions)).first->second;
+  return bases_.emplace(key, CurveBasis(places, kMostCurveFunctions, lever_varies(effect))).first->second;
+}
+
+bool Regressors::lever_varies(const EffectInstance& effect) const {
+  if (effect.definition().place != Place::rotation) return false;
+  std::map<std::pair<Sense, std::int64_t>, double> lever_at;  // by target
+  for (std::size_t k = 0; k < data_.size(); ++k) {
+    if (!acts_by_place(data_, k, effect)) continue;
+    const double lever = lever_m(data_, k, *effect.code);
+    const auto target = std::llround(data_.p_mm(k, *effect.axis) / kSameTarget_mm);
+    if (std::abs(lever - lever_at.try_emplace({data_.sense[k], target}, lever).first->second) > kSameLever_m)
+      return true;
+  }
+  return false;
 }
 
 Eigen::VectorXd Regressors::of_curve(const EffectInstance& effect, const Acting& acting) const {

@@ -50,6 +50,9 @@ class Regressors {
 
   [[nodiscard]] const Observations& data() const { return data_; }
 
+  /// Whether some target sees an angular error through different levers, which tell it from other shapes of position.
+  [[nodiscard]] bool lever_varies(const EffectInstance& effect) const;
+
  private:
   [[nodiscard]] Eigen::MatrixXd curve_columns(const EffectInstance& effect, const Acting& acting) const;
 
