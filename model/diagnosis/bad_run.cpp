@@ -95,12 +95,13 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
   return worst;
 }
 
-bool run_comes_first(const RunOffset& run, const EffectInstance& effect, double score) {
+RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double score) {
   // people set feed and load run by run: that these coincide with runs is no fault
   const EffectDefinition& definition = effect.definition();
-  if (definition.has_need(Need::feed) || definition.has_need(Need::load) || definition.place == Place::map)
-    return false;
-  return run.score > 0.0 && run.score + kBetterByHundred >= score;
+  const bool by_hand = definition.has_need(Need::feed) || definition.has_need(Need::load);
+  if (by_hand || definition.place == Place::map || run.score <= 0.0) return RunBeside::worse;
+  if (run.score >= score) return RunBeside::as_good;
+  return run.score + kBetterByHundred >= score ? RunBeside::nearly_as_good : RunBeside::worse;
 }
 
 }  // namespace ecs::model

@@ -2,6 +2,7 @@
 // (Eigen).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "model/fit/search.hpp"
@@ -30,8 +31,9 @@ struct NoisyRun {
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                                 const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
 
-/// Whether the offset of a run is the first thought beside an effect of this score: the effect is not better by a
-/// factor of 100 in evidence.
-[[nodiscard]] bool run_comes_first(const RunOffset& run, const EffectInstance& effect, double score);
+/// How the offset of a run explains what an effect of this score does: as well or better, then it is the first thought;
+/// not worse by a factor of 100 in evidence, then it is mentioned.
+enum class RunBeside : std::uint8_t { as_good, nearly_as_good, worse };
+[[nodiscard]] RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double score);
 
 }  // namespace ecs::model

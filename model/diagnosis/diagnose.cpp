@@ -37,9 +37,9 @@ constexpr double kTellingChance = 1e-3, kTellingShare = 0.01;
 /// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
 constexpr double kFewestSpare = 6.0;
 
-/// A credible set holds the cause with this probability; a cause is proved by this e-value, and is most of what is
-/// above noise from this share on: the verdicts of docs/model.md.
-constexpr double kCredible = 0.99, kProved = 100.0, kMostExplained = 0.9;
+/// A credible set holds the cause with this probability; a cause is most of what is above noise from this share on: the
+/// verdicts of docs/model.md.
+constexpr double kCredible = 0.99, kMostExplained = 0.9;
 
 double probability_from(double minus_log_p) { return std::pow(10.0, -std::min(kMostDigits, minus_log_p)); }
 
@@ -365,6 +365,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (in.found.bad_run || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
+  if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
   if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));

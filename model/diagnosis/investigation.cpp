@@ -223,7 +223,13 @@ void judge(const Regressors& regressors, const Search& search, const Whitener& w
     const Solution rest = search.solution(others(chosen, i), found.solution.own);
     const auto run = best_run_offset(data, whitener, rest.space);
     const Choice& member = found.groups[i].member;
-    if (!run || !run_comes_first(*run, found.families[member.family].effect, member.score())) continue;
+    if (!run) continue;
+    const EffectInstance& effect = found.families[member.family].effect;
+    const RunBeside beside = run_beside(*run, effect, member.score());
+    if (beside == RunBeside::nearly_as_good)
+      found.run_note = fmt::format("an offset of run {} explains nearly as much as {}: look at that run too", run->run,
+                                   to_text(effect));
+    if (beside != RunBeside::as_good) continue;
     found.groups[i].denied = true;
     if (!found.bad_run || run->gain > found.bad_run->gain) found.bad_run = run;
   }
@@ -231,7 +237,10 @@ void judge(const Regressors& regressors, const Search& search, const Whitener& w
     found.objection =
         fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run);
   else
-    found.objection = objection_to_waves(data, found.families, chosen);
+    found.objection = objection_to_waves(data, found.families, chosen,
+                                         std::all_of(found.groups.begin(), found.groups.end(), [](const Group& group) {
+                                           return group.e_value.value_or(0.0) >= kProved;
+                                         }));
   const bool of_waves = !found.bad_run && !found.objection.empty();
   for (std::size_t i = 0; i < chosen.size(); ++i) {  // a step that waves need is as little a cause as they are
     const EffectDefinition& definition = found.families[chosen[i].family].effect.definition();

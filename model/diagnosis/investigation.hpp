@@ -21,6 +21,9 @@ inline constexpr double kLeastCrossValidated = 0.25;
 /// The same where nothing but the effect itself speaks against noise: then it has to predict half.
 inline constexpr double kLeastCrossValidatedAlone = 0.5;
 
+/// A cause is proved by this e-value (docs/model.md, verdicts).
+inline constexpr double kProved = 100.0;
+
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {
   Eigen::MatrixXd columns;       ///< of the fitted sizes and nonlinear parameters, without those of `own`
@@ -47,6 +50,7 @@ struct Found {
   std::optional<NoisyRun> noisy;       ///< scatters more than the others
   bool wanders = false;                ///< what was taken for noise does
   std::optional<FreeWave> wave;        ///< in what is left, with another phase in every pass
+  std::string run_note;                ///< a run that explains nearly as much as an effect found, "" for none
   std::string objection;               ///< why the effects found are no causes although they explain, "" for none
   NoiseModel noise;
   std::vector<bool> left_out;

@@ -82,7 +82,8 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
 }
 
 std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                               const std::vector<Choice>& chosen) {
+                               const std::vector<Choice>& chosen, bool each_proved) {
+  const bool two_causes = each_proved && chosen.size() == 2;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Family& one = families[chosen[i].family];
     if (!one.effect.traits().periodic) continue;
@@ -91,7 +92,7 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       const Family& other = families[chosen[j].family];
       if (i == j || !same_line(one.effect, other.effect)) continue;
       const bool is_jump = other.effect.traits().shape_of_position && !other.effect.definition().search.has_slope;
-      if (is_jump && !is_pitch_or_no_wave(one, chosen[i]))
+      if (is_jump && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
         return fmt::format("a wave of {:.4g} mm explains it only together with a step: any shape can be written so",
                            period);
       if (j < i || !other.effect.traits().periodic) continue;

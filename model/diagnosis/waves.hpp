@@ -11,8 +11,10 @@ namespace ecs::model {
 /// Why the waves among these effects are no cause although their sum may reach the noise, as the end of a sentence; ""
 /// where nothing speaks against them. Anything can be written as enough waves: several unrelated periods none of which
 /// is a pitch of the machine, neighbouring periods that beat, a wave that needs a step to help.
+/// @param each_proved  every one of these effects is proved on readings it was not fitted to: then one wave and one
+/// step, and nothing else, are two causes
 [[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                                             const std::vector<Choice>& chosen);
+                                             const std::vector<Choice>& chosen, bool each_proved);
 
 /// Where a wave found changes its size or its phase along the travel or in time, beyond what noise does: the reason as
 /// the end of a sentence; else "".

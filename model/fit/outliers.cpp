@@ -25,8 +25,8 @@ constexpr std::size_t kFewestReadings = 12, kReadingsAnOutlier = 20;
 /// Where more look odd, only those that stand apart from the rest by this factor are outliers: what lies in between is
 /// shape. A choice.
 constexpr double kApart = 2.0;
-/// So many in a row of a pass are no accident.
-constexpr std::size_t kStreak = 3;
+/// So many of four in a row of a pass are no accident: a burst crosses zero in between.
+constexpr std::size_t kStreak = 3, kInARow = 4;
 /// Beyond the largest of n normal deviates by this much: the scale is estimated, and noise has longer tails. A choice.
 constexpr double kMargin = 2.5;
 /// √(2 ln n) holds for many; below this n it is taken at this n.
@@ -96,12 +96,13 @@ void keep_streaks(const Observations& data, std::vector<bool>& out) {
   const std::vector<std::size_t> pass = passes_of(data);
   std::map<std::size_t, std::vector<std::size_t>> passes;
   for (std::size_t k = 0; k < pass.size(); ++k) passes[pass[k]].push_back(k);
+  const std::vector<bool> odd = out;
   for (const auto& [number, rows] : passes)
-    for (std::size_t from = 0, to = 0; from < rows.size(); from = to + 1) {
-      to = from;
-      while (to < rows.size() && out[rows[to]]) ++to;
-      if (to - from >= kStreak)
-        for (std::size_t i = from; i < to; ++i) out[rows[i]] = false;
+    for (std::size_t from = 0; from < rows.size(); ++from) {
+      const std::size_t to = std::min(from + kInARow, rows.size());
+      std::size_t count = 0;
+      for (std::size_t i = from; i < to; ++i) count += odd[rows[i]] ? std::size_t{1} : std::size_t{0};
+      for (std::size_t i = from; i < to && count >= kStreak; ++i) out[rows[i]] = false;
     }
 }
 

@@ -123,7 +123,7 @@ bool Regressors::lever_varies(const EffectInstance& effect) const {
   if (effect.definition().place != Place::rotation) return false;
   std::map<std::pair<Sense, std::int64_t>, double> lever_at;  // by target
   for (std::size_t k = 0; k < data_.size(); ++k) {
-    if (!acts_by_place(data_, k, effect)) continue;
+    if (data_.axis[k] != *effect.axis) continue;
     const double lever = lever_m(data_, k, *effect.code);
     const auto target = std::llround(data_.p_mm(k, *effect.axis) / kSameTarget_mm);
     if (std::abs(lever - lever_at.try_emplace({data_.sense[k], target}, lever).first->second) > kSameLever_m)

@@ -13,7 +13,9 @@ namespace ecs::model::test {
 /// "step:X:EX" at its place; sensor and values left open.
 inline EffectInstance candidate(const char* text, std::string sensor = "") {
   const AddRequest request = parse_add_request(text).value();
-  EffectInstance one = effect(request.id, *request.axis, *request.sense);
+  EffectInstance one = effect(request.id, *request.axis, request.sense.value_or(Sense::EX));
+  one.code = request.code;
+  if (one.code) one.sense.reset();
   one.sensor = std::move(sensor);
   return one;
 }

@@ -103,21 +103,23 @@ TEST_CASE("runs that differ by noise alone score nothing in nineteen sets of twe
   CHECK(above <= 10);
 }
 
-TEST_CASE("an effect comes before a run only if it is better by a factor of a hundred in evidence") {
+TEST_CASE("a run comes first where it explains as much, and is mentioned up to a hundredth of the evidence") {
   const EffectInstance drift = effect(time_drift, Axis::X, Sense::EX);
   CHECK(rc::check([&] {
     RunOffset run;
     run.score = 0.1 * *rc::gen::inRange(1, 10'000);
     const double hundredfold = 2.0 * std::log(100.0);  // scores are twice logarithms of evidence
-    RC_ASSERT(run_comes_first(run, drift, run.score + hundredfold - 0.01));
-    RC_ASSERT(!run_comes_first(run, drift, run.score + hundredfold + 0.01));
+    RC_ASSERT(run_beside(run, drift, run.score) == RunBeside::as_good);
+    RC_ASSERT(run_beside(run, drift, run.score + 0.01) == RunBeside::nearly_as_good);
+    RC_ASSERT(run_beside(run, drift, run.score + hundredfold - 0.01) == RunBeside::nearly_as_good);
+    RC_ASSERT(run_beside(run, drift, run.score + hundredfold + 0.01) == RunBeside::worse);
   }));
 }
 
 TEST_CASE("a run that gains less than it costs never comes first") {
   RunOffset run;
   run.score = -1.0;
-  CHECK_FALSE(run_comes_first(run, effect(time_drift, Axis::X, Sense::EX), 0.0));
+  CHECK(run_beside(run, effect(time_drift, Axis::X, Sense::EX), 0.0) == RunBeside::worse);
 }
 
 TEST_CASE("feed, load and the map are set run by run: their effects stand whatever an offset of a run explains") {
@@ -125,11 +127,11 @@ TEST_CASE("feed, load and the map are set run by run: their effects stand whatev
   run.score = 1e6;
   for (const EffectId id : {servo_lag, load, map_polarity, map_gain, map_shift, map_direction_swap}) {
     CAPTURE(name_of(id));
-    CHECK_FALSE(run_comes_first(run, effect(id, Axis::X, Sense::EX), 20.0));
+    CHECK(run_beside(run, effect(id, Axis::X, Sense::EX), 20.0) == RunBeside::worse);
   }
   for (const EffectId id : {time_drift, thermal_drift, dead_path, warm_up}) {
     CAPTURE(name_of(id));
-    CHECK(run_comes_first(run, effect(id, Axis::X, Sense::EX), 20.0));
+    CHECK(run_beside(run, effect(id, Axis::X, Sense::EX), 20.0) == RunBeside::as_good);
   }
 }
 

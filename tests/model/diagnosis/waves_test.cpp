@@ -34,8 +34,8 @@ struct MetreOfX {
     one.nonlinear = nonlinear;
     return one;
   }
-  [[nodiscard]] std::string objection(const std::vector<Choice>& chosen) const {
-    return objection_to_waves(of.data, of.search.families(), chosen);
+  [[nodiscard]] std::string objection(const std::vector<Choice>& chosen, bool each_proved = false) const {
+    return objection_to_waves(of.data, of.search.families(), chosen, each_proved);
   }
   [[nodiscard]] std::string objection_to_periods(double a_mm, double b_mm) const {
     return objection({choice(wave, a_mm), choice(wave, b_mm)});
@@ -122,6 +122,12 @@ TEST_CASE("one period in forward and in reverse is one cause of two sizes") {
   CHECK(contains(x.objection({x.choice(x.forward, 87.3), x.choice(x.reverse, 95.0)}), "beat"));
 }
 
+TEST_CASE("one wave and one step, each proved, are two causes; with a third effect any shape can be written so") {
+  const MetreOfX x;
+  CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0)}, true).empty());
+  CHECK(contains(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0), x.choice(x.backlash)}, true), "step"));
+}
+
 TEST_CASE("a wave that needs a step is no cause unless it is a pitch; one beside a backlash is") {
   const MetreOfX x;
   CHECK(contains(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0)}), "step"));
@@ -135,7 +141,7 @@ TEST_CASE("waves of different lines have nothing to do with each other") {
   std::vector<Family> families = x.of.search.families();
   families[x.reverse] = families[x.wave];
   families[x.reverse].effect.sense = Sense::EY;
-  CHECK(objection_to_waves(x.of.data, families, {x.choice(x.wave, 87.3), x.choice(x.reverse, 91.0)}).empty());
+  CHECK(objection_to_waves(x.of.data, families, {x.choice(x.wave, 87.3), x.choice(x.reverse, 91.0)}, false).empty());
 }
 
 TEST_CASE("a period within a percent of a pitch is the pitch, and what is no wave needs none") {

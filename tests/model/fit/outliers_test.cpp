@@ -63,6 +63,12 @@ TEST_CASE("two odd readings in a row are outliers, three are something that happ
   }
 }
 
+TEST_CASE("three odd readings of four in a row are a burst that crosses zero, not outliers") {
+  Spoiled set(7);
+  for (const std::size_t k : {50U, 51U, 53U}) set.raise(k, 40.0);
+  CHECK(set.outliers().empty());
+}
+
 TEST_CASE("where one reading in nine is odd alike, none is isolated") {
   Spoiled set(1);
   for (std::size_t k = 4; k < 246; k += 9) set.raise(k, 20.0);

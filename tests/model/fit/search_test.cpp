@@ -86,6 +86,20 @@ TEST_CASE("every free coefficient costs the logarithm of the readings that it ac
   CHECK(of.search.choice_at(of.search.base(), 0, 0.0).cost == Approx(std::log(246.0)));
 }
 
+TEST_CASE("functions that two curves share are paid for once, whichever comes first") {
+  auto set = measured_line([](const laser::Reading& r) { return 4.0 * std::sin(std::numbers::pi * p(r) / 1000.0); });
+  for (laser::Reading& r : set.readings) r.position_mm[index_of(Axis::Z)] = 300.0;  // one lever
+  const Searching of(set, kSigma_um, candidates_named({"progressive:X:EX", "angular:X:EBX"}));
+  REQUIRE(of.search.families().size() == 2);
+  const Choice curve = of.search.choice_at(of.search.base(), 0, 0.0);
+  const Choice angle = of.search.choice_at(of.search.base(), 1, 0.0);
+  for (const Solution& both : {of.search.solution({curve, angle}), of.search.solution({angle, curve})}) {
+    const auto functions = both.space.q.cols() - of.search.base().q.cols();
+    CHECK(static_cast<Index>(both.chosen[0].parameters + both.chosen[1].parameters) == functions);
+    CHECK(both.cost == Approx(std::log(246.0) * static_cast<double>(functions)));
+  }
+}
+
 TEST_CASE("more candidates never make noise look worse") {
   const auto set = measured_line([](const laser::Reading&) { return 0.0; });
   const Searching few(set, kSigma_um, candidates_named({"backlash:X:EX"}));

@@ -140,3 +140,26 @@ TEST_CASE("curve functions have neither mean nor slope over the measured positio
     CHECK(std::abs(moment) < 1e-6);
   }
 }
+
+TEST_CASE("levers tell an angular error apart only where a target sees it through more than one") {
+  EffectInstance pitch = effect(angular, Axis::X, Sense::EX);
+  pitch.sense.reset();
+  pitch.code = Component::EBX;
+  laser::MeasurementSet set;
+  for (const double z_mm : {0.0, 300.0})
+    for (int i = 0; i <= 8; ++i) {
+      laser::Reading r;
+      r.row = static_cast<int>(set.readings.size()) + 1;
+      r.position_mm = {125.0 * i, 200.0, z_mm};
+      set.readings.push_back(r);
+    }
+  const auto functions_of = [&](bool varies) {
+    const Observations data = observations_of(set, Model{}, mill("TXYZ"));
+    const Regressors regressors(data);
+    CHECK(regressors.lever_varies(pitch) == varies);
+    return regressors.columns(pitch, 0.0).of.cols();
+  };
+  CHECK(functions_of(true) == 2 + 7);  // mean, slope and free at each of nine targets
+  set.readings.erase(set.readings.begin(), set.readings.begin() + 9);
+  CHECK(functions_of(false) == 2 + 5);  // as smooth as three fifths of the targets allow
+}
