@@ -116,7 +116,8 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
   const std::vector<double> repeats = from_repeats(data, residual);
   std::map<std::pair<Sense, Axis>, std::vector<std::size_t>> groups;
   for (std::size_t k = 0; k < n; ++k) groups[{data.sense[k], data.axis[k]}].push_back(k);
-  for (const auto& [key, rows] : groups) {
+  for (const auto& group : groups) {
+    const std::vector<std::size_t>& rows = group.second;
     const auto part = [&](const std::vector<double>& all) {
       std::vector<double> values;
       for (const std::size_t k : rows) values.push_back(all[k]);
