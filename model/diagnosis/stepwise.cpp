@@ -251,7 +251,9 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     group.member.columns = solution.chosen[i].columns;
     std::vector<Choice> all = search.expand(rest.space, kRivalExact);
     for (Choice& other : all) {
-      if (other.family == group.member.family) continue;
+      const bool is_member = std::any_of(solution.chosen.begin(), solution.chosen.end(),
+                                         [&](const Choice& choice) { return choice.family == other.family; });
+      if (is_member) continue;
       const bool movable = !search.families()[other.family].effect.definition().searched_parameter().empty();
       if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
         if (other.score() >= entry_score && group.weaker.size() < kMostWeaker) group.weaker.push_back(other);
