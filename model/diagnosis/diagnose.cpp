@@ -114,9 +114,10 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     for (const Choice& weaker : groups[g]->weaker)
       if (!listed(instance(weaker)) && list.size() < kMostListed)
         list.push_back({instance(weaker), weaker, false, {}, probability_of(g, instance(weaker)), {}});
-  if (list.empty()) {  // nothing found: the closest, against none of them
+  if (list.empty()) {  // nothing found: the closest, against none, beforehand as likely as all candidates together
     std::vector<Choice> alternatives = found.closest;
-    alternatives.emplace_back();
+    alternatives.emplace_back().gain =
+        2.0 * std::log(static_cast<double>(std::max<std::size_t>(found.candidates_tried, 1)));
     const std::vector<double> shares = probabilities_of(alternatives);
     for (std::size_t i = 0; i < found.closest.size(); ++i)
       list.push_back({instance(found.closest[i]), found.closest[i], false, {}, shares[i], {}});

@@ -251,9 +251,10 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     group.member.columns = solution.chosen[i].columns;
     std::vector<Choice> all = search.expand(rest.space, kRivalExact);
     for (Choice& other : all) {
-      const bool is_member = std::any_of(solution.chosen.begin(), solution.chosen.end(),
-                                         [&](const Choice& choice) { return choice.family == other.family; });
-      if (is_member) continue;
+      const auto is_other = [&](const Choice& choice) { return choice.family == other.family; };
+      if (std::any_of(solution.chosen.begin(), solution.chosen.end(), is_other) ||
+          std::any_of(groups.begin(), groups.end(), [&](const Group& before) { return is_other(before.member); }))
+        continue;
       const bool movable = !search.families()[other.family].effect.definition().searched_parameter().empty();
       if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
         if (other.score() >= entry_score && group.weaker.size() < kMostWeaker) group.weaker.push_back(other);
