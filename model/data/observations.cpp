@@ -164,4 +164,35 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   return part;
 }
 
+Observations counted_once(Observations data, const MeasurementSet& set) {
+  const auto same = [&](std::size_t a, std::size_t b) {  // but for the place in the file
+    const Reading &one = set.readings[data.file_order[a]], &other = set.readings[data.file_order[b]];
+    if (one.error != other.error || one.position_mm != other.position_mm || one.time_s != other.time_s) return false;
+    Reading moved = one;
+    moved.row = other.row;
+    moved.line = other.line;
+    return moved == other;
+  };
+  std::vector<std::size_t> first;                  // of rows that are equal
+  std::vector<std::size_t> counts;                 // how many there are
+  for (std::size_t k = 0; k < data.size(); ++k) {  // equal rows are neighbours in canonical order
+    if (!first.empty() && same(first.back(), k)) {
+      ++counts.back();
+    } else {
+      first.push_back(k);
+      counts.push_back(1);
+    }
+  }
+  const bool has_times = std::none_of(data.time_s.begin(), data.time_s.end(), [](double t) { return std::isnan(t); }) &&
+                         !data.time_s.empty();
+  const bool evenly = std::all_of(counts.begin(), counts.end(), [&](std::size_t n) { return n == counts.front(); });
+  const bool a_plan = std::all_of(data.reading.begin(), data.reading.end(),
+                                  [&](double reading) { return reading == data.reading.front(); });
+  if (first.size() == data.size() || a_plan || !(has_times || evenly)) return data;
+  const std::size_t dropped = data.size() - first.size();
+  data = subset(data, first);
+  data.notes.push_back(fmt::format("{} rows equal another in every column: each counts once", dropped));
+  return data;
+}
+
 }  // namespace ecs::model

@@ -75,6 +75,11 @@ struct Observations {
 /// The rows `chosen` (places in canonical order, ascending), everything else the same.
 [[nodiscard]] Observations subset(const Observations& all, const std::vector<std::size_t>& chosen);
 
+/// Rows given twice count once, with a note: those that equal another in every column, their time stamp included; where
+/// there are no times only if every row of the set stands as often, for rounded repeats may be equal by chance.
+/// @param set  that `data` was made from
+[[nodiscard]] Observations counted_once(Observations data, const laser::MeasurementSet& set);
+
 /// Row k of a column that may be absent: NaN where nothing was measured.
 [[nodiscard]] inline double cell(const Column& column, std::size_t k) {
   return column.empty() ? kNotMeasured : column[k];

@@ -345,7 +345,7 @@ void take_history(TomlReader& reader, const toml::table& root, Model& model) {
 
 Observations observations_of(const laser::MeasurementSet& set, const Model& model,
                              const std::optional<params::Machine>& machine) {
-  return observations_of(set, KnownTables{model.map, model.known}, machine);
+  return counted_once(observations_of(set, KnownTables{model.map, model.known}, machine), set);
 }
 
 Result<Model> parse_model(std::string_view text, const std::string& name, const std::filesystem::path& folder) {

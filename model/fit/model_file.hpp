@@ -39,7 +39,7 @@ struct Model {
   std::vector<EffectInstance> undone;  ///< not in the file: effects taken back in this run
 };
 
-/// The readings with the map and the known components of a model.
+/// The readings with the map and the known components of a model; rows given twice count once.
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
                                            const std::optional<params::Machine>& machine);
 

@@ -35,7 +35,7 @@ struct Predicted {
 
 Result<Predicted> predicted(const model::Model& model, const std::optional<params::Machine>& machine, Plan plan,
                             const std::string& model_file) {
-  const model::Observations at = model::observations_of(plan.set, model, machine);
+  const model::Observations at = model::observations_of(plan.set, model::KnownTables{model.map, model.known}, machine);
   const auto values = model::predicted(model, at);
   if (!values) return tl::unexpected(in_file(values.error(), model_file));
   for (std::size_t k = 0; k < at.size(); ++k) {
