@@ -73,6 +73,9 @@ struct EffectInstance {
   std::map<std::string, double> parameters;  ///< given: held. Absent ones are fitted from the data
   std::map<std::string, double> fitted;      ///< values of the last fit; used where there are no data to fit
   FittedCurve curve;                         ///< of the last fit, for effects that are curves
+  /// Present: the readings of the last fit do not determine its values, beside the effects of these names; none: the
+  /// readings do not show it.
+  std::optional<std::vector<std::string>> undetermined;
 
   /// @pre id is set
   [[nodiscard]] const EffectDefinition& definition() const { return *id; }

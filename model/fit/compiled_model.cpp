@@ -53,6 +53,42 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
   return values;
 }
 
+/// An effect that varies by so many times what the table with it does is cancelled by others: the readings do not
+/// determine it (docs/physics.md, "Where an effect stops being itself").
+constexpr double kMostOfTable = 100.0, kLeastRange_um = 0.1;  // below, it is no error of a machine
+
+double range_of(const std::vector<double>& values) {
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  return values.empty() ? 0.0 : *greatest - *least;
+}
+
+/// A table takes effects that collide with one another only, for their sum is determined.
+std::vector<Problem> undetermined_beside_others(const Model& fitted,
+                                                const std::vector<const EffectInstance*>& carried) {
+  std::vector<Problem> problems;
+  for (const EffectInstance* effect : carried) {
+    if (!effect->undetermined) continue;
+    std::vector<std::string> outside = *effect->undetermined;
+    std::erase_if(outside, [&](const std::string& name) {
+      const auto is_named = [&](const EffectInstance& one) { return to_text(one) == name; };
+      return std::none_of(fitted.effects.begin(), fitted.effects.end(), is_named) ||
+             std::any_of(carried.begin(), carried.end(), [&](const EffectInstance* one) { return is_named(*one); });
+    });
+    if (outside.empty()) continue;
+    problems.push_back(
+        {ProblemKind::refused,
+         fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map "
+                     "carries; measure what separates them (ecs model next), or remove one of them and "
+                     "fit again",
+                     to_text(*effect), fmt::join(outside, ", ")),
+         {},
+         0,
+         0,
+         {}});
+  }
+  return problems;
+}
+
 bool differs_by_approach(const EffectInstance& effect) {
   return effect.traits().of_approach || effect.approach != ApproachMode::both;
 }
@@ -73,18 +109,25 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
     return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
   CompiledModel out;
   std::map<Component, std::vector<const EffectInstance*>> tables;
+  std::vector<const EffectInstance*> carried;
   for (const EffectInstance& effect : fitted.effects) {
+    if (effect.undetermined && effect.undetermined->empty()) {
+      out.not_carried.push_back(fmt::format("{}: the readings that it was fitted to do not show it", to_text(effect)));
+      continue;
+    }
     const auto component = table_of_effect(effect);
     if (effect.definition().place == Place::squareness && effect.code) {
       const auto value = effect.parameters.contains("um_per_m") ? effect.parameters : effect.fitted;
       if (const auto found = value.find("um_per_m"); found != value.end()) {
         out.squareness[index_of(*effect.code)] += found->second;
+        carried.push_back(&effect);
         out.carried.push_back(fmt::format("{}: {:.3g} um/m in the unit's parameters", to_text(effect), found->second));
         continue;
       }
     }
     if (component && machine.axes[index_of(moving_axis(*component))]) {
       tables[*component].push_back(&effect);
+      carried.push_back(&effect);
       out.carried.push_back(fmt::format("{}: table {}", to_text(effect), name_of(*component)));
     } else {
       out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), effect.definition().how));
@@ -92,7 +135,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   }
   out.map.header.machine = machine.name;
   out.map.header.configuration = machine.configuration;
-  std::vector<Problem> problems;
+  std::vector<Problem> problems = undetermined_beside_others(fitted, carried);
   for (const auto& [component, effects] : tables) {
     const params::MachineAxis& axis = *machine.axes[index_of(moving_axis(component))];
     const std::vector<double> grid = table_positions(axis, increment_mm);
@@ -103,6 +146,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
     for (const Approach approach :
          two ? std::vector<Approach>{Approach::forward, Approach::reverse} : std::vector<Approach>{Approach::unknown}) {
       laser::MapTable table{component, approach, grid, std::vector<double>(grid.size(), 0.0)};
+      std::vector<double> ranges;
       for (const EffectInstance* effect : effects) {
         const auto values = along_axis(fitted, *effect, machine, grid, two ? static_cast<int>(approach) : 1);
         if (!values) {
@@ -110,7 +154,19 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
           break;
         }
         for (std::size_t i = 0; i < grid.size(); ++i) table.compensation[i] -= (*values)[i];
+        ranges.push_back(range_of(*values));
       }
+      const auto most = std::max_element(ranges.begin(), ranges.end());
+      if (most != ranges.end() && *most > kMostOfTable * std::max(range_of(table.compensation), kLeastRange_um))
+        problems.push_back({ProblemKind::refused,
+                            fmt::format("{} varies by {:.3g} um in a table that varies by {:.3g} um: effects of the "
+                                        "model cancel each other; remove one of them and fit again",
+                                        to_text(*effects[static_cast<std::size_t>(most - ranges.begin())]), *most,
+                                        range_of(table.compensation)),
+                            {},
+                            0,
+                            0,
+                            {}});
       out.map.tables.push_back(std::move(table));
     }
     out.map.header.processing.push_back(

@@ -87,6 +87,30 @@ void name_held(std::vector<ParameterEstimate>& estimates, const EffectInstance& 
   }
 }
 
+/// The effect that owns a column.
+std::size_t slot_of_column(const Assembly& assembly, Index column) {
+  std::size_t s = 0;
+  while (column >= assembly.first_column(s) + assembly.slots[s].columns.cols()) ++s;
+  return s;
+}
+
+/// Adds the names of the other effects with which a column collides.
+void add_colliding(const Assembly& assembly, Index column, const CoreFit& core, std::vector<std::string>& names) {
+  const std::string own = to_text(assembly.slots[slot_of_column(assembly, column)].effect);
+  for (const Index other : core.collides[static_cast<std::size_t>(column)]) {
+    const std::string name = to_text(assembly.slots[slot_of_column(assembly, other)].effect);
+    if (name != own && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+}
+
+std::vector<std::string> colliding_effects(const Assembly& assembly, std::size_t s, const CoreFit& core) {
+  std::vector<std::string> names;
+  const Index first = assembly.first_column(s);
+  for (Index column = first; column < first + assembly.slots[s].columns.cols(); ++column)
+    add_colliding(assembly, column, core, names);
+  return names;
+}
+
 EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& regressors, const CoreFit& core,
                      Index first_nonlinear) {
   const Slot& slot = assembly.slots[s];
@@ -130,6 +154,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     fit.parameters = parameters_from(slot.effect, all.sizes, all.covariance, nonlinear, sigma);
     name_held(fit.parameters, slot.effect);
   }
+  fit.effect.undetermined.reset();
   bool undetermined =
       std::any_of(core.undetermined.begin() + at, core.undetermined.begin() + at + count, [](bool u) { return u; });
   for (std::size_t j = 0; j < slot.nonlinear.size(); ++j)  // its sizes follow from a place or length that nothing shows
@@ -140,14 +165,8 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     if (undetermined) estimate.sigma = std::nullopt;
     fit.effect.fitted[estimate.name] = estimate.value;
   }
+  if (undetermined) fit.effect.undetermined = colliding_effects(assembly, s, core);
   return fit;
-}
-
-/// The effect that owns a column.
-std::size_t slot_of_column(const Assembly& assembly, Index column) {
-  std::size_t s = 0;
-  while (column >= assembly.first_column(s) + assembly.slots[s].columns.cols()) ++s;
-  return s;
 }
 
 void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) {
@@ -155,11 +174,7 @@ void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) 
     const std::size_t s = slot_of_column(assembly, static_cast<Index>(column));
     if (!core.undetermined[column]) continue;
     std::vector<std::string> others;
-    for (const Index other : core.collides[column]) {
-      const std::string name = to_text(assembly.slots[slot_of_column(assembly, other)].effect);
-      if (name != to_text(assembly.slots[s].effect) && std::find(others.begin(), others.end(), name) == others.end())
-        others.push_back(name);
-    }
+    add_colliding(assembly, static_cast<Index>(column), core, others);
     const bool dependent = !core.collides[column].empty();
     if (!dependent && core.sizes(static_cast<Index>(column)) != 0.0) continue;
     std::string text = to_text(assembly.slots[s].effect);
@@ -279,6 +294,7 @@ Model with_values(Model model, const Fit& fit) {
   for (std::size_t i = 0; i < std::min(model.effects.size(), fit.effects.size()); ++i) {
     model.effects[i].fitted = fit.effects[i].effect.fitted;
     if (!fit.effects[i].effect.curve.empty()) model.effects[i].curve = fit.effects[i].effect.curve;
+    model.effects[i].undetermined = fit.effects[i].effect.undetermined;
   }
   return model;
 }

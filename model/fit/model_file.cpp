@@ -18,8 +18,9 @@ namespace ecs::model {
 namespace {
 
 const std::vector<std::string> kModelKeys{"name", "effect", "candidate", "map", "known", "history"};
-const std::vector<std::string> kEffectKeys{"id",      "axis", "sense",   "approach",   "code",   "sensor",
-                                           "sensor2", "name", "formula", "parameters", "fitted", "curve"};
+const std::vector<std::string> kEffectKeys{"id",     "axis",    "sense",       "approach", "code",
+                                           "sensor", "sensor2", "name",        "formula",  "parameters",
+                                           "fitted", "curve",   "undetermined"};
 
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
@@ -193,6 +194,16 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
   take_numbers(reader, table, "fitted", effect.fitted, known);
 }
 
+/// Names of the effects beside which the values fitted are not determined.
+void take_undetermined(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
+  if (!table.contains("undetermined")) return;
+  const toml::array* names = table.get_as<toml::array>("undetermined");
+  effect.undetermined.emplace();
+  if (names == nullptr || !std::all_of(names->begin(), names->end(), [](const auto& one) { return one.is_string(); }))
+    return reader.complain(*table.get("undetermined"), "undetermined: expected a list of names in quotes");
+  for (const toml::node& one : *names) effect.undetermined->push_back(one.as_string()->get());
+}
+
 /// The component of `code`; of a set-up its rotation.
 void take_code(TomlReader& reader, const toml::table& table, EffectInstance& effect) {
   const auto word = reader.word(table, "code");
@@ -273,6 +284,7 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
   effect.sensor = sensor_in(reader, table, "sensor");
   effect.sensor2 = sensor_in(reader, table, "sensor2");
   effect.name = reader.word(table, "name").value_or("");
+  take_undetermined(reader, table, effect);
   if (effect.is_user()) {
     take_user(reader, table, effect);
     return effect;

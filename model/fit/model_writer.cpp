@@ -71,6 +71,11 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   else if (!effect.parameters.empty())
     text += fmt::format("parameters = {}\n", table_of(effect.parameters));
   if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect.fitted));
+  if (effect.undetermined) {
+    std::vector<std::string> names;
+    for (const std::string& name : *effect.undetermined) names.push_back(toml_text(name));
+    text += fmt::format("undetermined = [{}]\n", fmt::join(names, ", "));
+  }
   if (!effect.curve.empty())
     text +=
         fmt::format("curve = {{ p_mm = {}, value = {} }}\n", list_of(effect.curve.p_mm), list_of(effect.curve.value));

@@ -109,6 +109,50 @@ TEST_CASE("a period too short for the tables is said") {
   CHECK(r.json()["notes"].dump().find("cannot follow its period") != std::string::npos);
 }
 
+TEST_CASE("what a fit could not determine is in its file, and no map is made of it beside what no map carries") {
+  const ModelWorkspace workspace;
+  const std::string square = "\n[[effect]]\nid = \"cosine\"\naxis = \"X\"\nsense = \"EX\"\n";
+  const std::string model = workspace.folder.with("both.toml", kStraightModel + square);
+  REQUIRE(ran({"model", "fit", model, workspace.data, "--machine", workspace.machine, "-o", model}).code == 0);
+  CHECK(content_of(model).find("undetermined = [\"cosine:X:EX\"]") != std::string::npos);
+  const std::string map = workspace.folder / "map.csv";
+  const Ran refused = ran({"map", "build", "--from-model", model, "--machine", workspace.machine, "-o", map});
+  CHECK(refused.code == 1);
+  CHECK(
+      refused.messages.find("scale:X:EX: the readings that the model was fitted to cannot tell it from cosine:X:EX") !=
+      std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(map));
+  REQUIRE(ran({"model", "fit", workspace.model, workspace.data, "--machine", workspace.machine, "-o", model, "--force"})
+              .code == 0);
+  CHECK(content_of(model).find("undetermined") == std::string::npos);
+  CHECK(ran({"map", "build", "--from-model", model, "--machine", workspace.machine, "-o", map}).code == 0);
+}
+
+TEST_CASE("a map takes effects that only collide with one another, and leaves out what the readings do not show") {
+  const ModelWorkspace workspace;
+  const std::string model = workspace.folder.with(
+      "together.toml",
+      "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { um_per_m = 3.0 }\nundetermined = "
+      "[\"sag:X:EX\"]\n[[effect]]\nid = \"sag\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { k2 = 1.0, k3 = 0.0 }\n"
+      "undetermined = [\"scale:X:EX\"]\n[[effect]]\nid = \"backlash\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { um = "
+      "900.0 }\nundetermined = []\n");
+  const Ran r = ran({"map", "build", "--from-model", model, "--machine", workspace.machine, "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["not_carried"].dump().find("backlash:X:EX: the readings that it was fitted to do not show it") !=
+        std::string::npos);
+}
+
+TEST_CASE("effects that cancel each other make no map") {
+  const ModelWorkspace workspace;
+  const std::string model = workspace.folder.with(
+      "cancelling.toml",
+      "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { um_per_m = 90000.0 }\n[[effect]]\nid = "
+      "\"progressive\"\naxis = \"X\"\nsense = \"EX\"\ncurve = { p_mm = [-10.0, 1010.0], value = [900.0, -90890.0] }\n");
+  const Ran r = ran({"map", "build", "--from-model", model, "--machine", workspace.machine});
+  CHECK(r.code == 1);
+  CHECK(r.messages.find("cancel each other") != std::string::npos);
+}
+
 TEST_CASE("squareness of a model goes into the parameters") {
   const ModelWorkspace workspace;
   const std::string square = workspace.folder.with(
