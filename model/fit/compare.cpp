@@ -132,6 +132,7 @@ double variable_of(const Observations& data, std::size_t k, const std::string& n
   if (name == "z_mm") return data.position_mm[k][2];
   if (name == "approach") return data.approach[k];
   if (name == "run") return data.run[k];
+  if (name == "row") return data.row[k];
   if (name == "compensated") return data.compensated[k] ? 1.0 : 0.0;
   if (name == "time_s") return cell(data.time_s, k);
   if (name == "feed_mm_min") return cell(data.feed_mm_min, k);

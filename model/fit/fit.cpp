@@ -8,6 +8,7 @@
 
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
+#include "model/fit/profile.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -111,6 +112,16 @@ std::vector<std::string> colliding_effects(const Assembly& assembly, std::size_t
   return names;
 }
 
+/// The covariance with standard deviations of at least `sigma`, correlations kept.
+void widen(MatrixXd& covariance, const VectorXd& sigma) {
+  for (Index i = 0; i < sigma.size(); ++i) {
+    const double now = std::sqrt(std::max(covariance(i, i), 0.0));
+    if (!(sigma(i) > now) || now <= 0.0) continue;
+    covariance.row(i) *= sigma(i) / now;
+    covariance.col(i) *= sigma(i) / now;
+  }
+}
+
 EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& regressors, const CoreFit& core,
                      Index first_nonlinear) {
   const Slot& slot = assembly.slots[s];
@@ -120,7 +131,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
   fit.skipped = slot.acting.skipped;
   const Index at = assembly.first_column(s), count = slot.columns.cols();
   const VectorXd sizes = core.sizes.segment(at, count);
-  const MatrixXd covariance = core.covariance.block(at, at, count, count);
+  MatrixXd covariance = core.covariance.block(at, at, count, count);
   const VectorXd contribution = assembly.contribution(s, sizes);
   fit.contribution.assign(contribution.data(), contribution.data() + contribution.size());
   double square = 0.0;
@@ -133,6 +144,11 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     if (slot.nonlinear_free[j] && slot.has_slope()) {
       nonlinear_sigma[j] = std::sqrt(std::max(0.0, core.covariance(n, n)));
       ++n;
+    }
+  if (nonlinear_sigma.size() == 1 && nonlinear_sigma.front())
+    if (const auto profile = profile_sigma(assembly, regressors, core, s, *nonlinear_sigma.front())) {
+      nonlinear_sigma.front() = std::max(*nonlinear_sigma.front(), profile->searched);
+      widen(covariance, profile->sizes);
     }
   if (slot.formulas) {
     fit.parameters = user_estimates(slot, sizes, covariance, nonlinear_sigma);
