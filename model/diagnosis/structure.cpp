@@ -235,6 +235,23 @@ void add_runs(const Observations& data, const std::vector<double>& scaled, std::
   if (!functions.empty()) out.push_back({"run", functions.matrix()});
 }
 
+/// Without times the order of the rows serves as time: waves no faster than so many rows.
+void add_rows(const Observations& data, std::vector<Variable>& out) {
+  constexpr double kFastest_rows = 24.0;
+  if (!data.time_s.empty() || data.row.empty()) return;
+  const auto [least, greatest] = std::minmax_element(data.row.begin(), data.row.end());
+  const double first = *least, length = static_cast<double>(*greatest) - first;
+  if (length <= 0.0) return;
+  Functions functions(data.size());
+  const double waves = std::clamp(length / kFastest_rows, kFewestWavesOfTime, kMostWavesOfTime);
+  for (const Sense sense : senses_of(data))
+    for (int m = 1; m <= waves; ++m)
+      functions.add([&](std::size_t k) {
+        return data.sense[k] == sense ? std::cos(m * std::numbers::pi * (data.row[k] - first) / length) : 0.0;
+      });
+  out.push_back({"row", functions.matrix()});
+}
+
 void add_time(const Observations& data, std::vector<Variable>& out) {
   if (data.time_s.empty()) return;
   double last = 0.0;
@@ -303,6 +320,7 @@ std::vector<Variable> variables_of(const Observations& data) {
   add_approach(data, scaled, out);
   add_runs(data, scaled, out);
   add_time(data, out);
+  add_rows(data, out);
   add_condition(data, "feed_mm_min", data.feed_mm_min, scaled, out);
   add_condition(data, "load_kg", data.load_kg, scaled, out);
   add_condition(data, "travel_since_reversal_mm", data.travel_since_reversal_mm, scaled, out);

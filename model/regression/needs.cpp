@@ -176,6 +176,8 @@ std::vector<std::string> untried_effects(const Observations& data) {
     };
     note(facts.what, concerned, notes);
   }
+  if (data.time_s.empty() && data.size() > 0)
+    notes.emplace_back("no time_s: the order of the rows serves as time in the tests of what is left (row)");
   add_tied_to_runs(data, notes);
   if (std::all_of(data.approach.begin(), data.approach.end(), [](int d) { return d == 0; }))
     notes.emplace_back("no approach: effects of approach cannot be tried");
