@@ -86,11 +86,17 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   NoiseModel noise = noise_of(data, base->residual, smooth_columns(data), left_out);
   for (int round = 0; round < kMostRounds; ++round)
     if (!noise_changed(data, residual_of(all, Whitener(data, noise, left_out)), claim.plain, noise, left_out)) break;
+  std::vector<EffectInstance> own;
+  for (const std::size_t i : base->own) own.push_back(model.effects[i]);
+  const Search search(regressors, Whitener(data, noise, left_out), base->columns, base->target,
+                      others_than(own, all_candidates(model, regressors)), own);
+  check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
+               static_cast<double>(search.candidates()));
   for (const Member& member : members) {
     if (!member.claimed.named) continue;
     const LinearProblem others = problem_with(alone, members, regressors, &member);
     auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect);
-    if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(claim.candidates_tried, 1));
+    if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(search.candidates(), 1));
     check_e_value(check, to_text(member.effect) + " e_value", member.claimed.e_value, e_value);
   }
   return {};

@@ -302,17 +302,22 @@ bool noise_changed(const Observations& data, const VectorXd& residual, bool plai
   return true;
 }
 
+std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,
+                                        std::vector<EffectInstance> candidates) {
+  std::erase_if(candidates, [&](const EffectInstance& candidate) {
+    return !candidate.traits().several_alike && std::any_of(own.begin(), own.end(), [&](const EffectInstance& term) {
+      return same_candidate(term, candidate);
+    });
+  });
+  return candidates;
+}
+
 Found searched(const Model& model, const Regressors& regressors, const Base& base,
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
-  std::vector<EffectInstance> others_than_own = candidates;
-  std::erase_if(others_than_own, [&](const EffectInstance& candidate) {
-    return !candidate.traits().several_alike && std::any_of(own.begin(), own.end(), [&](const EffectInstance& term) {
-      return same_candidate(term, candidate);
-    });
-  });
+  const std::vector<EffectInstance> others_than_own = others_than(own, candidates);
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_of(data, base.residual, smooth_columns(data), found.left_out);

@@ -75,6 +75,10 @@ inline constexpr int kMostRounds = 2;
 [[nodiscard]] bool noise_changed(const Observations& data, const Eigen::VectorXd& residual, bool plain,
                                  NoiseModel& noise, std::vector<bool>& left_out);
 
+/// The candidates but those that the model has already with a free searched parameter (`own`).
+[[nodiscard]] std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,
+                                                      std::vector<EffectInstance> candidates);
+
 [[nodiscard]] Found searched(const Model& model, const Regressors& regressors, const Base& base,
                              const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);
 

@@ -20,12 +20,14 @@ struct Diagnosed {
   Model model = straight();
   Observations data;
   Claim claim;
+  Verdict verdict = Verdict::adequate;
 
-  explicit Diagnosed(const Truth& truth, Model of = straight())
-      : model(std::move(of)), data(observations_of(measured({}, kNoise_um, truth), model, mill())) {
+  explicit Diagnosed(const Truth& truth, Model of = straight(), const Plan& line = {})
+      : model(std::move(of)), data(observations_of(measured(line, kNoise_um, truth), model, mill())) {
     const Diagnosis found = diagnose(model, data, {.noise_replicates = 100}).value();
     claim = {found.observations, found.rms_um,    found.rms_after_um, found.candidates_tried, false,
              found.own_terms,    found.candidates};
+    verdict = found.verdict;
   }
   [[nodiscard]] Check checked_as(const Claim& other) const { return checked(model, data, other).value(); }
 };
@@ -72,6 +74,45 @@ TEST_CASE("a diagnosis of a model with a free wave holds at the place that the w
   CHECK(!found.checked_as(moved).holds());
 }
 
+TEST_CASE("a diagnosis that explains only part holds, and one of more readings than are searched") {
+  // another value at every target, from the digits of its place
+  const auto rough = [](const laser::Reading& r) { return std::sin(7919.0 * p(r)) + 5.0 * d(r); };
+  const Diagnosed part(rough);
+  CHECK(part.verdict == Verdict::partly_explained);
+  REQUIRE(part.claim.candidates.front().named);
+  CHECK(differing(part.checked_as(part.claim)).empty());
+  const Diagnosed many([](const laser::Reading& r) { return 1.0 * d(r); }, straight(), {.targets = 80, .runs = 30});
+  REQUIRE(many.data.size() > DiagnoseOptions{}.largest_search);
+  REQUIRE(many.claim.candidates.front().named);
+  CHECK(differing(many.checked_as(many.claim)).empty());
+}
+
+TEST_CASE("a diagnosis that names a fault of the map holds, and one that names a candidate of the user") {
+  Model mapped = straight();
+  mapped.map.emplace();
+  laser::MapTable table{Component::EXX, Approach::unknown, {}, {}};
+  for (double x = 0.0; x <= 1000.0; x += 50.0) {
+    table.position_mm.push_back(x);
+    table.compensation.push_back(4.0 * std::sin(x / 90.0));
+  }
+  mapped.map->tables.push_back(table);
+  const Diagnosed fault([&](const laser::Reading& r) { return -2.0 * laser::compensation_at(table, p(r)); }, mapped);
+  REQUIRE(fault.claim.candidates.front().named);
+  CHECK(fault.claim.candidates.front().effect.definition().id == "map_polarity");
+  CHECK(differing(fault.checked_as(fault.claim)).empty());
+
+  Model own = straight();
+  EffectInstance user;
+  user.id = effect_named("user");
+  user.name = "bent rail";
+  user.formulas = {{Sense::EX, "k * sin(x_mm / 37)"}};
+  user.user = {{"k", "um", {}, {}, {}, {}}};
+  own.candidates.push_back(user);
+  const Diagnosed bent([](const laser::Reading& r) { return 1.5 * std::sin(p(r) / 37.0); }, own);
+  REQUIRE(bent.claim.candidates.front().named);
+  CHECK(differing(bent.checked_as(bent.claim)).empty());
+}
+
 TEST_CASE("a changed number is found, each by its name") {
   const Diagnosed found([](const laser::Reading& r) { return 1.0 * d(r); });
   REQUIRE(found.claim.candidates.front().named);
@@ -85,6 +126,7 @@ TEST_CASE("a changed number is found, each by its name") {
   CHECK(differs(with([](Claim& claim, Candidate&) { claim.rms_um *= 1.001; }), "rms_um"));
   CHECK(differs(with([](Claim& claim, Candidate&) { claim.rms_after_um *= 0.999; }), "rms_after_um"));
   CHECK(differs(with([](Claim& claim, Candidate&) { ++claim.observations; }), "observations"));
+  CHECK(differs(with([](Claim& claim, Candidate&) { claim.candidates_tried = 1; }), "candidates_tried"));
   CHECK(differs(with([](Claim&, Candidate& first) { first.explained += 0.001; }), name + "explained"));
   CHECK(differs(with([](Claim&, Candidate& first) { first.rms_after_um *= 0.99; }), name + "rms_after_um"));
   CHECK(differs(with([](Claim&, Candidate& first) { *first.held_out_rms_um *= 0.99; }), name + "held_out_rms_um"));
