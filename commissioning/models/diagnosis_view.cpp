@@ -201,7 +201,10 @@ Cell where_cell(const Diagnosis& d) {
                            {"strength", {number_or_null(one.strength), percent(one.strength)}},
                            {"p_value", {number_or_null(one.p_value), fmt::format("{:.1g}", one.p_value)}},
                            {"at", {numbers_json(one.at), ""}},
-                           {"mean_um", {numbers_json(one.mean_um), ""}}}));
+                           {"mean_um", {numbers_json(one.mean_um), ""}},
+                           {"looks_like", {one.looks_like.empty() ? Json() : Json(one.looks_like), ""}}}));
+  for (const model::Dependence& one : d.where)
+    if (!one.looks_like.empty()) where.text += paragraph(fmt::format("{}: {}", one.variable, one.looks_like), 2, 4);
   std::size_t shapes = 0;
   for (const model::Dependence& one : d.where) {
     const std::vector<ShapePoint> points = shape_of(one);

@@ -9,6 +9,7 @@
 
 #include "model/data/even_targets.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
@@ -370,6 +371,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
+  if (diagnosis.verdict == Verdict::unexplained_structure || diagnosis.verdict == Verdict::partly_explained)
+    describe_what_is_left(diagnosis, data, after.residual, left_out);
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   return diagnosis;
 }

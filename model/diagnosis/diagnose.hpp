@@ -84,6 +84,7 @@ struct Dependence {
   double p_value = 1.0;         ///< against noise alone
   std::vector<double> at;       ///< shape: centres of bins of the variable
   std::vector<double> mean_um;  ///< shape: mean residual there
+  std::string looks_like{};     ///< shape in words, where the data prove one and it is no effect; else ""
 };
 
 struct Diagnosis {
