@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 
 /// A shape is proved where it explains this share of what is above noise, and no other shape comes nearer than this to
 /// its criterion: a Bayes factor of about 20. Choices.
-constexpr double kLeastOfShape = 0.7, kClearMargin = 6.0;
+constexpr double kLeastOfShape = 0.85, kClearMargin = 6.0;
 /// Points below which no shape is told: four free parameters and as many to refute them; bins of a condition.
 constexpr std::size_t kFewestPoints = 8, kMostPoints = 120;
 /// Waves over the range that are tried: none slower than one and a half, none faster than the points show.
@@ -476,8 +476,14 @@ std::string spectrum_in_words(const Observations& data, const VectorXd& residual
 
 void describe_what_is_left(Diagnosis& diagnosis, const Observations& data, const std::vector<double>& residual,
                            const std::vector<bool>& left_out) {
-  constexpr double kWorthWords = 0.05;  // share of the residual variance
+  constexpr double kWorthWords = 0.05, kClearlyStronger = 0.1;  // shares of the residual variance
   const VectorXd left = Eigen::Map<const VectorXd>(residual.data(), static_cast<Index>(residual.size()));
+  double strongest = 0.0;  // of the others: any order of runs is an order of rows
+  for (const Dependence& one : diagnosis.where)
+    if (one.variable != "row") strongest = std::max(strongest, one.strength);
+  std::erase_if(diagnosis.where, [&](const Dependence& one) {
+    return one.variable == "row" && one.strength < strongest + kClearlyStronger;
+  });
   for (Dependence& one : diagnosis.where)
     if (one.strength >= kWorthWords)
       one.looks_like = shape_in_words(data, left, diagnosis.noise.noise_um, left_out, one.variable);

@@ -104,11 +104,18 @@ void add_colliding(const Assembly& assembly, Index column, const CoreFit& core, 
   }
 }
 
+/// Of either side of a collision, for only one of two columns lists the other.
 std::vector<std::string> colliding_effects(const Assembly& assembly, std::size_t s, const CoreFit& core) {
   std::vector<std::string> names;
-  const Index first = assembly.first_column(s);
-  for (Index column = first; column < first + assembly.slots[s].columns.cols(); ++column)
-    add_colliding(assembly, column, core, names);
+  const Index first = assembly.first_column(s), end = first + assembly.slots[s].columns.cols();
+  for (Index column = first; column < end; ++column) add_colliding(assembly, column, core, names);
+  const std::string own = to_text(assembly.slots[s].effect);
+  for (std::size_t other = 0; other < core.collides.size(); ++other) {
+    const auto& list = core.collides[other];
+    if (std::none_of(list.begin(), list.end(), [&](Index column) { return column >= first && column < end; })) continue;
+    const std::string name = to_text(assembly.slots[slot_of_column(assembly, static_cast<Index>(other))].effect);
+    if (name != own && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
   return names;
 }
 
