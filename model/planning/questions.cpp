@@ -78,7 +78,9 @@ std::vector<std::string> extra_columns_of(const EffectInstance& effect, const Ob
   return names;
 }
 
-bool says_what_comes(const std::string& variable) { return variable != "run" && variable != "time_s" && variable != "row"; }
+bool says_what_comes(const std::string& variable) {
+  return variable != "run" && variable != "time_s" && variable != "row";
+}
 
 Explanation depends_on(const Dependence& dependence, const Observations& all) {
   const auto n = static_cast<Index>(all.size());
