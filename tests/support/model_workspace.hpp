@@ -7,7 +7,9 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
+#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include "tests/support/verb_run.hpp"
@@ -97,5 +99,14 @@ inline std::size_t widest_line(const std::string& text) {
   }
   return widest;
 }
+
+inline void check_has(const nlohmann::json& object, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    CAPTURE(key);
+    CHECK(object.contains(key));
+  }
+}
+
+inline bool is_svg(const std::string& file) { return contains(content_of(file), "</svg>"); }
 
 }  // namespace ecs::app

@@ -1,0 +1,65 @@
+// `ecs model add, undo, history`.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/model_workspace.hpp"
+
+namespace ecs::app {
+namespace {
+
+using doctest::Approx;
+
+TEST_CASE("add refits with the effect, prints the ladder and keeps it; undo takes it back") {
+  const ModelWorkspace workspace;
+  const std::string out = workspace.folder / "added.toml";
+  const Ran r = ran({"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--machine",
+                     workspace.machine, "-o", out, "--json"});
+  REQUIRE(r.code == 0);
+  const nlohmann::json j = r.json();
+  check_has(j, {"rms_before_um", "rms_after_um", "noise_um", "history"});
+  CHECK(j["rms_before_um"].get<double>() == Approx(std::sqrt(2.0 + 0.09)).epsilon(0.1));
+  CHECK(j["rms_after_um"].get<double>() == Approx(0.3).epsilon(0.15));
+  CHECK(j["noise_um"].get<double>() == Approx(0.3).epsilon(0.2));
+  CHECK(content_of(workspace.model) == kStraightModel);
+
+  const nlohmann::json history = ran({"model", "history", out, "--json"}).json()["history"];
+  REQUIRE(history.size() == 1);
+  CHECK(history[0]["effect"] == "cyclic:X:EX");
+  CHECK(history[0]["held_out_rms_um"].get<double>() < 0.5);
+  const std::string plot = workspace.folder / "ladder.svg";
+  CHECK(ran({"model", "history", out, "--plot", plot}).code == 0);
+  CHECK(is_svg(plot));
+  CHECK(content_of(plot).find("+ cyclic:X:EX") != std::string::npos);
+
+  CHECK(ran({"model", "undo", out}).code == 0);
+  CHECK(content_of(out).find("cyclic") == std::string::npos);
+  CHECK(ran({"model", "undo", out}).code == 1);
+}
+
+TEST_CASE("add takes approach, sense and code from its options; an unknown effect gets a suggestion") {
+  const ModelWorkspace workspace;
+  const Ran r = ran(
+      {"model", "add", workspace.model, "cyclic:X:EX", "--data", workspace.data, "--approach", "reverse", "--json"});
+  CHECK(r.json()["effect"]["approach"] == "reverse");
+  CHECK(r.json()["model"].is_null());
+  const Ran wrong = ran({"model", "add", workspace.model, "cyclc:X:EX", "--data", workspace.data});
+  CHECK(wrong.code == 2);
+  CHECK(wrong.messages.find("cyclic") != std::string::npos);
+  CHECK(ran({"model", "add", workspace.model, "cyclic:Q:EX", "--data", workspace.data}).code == 2);
+  CHECK(ran({"model", "add", workspace.model, "angular", "--code", "EQX", "--data", workspace.data}).code == 2);
+}
+
+TEST_CASE("add writes over no other file, and again what it wrote before") {
+  const ModelWorkspace workspace;
+  const std::string other = workspace.folder.with("other.toml", "# mine\n");
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", other}).code == 2);
+  CHECK(content_of(other) == "# mine\n");
+  const std::string out = workspace.folder / "out.toml";
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", out}).code == 0);
+  CHECK(ran({"model", "add", workspace.model, "cyclic", "--data", workspace.data, "-o", workspace.model}).code == 0);
+}
+
+}  // namespace
+}  // namespace ecs::app

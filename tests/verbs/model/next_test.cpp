@@ -1,0 +1,40 @@
+// `ecs model next`.
+#include <doctest/doctest.h>
+
+#include "tests/support/model_workspace.hpp"
+
+namespace ecs::app {
+namespace {
+
+TEST_CASE("next proposes a run, and says of a plan whether it can determine the model") {
+  const ModelWorkspace workspace;
+  const Ran r = workspace.verb("next", {"--json"});
+  REQUIRE(r.code == 0);
+  check_has(r.json(), {"rivals", "proposals", "notes"});
+  const std::string good =
+      workspace.folder.with("plan.csv", "axis,sense,x_mm,approach\nX,EX,0,1\nX,EX,500,1\nX,EX,1000,1\n");
+  const Ran yes = ran({"model", "next", workspace.model, "--check", good, "--machine", workspace.machine, "--json"});
+  CHECK(yes.code == 0);
+  CHECK(yes.json()["determines"] == true);
+  const std::string poor = workspace.folder.with("poor.csv", "axis,sense,x_mm,approach\nX,EX,500,1\nX,EX,500,1\n");
+  const Ran no = ran({"model", "next", workspace.model, "--check", poor, "--machine", workspace.machine, "--json"});
+  CHECK(no.code == 1);
+  CHECK(no.json()["determines"] == false);
+  CHECK_FALSE(no.json()["undetermined"].empty());
+  CHECK(ran({"model", "next", workspace.model}).code == 2);
+}
+
+TEST_CASE("a proposal is written as a part program and as a target list, which is a plan") {
+  const ModelWorkspace workspace;
+  const std::string program = workspace.folder / "next.txt", targets = workspace.folder / "targets.csv";
+  const Ran r = workspace.verb("next", {"--program", program, "--targets", targets, "--json"});
+  REQUIRE(r.code == 0);
+  CHECK(r.json()["program"] == program);
+  CHECK(content_of(program).find("M08") != std::string::npos);
+  CHECK(ran({"model", "next", workspace.model, "--check", targets, "--machine", workspace.machine}).code == 0);
+  CHECK(workspace.verb("next", {"--targets", targets, "--proposal", "99"}).code == 1);
+  CHECK(ran({"model", "next", workspace.model, workspace.data, "--program", program}).code == 2);
+}
+
+}  // namespace
+}  // namespace ecs::app
