@@ -3,9 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "commissioning/measurements/files.hpp"
 #include "laser/groups.hpp"
-#include "tests/support/real_data.hpp"
+#include "tests/support/measured_log.hpp"
 #include "tests/support/verb_run.hpp"
 
 using namespace ecs;
@@ -16,15 +15,6 @@ namespace {
 
 const char* const kTable = "My gauge\npos;dev;T\n0;1,5;68\n10;2,5;77\n10;2,9;77\n0;1,0;68\n";
 const char* const kColumns = "x_mm=pos[in],reading=dev[um],t_material_degC=T[degF],approach=motion,run=motion";
-
-laser::MeasurementSet read_log(const std::filesystem::path& file, const std::string& channel = {}) {
-  commissioning::ImportArguments arguments;
-  arguments.axis = "X";
-  arguments.channel = channel;
-  const auto log = commissioning::read_measurements(file.string(), arguments);
-  REQUIRE_MESSAGE(log.has_value(), (log ? "" : to_text(log.error())));
-  return log->set;
-}
 
 }  // namespace
 
@@ -77,28 +67,6 @@ TEST_CASE("a log of channels selects its profile: headings are targets, several 
   std::string utf16{"\xFF\xFE", 2};
   for (const char c : content_of("samples/laser/sensor.log")) utf16 += {c, '\0'};
   CHECK(read_log(folder.with("utf16.log", utf16)).readings.size() == 3);
-}
-
-TEST_CASE("a real sensor calibration: headings are the targets") {
-  const auto folder = real_data("epics-pv-logs");
-  SKIP_UNLESS(!folder.empty(), kNoRealData);
-  const auto log = read_log(folder / "sensor1_calib.log");
-  const auto groups = laser::groups_of(log);
-  REQUIRE(groups.size() == 1);
-  const auto targets = laser::targets_of(log, groups[0], 1e-3);
-  REQUIRE(targets.size() == 5);
-  CHECK(targets[4].position_mm == 15.0);
-  CHECK(log.readings[0].error == Approx((2.97127 - 3.0) * 1000.0));
-}
-
-TEST_CASE("one channel of a real log by its name") {
-  const auto folder = real_data("epics-pv-logs");
-  SKIP_UNLESS(!folder.empty(), kNoRealData);
-  const auto log = read_log(folder / "radial_x_minus_10kN.log", "IOC_TEST:m0s005-AI02");
-  CHECK(log.readings[0].error == Approx(12632.5));
-  CHECK(*log.readings[0].time_s == 0.0);
-  const Ran none = ran({"laser", "import", folder / "radial_x_minus_10kN.log", "--axis", "X", "--channel", "AI09"});
-  CHECK(contains(none.messages, "no channel \"AI09\""));
 }
 
 TEST_CASE("wrong columns and wrong profiles are refused with what was expected") {
