@@ -49,7 +49,6 @@ inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 1
 inline constexpr std::size_t kMemoryHeaderRegisters = 5;
 inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRegisters);  ///< 240, most in one read
 
-inline constexpr std::size_t kCommandArguments = 8;
 inline constexpr std::size_t kResultTextBytes = 80;
 inline constexpr std::size_t kSerialNumberBytes = 16;
 inline constexpr std::size_t kUnitNameBytes = 32;
