@@ -7,8 +7,10 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "model/effects/definition.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -19,6 +21,12 @@ constexpr double kBetterByHundred = 9.21;
 /// A run scatters more than the others where its mean absolute residual is larger by this factor, and by so many
 /// standard deviations of the difference: 3e-6 of runs on one side. Fewer readings a run tell nothing of its scatter.
 constexpr double kNoisier = 1.5, kFarSigmas = 4.5, kFewestInRun = 8.0;
+/// Passes of a line and approach from which one can be odd, readings in each, and the chance at which it is: one in
+/// a million, since it denies that noise explains everything.
+constexpr std::size_t kFewestPasses = 5, kFewestInPass = 4;
+constexpr double kOddChance = 1e-6;
+/// Means of passes vary no more than readings inside them where the ratio of variances is below this: then these count.
+constexpr double kSameScatter = 3.0;
 /// Runs beyond which there is no single bad one to look for.
 constexpr std::size_t kMostRunsCompared = 60;
 
@@ -93,6 +101,59 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
   for (const auto& [run, ratio] : noisy_runs(data, whitened, left_out))
     if (by_raw.contains(run) && (!worst || ratio > worst->ratio)) worst = NoisyRun{run, ratio};
   return worst;
+}
+
+std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
+                                const std::vector<bool>& left_out) {
+  struct Pass {
+    int run = 0;
+    std::vector<double> values;
+    double mean = 0.0, squares = 0.0;  ///< Σ(value − mean)²
+  };
+  std::map<std::tuple<Sense, Axis, int>, std::map<std::size_t, Pass>> lines;
+  const std::vector<std::size_t> number = passes_of(data);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k]) continue;
+    Pass& pass = lines[{data.sense[k], data.axis[k], data.approach[k]}][number[k]];
+    pass.run = data.run[k];
+    pass.values.push_back(residual(static_cast<Eigen::Index>(k)));
+  }
+  std::optional<OddPass> oddest;
+  double least = std::log(kOddChance);
+  for (auto& line : lines) {
+    auto& passes = line.second;
+    std::erase_if(passes, [](const auto& each) { return each.second.values.size() < kFewestInPass; });
+    if (passes.size() < kFewestPasses) continue;
+    for (auto& each : passes) {
+      Pass& pass = each.second;
+      for (const double v : pass.values) pass.mean += v / static_cast<double>(pass.values.size());
+      for (const double v : pass.values) pass.squares += (v - pass.mean) * (v - pass.mean);
+    }
+    for (const auto& each : passes) {  // against the others: Welch's t, their scatter pooled where it is the same
+      const Pass& one = each.second;
+      const double others = static_cast<double>(passes.size() - 1);
+      double mean = 0.0, between = 0.0, squares = 0.0, freedom = 0.0, readings = 0.0;
+      for (const auto& other : passes)
+        if (other.first != each.first) mean += other.second.mean / others;
+      for (const auto& other : passes) {
+        if (other.first == each.first) continue;
+        between += (other.second.mean - mean) * (other.second.mean - mean) / (others - 1.0);
+        squares += other.second.squares;
+        readings += static_cast<double>(other.second.values.size());
+      }
+      freedom = readings - others;
+      const double inside = squares / freedom * others / readings;  // of the mean of a pass
+      const bool same = between < kSameScatter * inside;
+      const double variance = std::max(between, inside) * (1.0 + 1.0 / others);
+      const double off = one.mean - mean;
+      const double ln_p = ln_f_tail(off * off / std::max(variance, kLeastDivisor), 1.0, same ? freedom : others - 1.0) +
+                          std::log(static_cast<double>(passes.size()));
+      if (ln_p >= least) continue;
+      least = ln_p;
+      oddest = OddPass{one.run, off};
+    }
+  }
+  return oddest;
 }
 
 RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double score) {

@@ -31,6 +31,16 @@ struct NoisyRun {
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                                 const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
 
+/// The pass of one run that stands off the other passes of its line and approach.
+struct OddPass {
+  int run = 0;
+  double off_um = 0.0;  ///< mean residual less that of the others, um or um/m
+};
+/// The pass, if any, whose mean is further from those of the other runs, four or more, than these among themselves and
+/// the scatter inside them allow by chance. @param residual  um or um/m  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
+                                              const std::vector<bool>& left_out);
+
 /// How the offset of a run explains what an effect of this score does: as well or better, then it is the first thought;
 /// not worse by a factor of 100 in evidence, then it is mentioned.
 enum class RunBeside : std::uint8_t { as_good, nearly_as_good, worse };

@@ -288,6 +288,9 @@ std::string why_not_explained(const Found& found) {
   if (found.noisy)
     return fmt::format("run {} scatters {:.2g} times as much as the others: look at that run first", found.noisy->run,
                        found.noisy->ratio);
+  if (found.odd_pass)
+    return fmt::format("run {} lies {:.3g} off the other runs in one approach: look at that run first",
+                       found.odd_pass->run, found.odd_pass->off_um);
   if (found.wanders)
     return "readings of one run wander by more than three times what neighbours scatter: that is no noise";
   if (found.cross_validated_share < kLeastCrossValidated)
@@ -307,7 +310,9 @@ std::string why_not_explained(const Found& found) {
 void put_run_first(std::vector<Dependence>& where, const Observations& data, const ReportInput& in) {
   const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
   if (std::none_of(where.begin(), where.end(), is_run)) {
-    const int run = in.found.noisy ? in.found.noisy->run : in.found.bad_run->run;
+    const int run = in.found.noisy      ? in.found.noisy->run
+                    : in.found.odd_pass ? in.found.odd_pass->run
+                                        : in.found.bad_run->run;
     double of_run = 0.0;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (data.run[k] == run)
@@ -364,12 +369,12 @@ Result<Diagnosis> reported(const ReportInput& in) {
     diagnosis.candidates.push_back(std::move(candidate));
   }
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
-  if (in.found.bad_run || in.found.noisy) put_run_first(diagnosis.where, data, in);
+  if (in.found.bad_run || in.found.odd_pass || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
   if (diagnosis.verdict != Verdict::missing_effect && diagnosis.verdict != Verdict::adequate &&
-      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.wanders || in.found.wave))
+      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (diagnosis.verdict == Verdict::unexplained_structure || diagnosis.verdict == Verdict::partly_explained)
     describe_what_is_left(diagnosis, data, after.residual, left_out);

@@ -367,13 +367,14 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     }
     found.noisy = noisy_run(data, found.solution.space.y, residual, found.left_out);
     found.wave = free_wave(data, found.solution.space.y, found.left_out);
+    if (found.solution.chosen.empty()) found.odd_pass = odd_pass(data, residual, found.left_out);
     found.wanders = wanders(data, found.noise, residual, found.left_out);
     return found;
   }
 }
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
-  if (found.noisy || found.wanders || found.wave) return false;
+  if (found.noisy || found.odd_pass || found.wanders || found.wave) return false;
   if (found.cross_validated_share < kLeastCrossValidated) return false;
   if (found.structure_p_after > kStructureChance * options.false_naming_limit) return true;
   const double n = static_cast<double>(found.left_out.size());

@@ -48,6 +48,7 @@ struct Found {
   std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
   std::optional<RunOffset> bad_run;    ///< explains the residual as well as the effects do
   std::optional<NoisyRun> noisy;       ///< scatters more than the others
+  std::optional<OddPass> odd_pass;     ///< where nothing is found: stands off the others
   bool wanders = false;                ///< what was taken for noise does
   std::optional<FreeWave> wave;        ///< in what is left, with another phase in every pass
   std::string run_note;                ///< a run that explains nearly as much as an effect found, "" for none

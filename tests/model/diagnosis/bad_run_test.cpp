@@ -177,3 +177,34 @@ TEST_CASE("outliers make no run noisy, nor is one of two runs") {
   CHECK(noisy_run_in(made));
   CHECK_FALSE(noisy_run_in(scatter_of(line_of_runs(2), 1, 2, 5.0)));
 }
+
+namespace {
+
+std::optional<OddPass> odd_pass_in(const laser::MeasurementSet& set) {
+  const Observations data = observations_of(set, straight(), mill());
+  const Eigen::VectorXd residual =
+      Eigen::Map<const Eigen::VectorXd>(data.reading.data(), static_cast<Eigen::Index>(data.size()));
+  return odd_pass(data, residual, std::vector<bool>(data.size(), false));
+}
+
+}  // namespace
+
+TEST_CASE("an axis that stuck in one direction of one run of five makes that pass odd, by what it stuck") {
+  const auto found = odd_pass_in(measured(line_of_runs(5, 14), kSigma_um, [](const laser::Reading& r) {
+    return r.run == 2 && r.approach == Approach::forward ? -10.0 * kSigma_um : 0.0;
+  }));
+  REQUIRE(found);
+  CHECK(found->run == 2);
+  CHECK(found->off_um == Approx(-10.0 * kSigma_um).epsilon(0.1));
+}
+
+TEST_CASE("of passes that differ from each other by far none is odd") {
+  CHECK_FALSE(odd_pass_in(measured(line_of_runs(6, 14), kSigma_um, [](const laser::Reading& r) {
+    return 10.0 * kSigma_um * static_cast<double>(r.run * r.run % 7);
+  })));
+}
+
+TEST_CASE("noise alone makes no pass odd in two hundred sets") {
+  for (unsigned seed = 1; seed <= 200; ++seed)
+    CHECK_FALSE(odd_pass_in(measured(line_of_runs(5, 14), kSigma_um, nothing, seed)));
+}
