@@ -86,7 +86,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     std::vector<Choice> alternatives{group.member};
     alternatives.insert(alternatives.end(), group.rivals.begin(), group.rivals.end());
     alternatives.insert(alternatives.end(), group.weaker.begin(), group.weaker.end());
-    const std::vector<double> shares = probabilities_of(alternatives);
+    const std::vector<double> shares = probabilities_of(alternatives, found.families);
     std::vector<SetMember> members;
     for (std::size_t i = 0; i < alternatives.size(); ++i) {
       members.push_back({to_text(instance(alternatives[i])), shares[i]});
@@ -119,7 +119,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     std::vector<Choice> alternatives = found.closest;
     alternatives.emplace_back().gain =
         2.0 * std::log(static_cast<double>(std::max<std::size_t>(found.candidates_tried, 1)));
-    const std::vector<double> shares = probabilities_of(alternatives);
+    const std::vector<double> shares = probabilities_of(alternatives, found.families);
     for (std::size_t i = 0; i < found.closest.size(); ++i)
       list.push_back({instance(found.closest[i]), found.closest[i], false, {}, shares[i], {}});
   }

@@ -212,6 +212,16 @@ Solution merged(const Search& search, Solution best, double entry_score) {
   return best;
 }
 
+/// The functions of a curve are about as large as one another: that all but the first are as small as the noise is a
+/// coincidence, and has its price (empirical Bayes: George and Foster 2000). Without it a bow is as likely to be a
+/// curve as to be the one effect that is nothing but a bow.
+double price_of_shape(const Choice& choice, const Family& family) {
+  if (!family.effect.traits().is_curve || choice.parameters < 2) return 0.0;
+  const auto functions = static_cast<double>(choice.parameters);
+  const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
+  return (functions - 1.0) * std::log(std::max(1.0, mean_square));
+}
+
 }  // namespace
 
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
@@ -297,14 +307,13 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
   return groups;
 }
 
-std::vector<double> probabilities_of(const std::vector<Choice>& alternatives) {
-  double best = -kBeyondAll, sum = 0.0;
-  for (const Choice& choice : alternatives) best = std::max(best, choice.score());
+std::vector<double> probabilities_of(const std::vector<Choice>& alternatives, const std::vector<Family>& families) {
   std::vector<double> shares;
-  for (const Choice& choice : alternatives) {
-    shares.push_back(std::exp(0.5 * (choice.score() - best)));
-    sum += shares.back();
-  }
+  for (const Choice& choice : alternatives)
+    shares.push_back(choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0));
+  const double best = *std::max_element(shares.begin(), shares.end());
+  double sum = 0.0;
+  for (double& share : shares) sum += share = std::exp(0.5 * (share - best));
   for (double& share : shares) share /= sum;
   return shares;
 }

@@ -34,6 +34,8 @@ struct Group {
 [[nodiscard]] std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score);
 
 /// Probability of each of these alternatives for one cause, in their order; they add up to 1.
-[[nodiscard]] std::vector<double> probabilities_of(const std::vector<Choice>& alternatives);
+/// @param families  those of the search that made them
+[[nodiscard]] std::vector<double> probabilities_of(const std::vector<Choice>& alternatives,
+                                                   const std::vector<Family>& families);
 
 }  // namespace ecs::model
