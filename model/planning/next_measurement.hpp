@@ -39,6 +39,7 @@ struct MeasurementProposal {
   int set_up = 1;                                                ///< number of the optical set-up, column `set_up`
   bool new_set_up = false;                                       ///< optics aligned and reset anew for this run
   bool other_line = false;                                       ///< the other axes stand elsewhere than now
+  bool own_zero = false;                                         ///< the readout is set to zero at its first target
   std::map<std::string, double, std::less<>> temperatures_degC;  ///< to measure at, by sensor column
   std::optional<double> pressure_hPa, humidity_pct, load_kg;
   std::optional<bool> compensated;    ///< absent: no map is known
@@ -66,6 +67,7 @@ struct MeasuringTimes {
   double least_degC = 15.0;                ///< sensible range for machine and workshop
   double greatest_degC = 30.0;             ///<
   double greatest_feed_mm_min = 10'000.0;  ///<
+  bool zeroed_each_run = false;            ///< the readout is set to zero at the start of each run
 };
 
 /// Proposals, best separation per minute first; empty where nothing separates (said in `notes`, with the reason).

@@ -82,6 +82,7 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
   now.parked_mm[index_of(axis)] = 0.0;
   now.first_run = 1 + *std::max_element(data.run.begin(), data.run.end());
   now.set_up_minutes = times.start_minutes;
+  now.own_zero = times.zeroed_each_run;
   std::vector<double> targets;
   bool forward = false, reverse = false;
   for (const std::size_t k : rows) {

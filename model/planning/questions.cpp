@@ -128,21 +128,28 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
     const bool believed = std::any_of(model.effects.begin(), model.effects.end(),
                                       [&](const EffectInstance& e) { return same_candidate(e, effect); });
     if (free_shape || believed) continue;
-    Explanation one;
-    one.name = name_with_sensor(effect);
-    // of an angle its slope: the mean is lost where the readout is zeroed on another line
-    const Index shown = traits.keeps_mean ? 1 : 0;
-    one.columns = regressors.columns(effect, 0.0).of.leftCols(shown + 1);
-    const VectorXd shape = one.columns.col(shown);
-    double size = rms_where_not_zero(shape.head(present));
-    if (traits.of_condition || size <= 0.0)
-      size = std::max(size, rms_where_not_zero(shape.tail(shape.size() - present)));
-    if (size <= 0.0) continue;
-    one.truth = shape * (noise.pure.noise_um / size);
-    one.fixed = VectorXd::Zero(one.truth.size());
-    VectorXd left = whitener(VectorXd(one.truth.head(present)));
-    left -= base.q * (base.q.transpose() * left);
-    if (left.norm() < kSeen) unseen.emplace_back(left.norm(), std::move(one));
+    const MatrixXd columns = regressors.columns(effect, 0.0).of;
+    // of an angle its slope: the mean is lost where the readout is zeroed on another line; of a shift and a change of
+    // slope with a condition each by itself
+    const Index first = traits.keeps_mean ? 1 : 0;
+    const Index last = traits.of_condition ? columns.cols() - 1 : first;
+    for (Index shown = first; shown <= last; ++shown) {
+      Explanation one;
+      one.name = name_with_sensor(effect);
+      if (last > first)
+        one.name += fmt::format(" ({})", effect.definition().parameters[static_cast<std::size_t>(shown)].meaning);
+      one.columns = columns.leftCols(shown + 1);
+      const VectorXd shape = columns.col(shown);
+      double size = rms_where_not_zero(shape.head(present));
+      if (traits.of_condition || size <= 0.0)
+        size = std::max(size, rms_where_not_zero(shape.tail(shape.size() - present)));
+      if (size <= 0.0) continue;
+      one.truth = shape * (noise.pure.noise_um / size);
+      one.fixed = VectorXd::Zero(one.truth.size());
+      VectorXd left = whitener(VectorXd(one.truth.head(present)));
+      left -= base.q * (base.q.transpose() * left);
+      if (left.norm() < kSeen) unseen.emplace_back(left.norm(), std::move(one));
+    }
   }
   std::stable_sort(unseen.begin(), unseen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   if (unseen.size() > most) unseen.resize(most);

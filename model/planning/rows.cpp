@@ -91,11 +91,18 @@ std::optional<Follows> follows(const Observations& present, const Column& extra)
   return std::nullopt;
 }
 
+/// Marks rows of the present readings by a 1 among zeros.
+bool is_mark(const Column& extra) {
+  return std::all_of(extra.begin(), extra.end(), [](double value) { return value == 0.0 || value == 1.0; });
+}
+
 /// Cells of the extra columns in the new rows, which are otherwise whole.
-void fill_extras(WithProposals& all, const Observations& present) {
+/// @param zeroed_each_run  marks are the zeros of past runs
+void fill_extras(WithProposals& all, const Observations& present, bool zeroed_each_run) {
   for (auto& [name, column] : all.data.extras) {
     if (name == "set_up") continue;
-    const auto line = follows(present, present.extras.find(name)->second);
+    const Column& known = present.extras.find(name)->second;
+    const auto line = zeroed_each_run && is_mark(known) ? std::optional(Follows{}) : follows(present, known);
     if (line) all.extras_follow[name] = line->column;
     for (std::size_t k = all.present; k < column.size(); ++k) column[k] = line ? line->at(all.data, k) : kNotMeasured;
   }
@@ -133,7 +140,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }
-  fill_extras(all, present);
+  fill_extras(all, present, std::any_of(proposals.begin(), proposals.end(), [](const auto& p) { return p.own_zero; }));
   return all;
 }
 

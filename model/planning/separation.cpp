@@ -293,11 +293,12 @@ MatrixXd Separations::squares(const MatrixXd& rows, bool own_zero) const {
 MatrixXd Separations::of(std::size_t proposal, int runs) const {
   const auto first = static_cast<Index>(all_.first[proposal] - all_.present);
   const auto count = static_cast<Index>(all_.count[proposal]);
-  const bool zero = proposals_[proposal].new_set_up;
+  const bool own_zero = proposals_[proposal].own_zero;
+  const bool zero = proposals_[proposal].new_set_up || own_zero;
   const Index extra = zero ? 1 : 0;
   // optics that were reset have a zero of their own: free on another line, as good as the mean of ten readings on the
   // same line, where it is set at the same target
-  const Index prior = zero && !proposals_[proposal].other_line && !zero_matters_ ? 1 : 0;
+  const Index prior = zero && !own_zero && !proposals_[proposal].other_line && !zero_matters_ ? 1 : 0;
   MatrixXd rows = MatrixXd::Zero(present_.rows() + count + prior, white_.cols() + extra);
   rows.topLeftCorner(present_.rows(), white_.cols()) = present_;
   const double weight = std::sqrt(static_cast<double>(runs));
