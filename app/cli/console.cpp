@@ -32,11 +32,13 @@ ConsoleOptions options_of_stderr() {
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   const char* kind = std::getenv("TERM");
   const bool dumb = kind == nullptr || std::string_view(kind) == "dumb";
-  return {terminal, terminal && !dumb && !is_set("NO_COLOR"), nullptr};
+  return {terminal, terminal && !dumb && ::isatty(STDOUT_FILENO) == 1, terminal && !dumb && !is_set("NO_COLOR"),
+          nullptr};
 }
 
 void Console::say(std::string_view colour, std::string_view text) {
   end_progress();
+  erase_block();
   const std::string harmless = shown(text);
   for (const std::string_view line : lines_of(harmless)) {
     if (options_.colour && !colour.empty())
@@ -44,6 +46,7 @@ void Console::say(std::string_view colour, std::string_view text) {
     else
       *messages_ << message_prefix << line << '\n';
   }
+  draw_block();
   messages_->flush();
 }
 
@@ -92,6 +95,32 @@ void Console::end_progress() {
   *messages_ << "\r\033[K";
   messages_->flush();
   bar_shown_ = false;
+}
+
+bool Console::shows_blocks() const {
+  return options_.messages_on_terminal && options_.answers_on_terminal && !quiet && !json;
+}
+
+void Console::erase_block() {
+  if (!block_.empty()) *messages_ << fmt::format("\033[{}A\r\033[J", block_.size());
+}
+
+void Console::draw_block() {
+  for (const std::string& line : block_) *messages_ << line << '\n';
+}
+
+void Console::show_block(const std::vector<std::string>& lines) {
+  erase_block();
+  block_.clear();
+  for (const std::string& line : lines) block_.push_back(shown(line));
+  draw_block();
+  messages_->flush();
+}
+
+void Console::end_block() {
+  erase_block();
+  block_.clear();
+  messages_->flush();
 }
 
 bool Console::output_is_whole() {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "app/cli/keyboard.hpp"
 #include "app/names/commissioning.hpp"
@@ -18,11 +19,12 @@ namespace ecs::app {
 
 struct ConsoleOptions {
   bool messages_on_terminal = false;   ///< progress bar wanted
+  bool answers_on_terminal = false;    ///< one that can move its cursor
   bool colour = false;                 ///< on the messages
   std::shared_ptr<Keyboard> keyboard;  ///< lines typed while a verb runs; empty: there is nobody to type
 };
 
-/// What stderr can show: a terminal, and colour unless NO_COLOR is set or TERM says "dumb".
+/// What stdout and stderr are; colour on a terminal unless NO_COLOR is set or TERM says "dumb".
 [[nodiscard]] ConsoleOptions options_of_stderr();
 
 /// Messages never reach stdout; with `json` nothing but JSON does. Text passes base/shown.hpp, so that no file and no
@@ -52,6 +54,13 @@ class Console final : public MessageSink {
   void progress(std::string_view label, double fraction, double seconds_left);
   void end_progress();
 
+  /// Both streams are a terminal that can move its cursor, and text is wanted.
+  [[nodiscard]] bool shows_blocks() const;
+  /// Draws lines in place of those of the block before; messages appear above it. @pre shows_blocks()
+  void show_block(const std::vector<std::string>& lines);
+  /// Takes the block away.
+  void end_block();
+
   /// Null: there is nobody to type.
   [[nodiscard]] Keyboard* keyboard() const { return options_.keyboard.get(); }
 
@@ -60,10 +69,13 @@ class Console final : public MessageSink {
 
  private:
   void say(std::string_view colour, std::string_view text);
+  void draw_block();
+  void erase_block();
 
   std::ostream* out_;
   std::ostream* messages_;
   ConsoleOptions options_;
+  std::vector<std::string> block_;
   bool bar_shown_ = false;
   std::chrono::steady_clock::time_point bar_drawn_{};
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -50,6 +51,23 @@ model::AddRequest request_for(const model::EffectInstance& effect) {
   request.sensor2 = effect.sensor2;
   request.name = effect.name;
   return request;
+}
+
+/// The effect where the diagnosis found it: its period or place is held, its sizes are fitted.
+model::EffectInstance at_its_value(model::EffectInstance effect) {
+  const std::string searched(effect.definition().searched_parameter());
+  if (const auto value = effect.fitted.find(searched); value != effect.fitted.end())
+    effect.parameters[searched] = value->second;
+  return effect;
+}
+
+/// The period is a pitch of the axis, or that of two starts or half a turn.
+bool is_pitch(double period_mm, const params::MachineAxis& facts) {
+  constexpr double kSame = 0.01;  // of the pitch: as well as a first look can tell
+  for (const auto& pitch_mm : {facts.screw_pitch_mm, facts.scale_pitch_mm})
+    for (const double turns : {0.5, 1.0, 2.0})
+      if (pitch_mm && std::abs(period_mm - turns * *pitch_mm) < kSame * turns * *pitch_mm) return true;
+  return false;
 }
 
 class Investigator {
@@ -108,9 +126,20 @@ class Investigator {
   /// targets a sum of two can imitate one.
   [[nodiscard]] bool settled() const {
     if (diagnosis_->verdict != Verdict::missing_effect || !causes_are_single(*diagnosis_)) return false;
+    if (has_aliases() && look_not_made(look_between)) return false;
     const auto named = std::count_if(diagnosis_->candidates.begin(), diagnosis_->candidates.end(),
                                      [](const Candidate& candidate) { return candidate.named; });
     return named == 1 || !look_not_made(look_between);
+  }
+
+  /// A period that the targets cannot tell from others, none of them a pitch: its map would be right on these alone.
+  [[nodiscard]] bool has_aliases() const {
+    return std::any_of(diagnosis_->candidates.begin(), diagnosis_->candidates.end(), [&](const Candidate& candidate) {
+      if (!candidate.named || !candidate.effect.traits().periodic || candidate.parameters_set.empty()) return false;
+      const auto& facts = candidate.effect.axis ? machine_.axes[index_of(*candidate.effect.axis)] : std::nullopt;
+      const auto period = candidate.effect.fitted.find(std::string(candidate.effect.definition().searched_parameter()));
+      return !facts || period == candidate.effect.fitted.end() || !is_pitch(period->second, *facts);
+    });
   }
 
   /// @param here  only on the line measured last, without waiting, while other lines were not looked at
@@ -120,8 +149,10 @@ class Investigator {
       if (auto between = look_not_made(look_between)) return between;
     if (seeing)
       if (auto moving = look_not_made(look_in_motion)) return moving;
-    const model::NextMeasurement next = model::next_measurement(
-        readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, options_.times);
+    model::MeasuringTimes times = options_.times;
+    times.zeroed_each_run = true;
+    const model::NextMeasurement next =
+        model::next_measurement(readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, times);
     bool too_long = false;
     for (const MeasurementProposal& proposal : next.proposals) {
       if (made_.contains(key_of(proposal)) || switches_map(proposal)) continue;
@@ -137,7 +168,8 @@ class Investigator {
       result_.notes.push_back(
           fmt::format("{:.0f} minutes are left, and every run that separates takes more", minutes_left()));
     else
-      for (const std::string& note : next.notes) result_.notes.push_back(note);
+      std::copy_if(next.notes.begin(), next.notes.end(), std::back_inserter(result_.notes),
+                   [](const std::string& note) { return !is_zero_of_run(note); });
     return std::nullopt;
   }
 
@@ -248,6 +280,7 @@ class Investigator {
       auto with = model::add_effect(whole, data, request_for(candidate.effect), "");
       if (!with) return tl::unexpected(with.error());
       whole = std::move(with->model);
+      whole.effects.back() = at_its_value(candidate.effect);
       added.emplace_back(whole.effects.back(), candidate.probability);
     }
     const auto fit = model::fit(whole, data);

@@ -11,6 +11,7 @@
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "model/planning/part_program.hpp"
+#include "model/planning/run.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -22,8 +23,10 @@ constexpr double kReferencing_s = 3600.0;  ///< for a person to reference the ax
 constexpr double kOtherLine_mm = 1.0;      ///< readings parked further away are of another line
 constexpr const char* kAsked = "asked";    ///< folder of part programs and target lists
 constexpr const char* kMap = "map";        ///< folder of the map
+/// End of the name of an empty file beside readings: no more of them will come.
+constexpr std::string_view kComplete = ".complete";
 /// Files that are never readings.
-constexpr std::array<std::string_view, 4> kOthers{".json", ".toml", ".nc", ".part"};
+constexpr std::array<std::string_view, 5> kOthers{".json", ".toml", ".nc", ".part", kComplete};
 
 tl::unexpected<Problem> refused(std::string why) { return problem(ProblemKind::refused, std::move(why)); }
 
@@ -33,6 +36,11 @@ bool may_be_readings(const std::filesystem::directory_entry& entry) {
   const std::string extension = entry.path().extension().string();
   return entry.is_regular_file(error) && !name.starts_with(".") &&
          std::find(kOthers.begin(), kOthers.end(), extension) == kOthers.end();
+}
+
+bool is_complete(const std::filesystem::path& readings) {
+  std::error_code error;
+  return std::filesystem::exists(readings.string() + std::string(kComplete), error);
 }
 
 /// Files that do not say their line are taken for the one that was asked for.
@@ -201,9 +209,9 @@ std::vector<std::filesystem::path> WatchedFolder::settled_files() {
   for (const auto& entry : std::filesystem::directory_iterator(options_.folder, error)) {
     if (!may_be_readings(entry)) continue;
     const std::string name = entry.path().filename().string();
-    Seen now{entry.file_size(error), entry.last_write_time(error), false};
+    Seen now{entry.file_size(error), entry.last_write_time(error), is_complete(entry.path()), false};
     const auto before = seen_.find(name);
-    if (before == seen_.end() || before->second.bytes != now.bytes || before->second.written != now.written)
+    if (before == seen_.end() || !before->second.is_as(now))
       seen_[name] = now;
     else if (!before->second.refused)
       files.push_back(entry.path());
@@ -251,6 +259,13 @@ Result<laser::MeasurementSet> WatchedFolder::taken(const std::filesystem::path& 
   if (!set) return tl::unexpected(set.error());
   if (set->readings.empty()) return refused("it holds no readings");
   if (const std::string why = not_asked_for(*set, run); !why.empty()) return refused(why);
+  const std::size_t asked = model::stops_of(run.proposal).size();
+  if (set->readings.size() < asked && !is_complete(file))
+    return refused(
+        fmt::format("it holds {} of the {} readings asked for; it may be half written. If no more will come, put an "
+                    "empty file {}{} "
+                    "beside it",
+                    set->readings.size(), asked, file.filename().string(), kComplete));
   return set;
 }
 

@@ -39,7 +39,8 @@ struct GivenRun {
 };
 
 /// Refused for a run, named, left where they are and asked for again: a file half written (it grows, it cannot be read,
-/// or its last line has no end), one of another axis, sense, line or approach, one that was given before, and any file
+/// its last line has no end, or it holds fewer readings than were asked for and no empty file NAME.complete lies beside
+/// it), one of another axis, sense, line or approach, one that was given before, and any file
 /// while the model is not the one that the investigation began with.
 class WatchedFolder final : public Workshop {
  public:
@@ -58,8 +59,11 @@ class WatchedFolder final : public Workshop {
   struct Seen {
     std::uintmax_t bytes = 0;
     std::filesystem::file_time_type written{};
+    bool complete = false;  ///< it is said that no more will come
     bool refused = false;
-    friend bool operator==(const Seen&, const Seen&) = default;
+    [[nodiscard]] bool is_as(const Seen& other) const {
+      return bytes == other.bytes && written == other.written && complete == other.complete;
+    }
   };
   WatchedFolder(MessageSink& messages, WatchedFolderOptions options, const std::atomic<bool>& cancelled);
   [[nodiscard]] Result<void> read_ledger();

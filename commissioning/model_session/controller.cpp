@@ -187,7 +187,26 @@ void ModelController::export_picture(FigureWriter write) {
                                 std::filesystem::path(files_.model).stem().string(), std::move(write), message_);
 }
 
+void ModelController::start_investigation(const std::string& place, const std::string& minutes) {
+  if (busy()) return;
+  const auto number = number_in(minutes);
+  if (!number || !(*number > 0.0))
+    return message_.say(fmt::format("expected minutes that the runs may take, found \"{}\"", minutes), Tone::bad);
+  if (files_.machine.empty())
+    return message_.say("open the model with its machine file: an investigation needs travels and lever arms",
+                        Tone::bad);
+  if (changed_) return message_.say("save the model first (s): the investigation begins with its file", Tone::warning);
+  message_.clear();
+  investigation_.start({files_.model, files_.machine, place, *number});
+}
+
+void ModelController::write_investigated(const std::string& file) {
+  if (const auto written = investigation_.write_model(file); !written) return message_.say(written.error());
+  message_.say("written to " + file);
+}
+
 void ModelController::cancel() {
+  if (investigation_.busy()) return investigation_.stop();
   if (!busy()) return;
   task_.cancel();
   message_.say("given up", Tone::warning);
@@ -215,7 +234,10 @@ void ModelController::take(Diagnosed found) {
 
 bool ModelController::advance() {
   const bool drawn = drawing_.advance();
-  return task_.advance() || drawn || busy();
+  const bool investigating = investigation_.busy();
+  const bool changed = investigation_.advance();
+  if (investigating && !investigation_.busy()) message_ = investigation_.message();
+  return task_.advance() || drawn || changed || busy();
 }
 
 }  // namespace ecs::commissioning

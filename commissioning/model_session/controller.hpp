@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "commissioning/investigation/controller.hpp"
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
@@ -61,12 +62,19 @@ class ModelController {
   /// The picture of the figure that `ecs model fit --plot` draws.
   void export_picture(FigureWriter write);
   void cancel();
+  /// Asks a workshop for one run after the other; goes on where it was stopped. @param minutes  that the runs may take
+  void start_investigation(const std::string& place, const std::string& minutes);
+  /// The model of the investigation, with its causes.
+  void write_investigated(const std::string& file);
+  [[nodiscard]] const InvestigationController& investigation() const { return investigation_; }
 
   /// Takes what has been finished meanwhile. @return whether anything changed
   [[nodiscard]] bool advance();
-  [[nodiscard]] bool busy() const { return task_.running(); }
-  [[nodiscard]] const std::string& working_on() const { return task_.label(); }
-  [[nodiscard]] double seconds_working() const { return task_.seconds(); }
+  [[nodiscard]] bool busy() const { return task_.running() || investigation_.busy(); }
+  [[nodiscard]] std::string working_on() const { return task_.running() ? task_.label() : "investigating"; }
+  [[nodiscard]] double seconds_working() const {
+    return task_.running() ? task_.seconds() : investigation_.seconds_working();
+  }
   [[nodiscard]] const Message& message() const { return message_; }
 
  private:
@@ -103,6 +111,7 @@ class ModelController {
   bool saved_ = false;  ///< since it was opened
   int generation_ = 0;
   Message message_;
+  InvestigationController investigation_;
   TaskRunner drawing_;
   TaskRunner task_;
 };

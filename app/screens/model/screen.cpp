@@ -1,6 +1,9 @@
 #include "app/screens/model/screen.hpp"
 
 #include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
 
 #include "app/cli/catalogue.hpp"
 #include "app/plot/gnuplot.hpp"
@@ -64,18 +67,49 @@ void ModelScreen::on_asked(const Key& key) {
     asked_.reset();
   } else if (key.name == Key::Name::tab) {
     const std::string text = asked_->line.text();
-    asked_->line.set((asked_->purpose == Asked::For::map ? completed_path(text) : completed_paths(text)).completed);
+    const bool several = asked_->purpose == Asked::For::measured_again;
+    asked_->line.set((several ? completed_paths(text) : completed_path(text)).completed);
   } else if (key.name == Key::Name::enter) {
     const Asked asked = *asked_;
     asked_.reset();
-    if (asked.line.text().empty()) return;
-    if (asked.purpose == Asked::For::map)
-      controller_->start_map(asked.line.text());
-    else
-      controller_->start_after(split_words(asked.line.text()));
+    if (!asked.line.text().empty()) on_answer(asked);
   } else {
     (void)asked_->line.on_key(key);
   }
+}
+
+void ModelScreen::on_answer(const Asked& asked) {
+  const std::string text = asked.line.text();
+  const auto& before = controller_->investigation().request();
+  switch (asked.purpose) {
+    case Asked::For::map:
+      return controller_->start_map(text);
+    case Asked::For::measured_again:
+      return controller_->start_after(split_words(text));
+    case Asked::For::workshop:
+      workshop_ = text;
+      asked_ = {Asked::For::minutes,
+                "minutes that the runs may take:", TextLine(before ? fmt::format("{:g}", before->minutes) : "240")};
+      return;
+    case Asked::For::minutes:
+      return controller_->start_investigation(workshop_, text);
+    case Asked::For::investigated:
+      return controller_->write_investigated(text);
+  }
+}
+
+bool ModelScreen::on_investigation_key(const Key& key) {
+  const InvestigationController& investigation = controller_->investigation();
+  if (is_letter(key, U'i')) {
+    asked_ = {Asked::For::workshop, "workshop socket, or folder for readings:",
+              TextLine(investigation.request() ? investigation.request()->place : "")};
+  } else if (is_letter(key, U'f') && investigation.found()) {
+    asked_ = {Asked::For::investigated, "write the model to:",
+              TextLine(std::filesystem::path(controller_->model_file()).replace_extension(".found.toml").string())};
+  } else {
+    return false;
+  }
+  return true;
 }
 
 bool ModelScreen::on_after_key(const Key& key) {
@@ -137,7 +171,7 @@ Step ModelScreen::on_key(const Key& key) {
     controller_->save();
   } else if (is_letter(key, U'e')) {
     controller_->export_picture(write_plot);
-  } else if (on_after_key(key)) {
+  } else if (on_after_key(key) || (page_ == Page::next && on_investigation_key(key))) {
     return stay();
   } else if (page_ == Page::curves) {
     (void)on_curve_key(key);
@@ -163,8 +197,12 @@ std::vector<KeyHelp> ModelScreen::keys() const {
     keys = {{"w", "what if"}, {"o", "measured again"}, {"m", "map"}, {"Tab", "page"}};
   else if (page_ == Page::causes)
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
+  else if (page_ == Page::next)
+    keys = {{"i", "investigate"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}};
   else
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
+  if (page_ == Page::next && controller_->investigation().found())
+    keys.insert(keys.begin(), {"f", "write what was found"});
   if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty())
     keys.insert(keys.begin(), {"a", "add"});
   keys.push_back({"u", "undo"});
@@ -179,7 +217,10 @@ std::string ModelScreen::help() const {
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
          "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise. After "
          "tells what compensation would leave (w), what it left when measured again (o), and writes the map (m). r "
-         "shows one run after the other.";
+         "shows one run after the other. On the page Next i investigates: a workshop is asked for one run after the "
+         "other "
+         "until one cause is left; the ledger shows minutes, error and the causes still possible. Esc stops it, i goes "
+         "on where it was, f writes the model with what was found.";
 }
 
 std::string ModelScreen::unsaved() const {

@@ -28,7 +28,7 @@ class ModelScreen final : public Screen {
   static constexpr int kPages = 6;
   /// A line that is being typed at the bottom.
   struct Asked {
-    enum class For { measured_again, map } purpose;
+    enum class For { measured_again, map, workshop, minutes, investigated } purpose;
     std::string label;
     TextLine line;
   };
@@ -49,13 +49,17 @@ class ModelScreen final : public Screen {
   void draw_curves(Canvas& canvas, const Area& area) const;
   void draw_causes(Canvas& canvas, const Area& area) const;
   void draw_ladder(Canvas& canvas, const Area& area) const;
+  void draw_ledger(Canvas& canvas, const Area& area) const;
+  [[nodiscard]] bool was_investigated() const { return controller_->investigation().request().has_value(); }
   [[nodiscard]] std::vector<std::string> lines_of_page(int columns) const;
   [[nodiscard]] bool on_curve_key(const Key& key);
   void turn_page(int by);
   [[nodiscard]] const Curves& curves() const;
   [[nodiscard]] Step on_question(const Key& key);
   void on_asked(const Key& key);
+  void on_answer(const Asked& asked);
   [[nodiscard]] bool on_after_key(const Key& key);
+  [[nodiscard]] bool on_investigation_key(const Key& key);
   void next_run();
 
   std::unique_ptr<ModelController> controller_;
@@ -69,6 +73,7 @@ class ModelScreen final : public Screen {
   std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
   bool leaving_ = false;        ///< asked whether the model may stay unsaved
   std::optional<Asked> asked_;
+  std::string workshop_;  ///< socket or folder, as typed; the minutes are asked next
 };
 
 }  // namespace ecs::app

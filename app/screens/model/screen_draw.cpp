@@ -54,6 +54,12 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
     case Page::ladder:
       draw_ladder(canvas, body);
       break;
+    case Page::next:
+      if (was_investigated()) {
+        draw_ledger(canvas, body);
+        break;
+      }
+      [[fallthrough]];
     default:
       draw_scrolled(canvas, body, lines_of_page(body.columns - 1), scroll_);
   }
@@ -216,6 +222,39 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
                 scroll_);
 }
 
+/// A row a run, a bar as long as causes are still possible; below it the set, the run under way, what was said.
+void ModelScreen::draw_ledger(Canvas& canvas, const Area& area) const {
+  constexpr int kBar = 8;
+  const InvestigationController& investigation = controller_->investigation();
+  const commissioning::LedgerView view = investigation.view();
+  const Area text = area.between_margins();
+  const int numbers = width_of(commissioning::ledger_numbers_head()) + 2;
+  canvas.text(text, 0, 0, commissioning::ledger_numbers_head(), Tone::faint);
+  canvas.text(text, 0, numbers + kBar + 1, "measured", Tone::faint);
+  std::vector<std::string> below;
+  const auto add = [&](const std::string& paragraph) {
+    for (std::string& line : wrapped(paragraph, text.columns)) below.push_back(std::move(line));
+  };
+  if (!view.set.empty()) add(view.set);
+  if (!view.doing.empty()) add(view.doing);
+  if (investigation.found())
+    for (std::string& line :
+         sentences_wrapped(owned_lines_of(commissioning::summary_text(*investigation.found())), text.columns))
+      below.push_back(std::move(line));
+  for (auto said = view.said.rbegin(); said != view.said.rend(); ++said) add(*said);  // newest first
+  const auto least = static_cast<std::size_t>(std::max(1, area.rows / 3));  // the newest rows of a long ledger
+  const auto room = static_cast<std::size_t>(std::max(2, area.rows - 2)) - std::min(below.size(), least);
+  int row = 1;
+  for (std::size_t k = view.rows.size() > room ? view.rows.size() - room : 0; k < view.rows.size(); ++k, ++row) {
+    const commissioning::LedgerRow& step = view.rows[k];
+    canvas.text(text, row, 0, step.numbers);
+    draw_bar(canvas, {text.row, text.column + numbers, text.rows, kBar}, row, static_cast<double>(step.members), kBar,
+             step.settled ? Tone::good : Tone::forward);
+    canvas.text(text, row, numbers + kBar + 1, step.measured, step.settled ? Tone::good : Tone::plain);
+  }
+  draw_scrolled(canvas, text.below(row + 1), below, scroll_);
+}
+
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   if (page_ == Page::fails) return sentences_wrapped(controller_->comparison(), columns + 1);
   if (page_ == Page::after) {
@@ -226,7 +265,12 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
         "for the unit (PROCESS LASER DATA sends it).",
         columns);
   }
-  if (!controller_->next()) return wrapped("Press d first: the next measurement depends on what is in doubt.", columns);
+  if (!controller_->next())
+    return wrapped(
+        "Press d first: the next measurement depends on what is in doubt. Or i: measure, diagnose and take the next "
+        "run, "
+        "one after the other, until one cause is left; in the workshop of an emulator, or with files that you bring.",
+        columns);
   std::vector<std::string> lines;
   const auto add = [&](const std::string& text) {
     for (std::string& line : wrapped(text, columns)) lines.push_back(std::move(line));

@@ -1,19 +1,16 @@
 // `ecs model investigate`: measure, diagnose, measure what separates, until one cause is left; then compensate and
 // measure again.
-#include <chrono>
-#include <filesystem>
-#include <memory>
-#include <thread>
-
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
 #include "base/interrupt.hpp"
 #include "base/json.hpp"
+#include "base/paragraph.hpp"
+#include "commissioning/investigation/followed.hpp"
 #include "commissioning/investigation/investigation.hpp"
-#include "commissioning/investigation/socket_workshop.hpp"
-#include "commissioning/investigation/watched_folder.hpp"
+#include "commissioning/investigation/ledger_view.hpp"
+#include "commissioning/investigation/opening.hpp"
 #include "commissioning/models/work.hpp"
 
 namespace ecs::app {
@@ -36,61 +33,36 @@ struct InvestigateArguments : VerbArguments {
   const Access access = uses_link();
 };
 
-/// Prints the ledger while it grows.
-class PrintedWorkshop final : public commissioning::Workshop {
+/// Lines of the ledger as they come; on a terminal the whole ledger, drawn anew with every change.
+class ShownLedger {
  public:
-  PrintedWorkshop(Console& console, commissioning::Workshop& workshop) : console_(console), workshop_(workshop) {}
-  Result<commissioning::RunReadings> measure(const commissioning::RequestedRun& run) override {
-    return workshop_.measure(run);
+  explicit ShownLedger(Console& console) : console_(console) {}
+
+  void show(const commissioning::InvestigationProgress& progress) {
+    if (console_.shows_blocks())
+      console_.show_block(commissioning::lines_of(commissioning::view_of(progress), kTerminalColumns - 1));
+    else
+      print_new(progress);
   }
-  Result<void> activate(const model::Model& model) override {
-    console_.note("making the map of the model active");
-    return workshop_.activate(model);
-  }
-  void keep(const commissioning::InvestigationStep& step) override {
-    workshop_.keep(step);
-    if (steps_ == 0) console_.print(commissioning::ledger_head());
-    minutes_ += step.minutes;
-    console_.print(commissioning::ledger_line(++steps_, step, minutes_));
+  /// What stays when the work is done.
+  void end(const commissioning::InvestigationProgress& progress) {
+    console_.end_block();
+    print_new(progress);
   }
 
  private:
+  void print_new(const commissioning::InvestigationProgress& progress) {
+    for (; printed_ < progress.steps.size(); ++printed_) {
+      if (printed_ == 0) console_.print(commissioning::ledger_head());
+      minutes_ += progress.steps[printed_].minutes;
+      console_.print(commissioning::ledger_line(printed_ + 1, progress.steps[printed_], minutes_));
+    }
+  }
+
   Console& console_;
-  commissioning::Workshop& workshop_;
-  std::size_t steps_ = 0;
+  std::size_t printed_ = 0;
   double minutes_ = 0.0;
 };
-
-/// --params, else parameters.toml beside the machine, else none: those that fit the machine.
-std::string params_of(const InvestigateArguments& arguments) {
-  if (!arguments.params.empty()) return arguments.params;
-  const auto beside = std::filesystem::path(arguments.machine).replace_filename("parameters.toml");
-  std::error_code error;
-  return std::filesystem::exists(beside, error) ? beside.string() : std::string();
-}
-
-Result<std::unique_ptr<commissioning::Workshop>> workshop_for(VerbContext& context,
-                                                              const InvestigateArguments& arguments,
-                                                              const model::Model& model,
-                                                              const params::Machine& machine) {
-  const commissioning::MapSources sources{arguments.machine, params_of(arguments)};
-  if (!arguments.workshop.empty()) {
-    auto opened = commissioning::SocketWorkshop::open(
-        context.console, {arguments.workshop, context.link_option, sources, machine, model.map.has_value()},
-        interrupted());
-    if (!opened) return tl::unexpected(opened.error());
-    context.link_name = (*opened)->link();
-    return std::move(*opened);
-  }
-  const auto pause = [](std::chrono::milliseconds time) {
-    std::this_thread::sleep_for(time);
-    return !interrupted();
-  };
-  auto opened = commissioning::WatchedFolder::open(
-      context.console, {arguments.watch, arguments.model, context.link_option, sources, machine, pause}, interrupted());
-  if (!opened) return tl::unexpected(opened.error());
-  return std::move(*opened);
-}
 
 Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& arguments) {
   if (arguments.workshop.empty() == arguments.watch.empty())
@@ -102,14 +74,26 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   if (!model) return tl::unexpected(model.error());
   const auto machine = machine_in(context.console, arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
-  auto workshop = workshop_for(context, arguments, *model, **machine);
-  if (!workshop) return tl::unexpected(workshop.error());
-  PrintedWorkshop printed(context.console, **workshop);
+  commissioning::WorkshopChoice choice;
+  choice.socket = arguments.workshop;
+  choice.folder = arguments.watch;
+  choice.link = context.link_option;
+  choice.model = arguments.model;
+  choice.machine = arguments.machine;
+  choice.params = arguments.params;
+  choice.map_is_modelled = model->map.has_value();
+  const auto opened = commissioning::open_workshop(context.console, choice, **machine, interrupted());
+  if (!opened) return tl::unexpected(opened.error());
+  if (!opened->link.empty()) context.link_name = opened->link;
   commissioning::InvestigationOptions options;
   options.minutes = arguments.minutes;
   if (!arguments.workshop.empty()) options.times = commissioning::workshop_times();
   options.cancelled = &interrupted();
-  const auto investigation = commissioning::investigate(*model, **machine, printed, options);
+  commissioning::FollowedInvestigation followed;
+  ShownLedger ledger(context.console);
+  commissioning::FollowedWorkshop workshop(followed, *opened->workshop, [&] { ledger.show(followed.progress()); });
+  const auto investigation = commissioning::investigate(*model, **machine, workshop, options);
+  ledger.end(followed.progress());
   if (!investigation) return tl::unexpected(in_file(investigation.error(), arguments.model));
   std::string text = commissioning::summary_text(*investigation);
   if (!arguments.output.empty()) {

@@ -94,6 +94,21 @@ TEST_CASE("a file that grows between two looks is not touched") {
   CHECK(opened->measure(run_of_x()).has_value());
 }
 
+TEST_CASE("a file that ends between two lines is named, until it is whole or said to be complete") {
+  Watch watch;
+  const std::string whole = right_file();
+  const std::string lines = whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1);  // the last reading is missing
+  watch.deeds = {[&] { watch.put("x.csv", lines); }};
+  SUBCASE("whole") {
+    watch.deeds.emplace_back([&] { watch.put("x.csv", whole); });
+  }
+  SUBCASE("complete") {
+    watch.deeds.emplace_back([&] { watch.put("x.csv.complete", ""); });
+  }
+  CHECK(watch.opened()->measure(run_of_x()).has_value());
+  CHECK(watch.messages.say("it holds 51 of the 52 readings asked for"));
+}
+
 TEST_CASE("readings of another axis, sense, line or approach are named and asked for again") {
   Watch watch;
   model::MeasurementProposal other = run_of_x().proposal;

@@ -1,0 +1,76 @@
+#include "commissioning/investigation/controller.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "commissioning/investigation/opening.hpp"
+#include "commissioning/models/work.hpp"
+#include "model/fit/model_file.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+Result<Investigation> investigated(const InvestigationRequest& request, FollowedInvestigation& followed,
+                                   const std::atomic<bool>& cancelled) {
+  const auto model = model::read_model(request.model);
+  if (!model) return tl::unexpected(model.error());
+  const auto machine = machine_in(followed, request.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  if (!*machine)
+    return problem(ProblemKind::usage, "an investigation needs the machine file: travels, lever arms, pitches");
+  std::error_code error;
+  WorkshopChoice choice;
+  choice.model = request.model;
+  choice.machine = request.machine;
+  choice.map_is_modelled = model->map.has_value();
+  (std::filesystem::is_socket(request.place, error) ? choice.socket : choice.folder) = request.place;
+  const auto opened = open_workshop(followed, choice, **machine, cancelled);
+  if (!opened) return tl::unexpected(opened.error());
+  FollowedWorkshop workshop(followed, *opened->workshop);
+  InvestigationOptions options;
+  options.minutes = request.minutes;
+  if (!choice.socket.empty()) options.times = workshop_times();
+  options.cancelled = &cancelled;
+  return investigate(*model, **machine, workshop, options);
+}
+
+}  // namespace
+
+void InvestigationController::start(const InvestigationRequest& request) {
+  const bool goes_on = request_ && followed_ && !found_ && request.model == request_->model &&
+                       request.machine == request_->machine && request.place == request_->place;
+  if (!goes_on) followed_ = std::make_shared<FollowedInvestigation>();
+  followed_->forget_messages();
+  found_.reset();
+  request_ = request;
+  message_.clear();
+  task_.start(
+      "investigating",
+      [request, followed = followed_](JobControl& control) {
+        return investigated(request, *followed, control.cancelled);
+      },
+      [this](Result<Investigation> investigation) {
+        if (investigation) {
+          found_ = std::move(*investigation);
+          return message_.say("the investigation is at its end");
+        }
+        followed_->forget_messages();
+        if (task_.cancelled())
+          message_.say("stopped; what was measured is kept, and i goes on", Tone::warning);
+        else
+          message_.say(investigation.error());
+      });
+}
+
+void InvestigationController::stop() { task_.cancel(); }
+
+bool InvestigationController::advance() { return task_.advance() || busy(); }
+
+LedgerView InvestigationController::view() const { return followed_ ? view_of(followed_->progress()) : LedgerView{}; }
+
+Result<void> InvestigationController::write_model(const std::string& file) const {
+  if (!found_) return problem(ProblemKind::usage, "no investigation came to its end yet");
+  return keep_model(file, found_->model, request_->model);
+}
+
+}  // namespace ecs::commissioning
