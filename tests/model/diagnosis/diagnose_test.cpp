@@ -77,6 +77,12 @@ TEST_CASE("the evidence is given: parameters with sigma, proof on held-out readi
   CHECK_FALSE(first.next_measurement.empty());
 }
 
+TEST_CASE("a bow is the one effect that is nothing but a bow, not a curve with one function in use") {
+  const Candidate first = first_for([](const laser::Reading& r) { return 30.0 * std::pow(p(r) / 1000.0, 2); });
+  REQUIRE(first.set.size() == 1);
+  CHECK(first.set.front().name == "sag:X:EX");
+}
+
 TEST_CASE("noise alone has no cause") {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const auto set = measured(
