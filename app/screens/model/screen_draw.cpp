@@ -9,6 +9,7 @@
 #include "app/screens/model/screen.hpp"
 #include "app/ui/talk.hpp"
 #include "base/text.hpp"
+#include "commissioning/investigation/ledger.hpp"
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
