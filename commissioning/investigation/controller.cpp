@@ -50,11 +50,11 @@ void InvestigationController::start(const InvestigationRequest& request) {
         return investigated(request, *followed, control.cancelled);
       },
       [this](Result<Investigation> investigation) {
+        followed_->forget_messages();
         if (investigation) {
           found_ = std::move(*investigation);
           return message_.say("the investigation is at its end");
         }
-        followed_->forget_messages();
         if (task_.cancelled())
           message_.say("stopped; what was measured is kept, and i goes on", Tone::warning);
         else
