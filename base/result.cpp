@@ -7,8 +7,20 @@
 
 namespace ecs {
 
+namespace {
+constexpr std::size_t kMostFolded = 200;  ///< more than anyone reads
+}
+
 Problem folded(std::vector<Problem> problems) {
   assert(!problems.empty());
+  if (const std::size_t found = problems.size(); found > kMostFolded) {
+    problems.resize(kMostFolded);
+    Problem rest = problems.front();
+    rest.message = fmt::format("{} more problems of this file are not shown", found - kMostFolded);
+    rest.line = rest.column = 0;
+    rest.also.clear();
+    problems.push_back(std::move(rest));
+  }
   Problem first = std::move(problems.front());
   first.also.insert(first.also.end(), std::make_move_iterator(problems.begin() + 1),
                     std::make_move_iterator(problems.end()));

@@ -13,13 +13,16 @@
 
 namespace ecs {
 
+/// The whole text as a table, or the place where it stops being TOML. Deeper nesting than any of our files has is
+/// refused before the library meets it: it takes one call, and the program's stack, for every part of a dotted key.
+[[nodiscard]] Result<toml::table> parse_toml(std::string_view text, const std::string& file);
+
 /// One TOML file being read; problems are collected and reported together.
 class TomlReader {
  public:
   explicit TomlReader(std::string file) : file_(std::move(file)) {}
 
-  /// The whole text as a table, or the place where it stops being TOML.
-  [[nodiscard]] Result<toml::table> parsed(std::string_view text) const;
+  [[nodiscard]] Result<toml::table> parsed(std::string_view text) const { return parse_toml(text, file_); }
 
   void complain(const toml::node& at, std::string message);
   void complain(int line, std::string message);

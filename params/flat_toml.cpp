@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
-#include "base/plain_text.hpp"
 #include "base/text.hpp"
+#include "base/toml_reader.hpp"
 
 namespace ecs::params {
 namespace {
@@ -52,34 +51,14 @@ void flatten(const toml::table& table, const std::string& path, int depth, std::
   }
 }
 
-/// The library nests one call per part of a dotted key; a line this long is none of ours and bounds the depth.
-constexpr std::size_t kLongestLine = 4096;
-
-/// Number of the first line that is too long; 0: none.
-int overlong_line(std::string_view text) {
-  const auto lines = lines_of(text);
-  const auto found = std::find_if(lines.begin(), lines.end(), [](auto line) { return line.size() > kLongestLine; });
-  return found == lines.end() ? 0 : static_cast<int>(found - lines.begin()) + 1;
-}
-
 }  // namespace
 
 Result<std::vector<TomlEntry>> flat_toml(std::string_view text, const std::string& name) {
-  if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
-  if (const int line = overlong_line(text); line > 0)
-    return problem_at(name, line, 0, fmt::format("expected lines of at most {} characters", kLongestLine));
-  try {
-    const toml::table document = toml::parse(text, name);
-    std::vector<TomlEntry> entries;
-    flatten(document, "", 1, entries);
-    return entries;
-  } catch (const toml::parse_error& error) {
-    const auto place = error.source().begin;
-    return problem_at(name, static_cast<int>(place.line), static_cast<int>(place.column),
-                      fmt::format("expected TOML: {}", error.description()));
-  } catch (const std::exception& error) {
-    return problem_at(name, 0, 0, fmt::format("expected TOML: {}", error.what()));
-  }
+  const auto document = parse_toml(text, name);
+  if (!document) return tl::unexpected(document.error());
+  std::vector<TomlEntry> entries;
+  flatten(*document, "", 1, entries);
+  return entries;
 }
 
 void sort_by_place(std::vector<Problem>& problems) {

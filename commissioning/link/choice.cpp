@@ -5,12 +5,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "base/plain_text.hpp"
 #include "base/text.hpp"
+#include "base/toml_reader.hpp"
 
 namespace ecs::commissioning {
 namespace fs = std::filesystem;
@@ -60,14 +59,7 @@ Result<toml::table> configuration() {
   if (!fs::exists(path, error)) return toml::table{};
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
-  if (auto why = why_no_text(*text, path.string())) return tl::unexpected(std::move(*why));
-  try {
-    return toml::parse(*text, path.string());
-  } catch (const toml::parse_error& wrong) {
-    const auto& at = wrong.source().begin;
-    return problem_at(path.string(), static_cast<int>(at.line), static_cast<int>(at.column),
-                      std::string(wrong.description()));
-  }
+  return parse_toml(*text, path.string());
 }
 
 }  // namespace

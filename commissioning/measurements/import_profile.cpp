@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include "base/file.hpp"
 #include "base/plain_text.hpp"
@@ -136,27 +135,21 @@ Result<ImportArguments> with_profile(ImportArguments arguments) {
                    fmt::format("--profile: no import profile {}: {}", path.string(), known_profiles()));
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
-  if (auto why = why_no_text(*text, path.string())) return tl::unexpected(std::move(*why));
+  const auto table = parse_toml(*text, path.string());
+  if (!table) return tl::unexpected(table.error());
   const ImportArguments given = arguments;
-  try {
-    const toml::table table = toml::parse(*text, path.string());
-    std::vector<Problem> problems;
-    for (const auto& [key, node] : table) {
-      const std::string expected = take(arguments, given, key.str(), node);
-      if (!expected.empty())
-        problems.push_back({ProblemKind::bad_input,
-                            fmt::format("{}: expected {}", key.str(), expected),
-                            path.string(),
-                            static_cast<int>(key.source().begin.line),
-                            static_cast<int>(key.source().begin.column),
-                            {}});
-    }
-    if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  } catch (const toml::parse_error& wrong) {
-    const auto& at = wrong.source().begin;
-    return problem_at(path.string(), static_cast<int>(at.line), static_cast<int>(at.column),
-                      std::string(wrong.description()));
+  std::vector<Problem> problems;
+  for (const auto& [key, node] : *table) {
+    const std::string expected = take(arguments, given, key.str(), node);
+    if (!expected.empty())
+      problems.push_back({ProblemKind::bad_input,
+                          fmt::format("{}: expected {}", key.str(), expected),
+                          path.string(),
+                          static_cast<int>(key.source().begin.line),
+                          static_cast<int>(key.source().begin.column),
+                          {}});
   }
+  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   return arguments;
 }
 

@@ -21,6 +21,12 @@ TEST_CASE("several problems are one, in their order, a line each") {
   CHECK(to_text(one) == "f:1: first\nf:2: second\nf:3: third");
 }
 
+TEST_CASE("of very many problems the first are kept and the rest counted") {
+  const Problem one = folded(std::vector<Problem>(1000, {ProblemKind::bad_input, "wrong", "f", 1, 0, {}}));
+  CHECK(one.also.size() == 200);
+  CHECK(to_text(one.also.back()) == "f: 800 more problems of this file are not shown");
+}
+
 TEST_CASE("folding keeps problems that are folded already") {
   const Problem inner =
       folded({{ProblemKind::bad_input, "a", "", 0, 0, {}}, {ProblemKind::bad_input, "b", "", 0, 0, {}}});

@@ -60,3 +60,29 @@ TEST_CASE("problems of other files and of whole lines are collected in order") {
   reader.add({ProblemKind::bad_input, "second", "b.csv", 3, 1, {}});
   CHECK(to_text(reader.all()) == "a.toml:7: first\nb.csv:3:1: second");
 }
+
+TEST_CASE("nesting that would exhaust the stack is refused with its line, ordinary files and texts with dots are not") {
+  const auto line_of = [](const std::string& text) { return parse_toml(text, "a.toml").error().line; };
+  std::string deep_key = "a";
+  for (int k = 0; k < 100'000; ++k) deep_key += ".a";
+  CHECK(line_of("x = 1\n" + deep_key + " = 1\n") == 2);
+  CHECK(line_of("[" + deep_key + "]\n") == 1);
+  CHECK(line_of("x = { " + deep_key + " = 1 }\n") == 1);
+  CHECK(line_of("x = " + std::string(100'000, '[') + "\n") == 1);
+  const std::string dots(100, '.');
+  CHECK(parse_toml("a.b.c = 1\nx = \"" + dots + "\\\"" + dots + "\" # " + dots + "\n", "a.toml").has_value());
+  CHECK(parse_toml("x = \"\"\"\n" + dots + "\n\"\"\"\ny = [[1.5, 2.5], [3.5]]\nz = '" + dots + "'\n", "a.toml")
+            .has_value());
+}
+
+TEST_CASE("of very many unknown keys the first are named and the rest counted") {
+  std::string text;
+  for (int k = 0; k < 3000; ++k) text += "key" + std::to_string(k) + " = 1\n";
+  TomlReader reader("a.toml");
+  const auto table = reader.parsed(text);
+  REQUIRE(table);
+  reader.only(*table, {"known"}, "plan");
+  const Problem all = reader.all();
+  CHECK(all.also.size() == 20);
+  CHECK(all.also.back().message == "plan: 2980 more unknown keys");
+}
