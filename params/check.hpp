@@ -8,6 +8,7 @@
 
 #include "core/parameters.hpp"
 #include "params/machine.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::params {
 
@@ -27,6 +28,12 @@ struct Finding {
 /// Every finding, errors first. Fields of absent axes are not judged.
 /// @param machine  the machine the unit stands on, if known: travel, resolution and axes are compared with it
 [[nodiscard]] std::vector<Finding> check(const UnitParameters& parameters, const Machine* machine = nullptr);
+
+/// What the file itself leaves open: no closing line, or an axis of which it gives nothing (an error: it may have lost
+/// its end).
+[[nodiscard]] std::vector<Finding> check_file(const ParametersFile& file);
+/// "not given, default: axis.X.deadband_um = 5 um", one line a key that the file leaves out.
+[[nodiscard]] std::vector<std::string> defaults_taken(const ParametersFile& file);
 
 [[nodiscard]] bool has_errors(const std::vector<Finding>& findings);
 /// `error: axis.X.deadband_um: …`, one line each; empty without findings.

@@ -13,7 +13,9 @@ Keys are paths in the TOML file and the names that `ecs params set` takes. Keys 
 This page is written by `parameters_markdown()` from the table of fields in params/.
 
 A file may begin with `[identity]`: `machine` and `serial_number`, texts that say whose parameters these are.
-Keys that a file leaves out take the default. Squareness is given as *error*; maps hold compensation.
+Keys that a file leaves out take the default; `params check`, `params send` and `map send` name each of them. The last line is
+`# end of parameters`: without it, or without any key of a present axis, the file may have lost its end and is not sent. Squareness
+is given as *error*; maps hold compensation.
 )";
 
 std::string cell(std::string text) {

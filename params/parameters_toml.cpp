@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/text.hpp"
 #include "params/fields.hpp"
 #include "params/flat_toml.hpp"
 
@@ -42,15 +43,22 @@ class ParametersReader {
     take_field(*field, entry);
   }
 
-  [[nodiscard]] Result<ParametersFile> result() {
+  [[nodiscard]] Result<ParametersFile> result(bool has_end) {
     if (!problems_.empty()) {
       sort_by_place(problems_);
       return tl::unexpected(folded(std::move(problems_)));
     }
+    file_.has_end = has_end;
+    PerAxis<bool> named{};
     for (const Field& field : fields()) {
+      const bool given = given_.contains(field.key);
+      if (field.axis && given) named[index_of(*field.axis)] = true;
       const bool absent = field.axis && !file_.parameters.axis_present[index_of(*field.axis)];
-      if (!absent && !given_.contains(field.key)) file_.defaulted.push_back(field.key);
+      if (!absent && !given) file_.defaulted.push_back(field.key);
     }
+    for (const Axis axis : kAllAxes)
+      if (file_.parameters.axis_present[index_of(axis)] && !named[index_of(axis)])
+        file_.axes_without_keys.push_back(axis);
     return std::move(file_);
   }
 
@@ -192,7 +200,8 @@ class ParametersWriter {
 
   [[nodiscard]] std::string finished() {
     close_vector();
-    return "# Parameters of a compensation unit; docs/parameters.md explains each.\n" + text_;
+    return fmt::format("# Parameters of a compensation unit; docs/parameters.md explains each.\n{}\n{}\n", text_,
+                       kParametersEnd);
   }
 
  private:
@@ -213,13 +222,21 @@ Result<ParametersFile> parse_parameters(std::string_view text, const std::string
   if (!entries) return tl::unexpected(entries.error());
   ParametersReader reader(name);
   for (const TomlEntry& entry : *entries) reader.take(entry);
-  return reader.result();
+  return reader.result(trimmed(text.substr(text.find_last_of('\n', text.find_last_not_of(" \t\r\n")) + 1)) ==
+                       kParametersEnd);
 }
 
 Result<ParametersFile> read_parameters(const std::filesystem::path& path) {
   const auto text = read_file(path);
   if (!text) return tl::unexpected(text.error());
   return parse_parameters(*text, path.string());
+}
+
+Result<ParametersFile> read_whole_parameters(const std::filesystem::path& path) {
+  auto file = read_parameters(path);
+  if (file && !file->has_end)
+    return tl::unexpected(Problem{ProblemKind::refused, std::string(kNoParametersEnd), path.string(), 0, 0, {}});
+  return file;
 }
 
 std::string parameters_toml(const UnitParameters& parameters, const Identity& identity) {

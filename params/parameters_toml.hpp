@@ -19,16 +19,27 @@ struct Identity {
   friend bool operator==(const Identity&, const Identity&) = default;
 };
 
+/// The last line of a parameter file that is whole; every file that is written has it.
+inline constexpr std::string_view kParametersEnd = "# end of parameters";
+inline constexpr std::string_view kNoParametersEnd =
+    "the file does not end with the line \"# end of parameters\": it may have lost its end; compare its values, then "
+    "add "
+    "the line";
+
 struct ParametersFile {
   UnitParameters parameters{};
   Identity identity{};
-  std::vector<std::string> defaulted;  ///< keys that the file does not give; those of absent axes are not listed
+  std::vector<std::string> defaulted;   ///< keys that the file does not give; those of absent axes are not listed
+  std::vector<Axis> axes_without_keys;  ///< present, but the file gives nothing of theirs
+  bool has_end = false;                 ///< its last line is kParametersEnd
 };
 
 /// Parameters out of TOML text. Unknown keys, wrong types, values out of range, NaN and inf are problems, all reported
 /// in one pass with line and column. @param name  the file as problems name it
 [[nodiscard]] Result<ParametersFile> parse_parameters(std::string_view text, const std::string& name);
 [[nodiscard]] Result<ParametersFile> read_parameters(const std::filesystem::path& path);
+/// The same for values that go into another file: refused without the closing line, which the other file would have.
+[[nodiscard]] Result<ParametersFile> read_whole_parameters(const std::filesystem::path& path);
 
 /// Commented TOML that parse_parameters() reads back to the same bits. The table of an absent axis is written only
 /// where it differs from the defaults.

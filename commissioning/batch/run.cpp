@@ -18,7 +18,8 @@ namespace {
 struct Load {
   std::optional<PreparedMap> map;
   UnitParameters parameters;
-  params::Identity identity;  ///< of the parameters
+  params::Identity identity;       ///< of the parameters
+  std::vector<std::string> notes;  ///< of the image; defaults taken
 };
 
 Result<Load> prepared(const PlannedUnit& unit) {
@@ -27,13 +28,16 @@ Result<Load> prepared(const PlannedUnit& unit) {
     auto map = prepared_map(unit.map, unit.params);
     if (!map) return tl::unexpected(map.error());
     load.map = std::move(*map);
+    load.notes = load.map->image.notes;
+    load.notes.insert(load.notes.end(), load.map->remarks.begin(), load.map->remarks.end());
     return load;
   }
   const auto file = params::read_parameters(unit.params);
   if (!file) return tl::unexpected(file.error());
-  if (auto objections = objections_to(file->parameters, unit.params)) return tl::unexpected(std::move(*objections));
+  if (auto objections = objections_to(*file, unit.params)) return tl::unexpected(std::move(*objections));
   load.parameters = file->parameters;
   load.identity = file->identity;
+  load.notes = params::defaults_taken(*file);
   return load;
 }
 
@@ -71,7 +75,7 @@ void send(protocol::UnitClient& client, const Load& load, const protocol::Progre
 void attempt(const PlannedUnit& unit, BatchMode mode, const protocol::ProgressCallback& progress, BatchReport& report) {
   const auto load = prepared(unit);
   if (!load) return fail(report, BatchState::failed, load.error());
-  if (load->map) report.notes = load->map->image.notes;
+  report.notes = load->notes;
   auto link = open_link(unit.link);
   if (!link) return fail(report, BatchState::failed, link.error());
   const auto identity = link->client().identity();

@@ -194,7 +194,7 @@ void take_parameters(LaserMapWork& work, const LaserChoices& choices) {
   work.parameters.reset();
   work.parameters_problem.clear();
   if (choices.params_file.empty()) return;
-  auto read = params::read_parameters(choices.params_file);
+  auto read = params::read_whole_parameters(choices.params_file);
   if (!read) {
     work.parameters_problem = to_text(read.error());
     return;

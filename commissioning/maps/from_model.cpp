@@ -170,7 +170,8 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   built.parameters = params::default_parameters_for(**machine);
   built.identity.machine = (*machine)->name;
   if (!arguments.params.empty()) {
-    const auto given = params::read_parameters(arguments.params);
+    const auto given = arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                                    : params::read_whole_parameters(arguments.params);
     if (!given) return tl::unexpected(given.error());
     built.parameters = given->parameters;
     built.identity = given->identity;

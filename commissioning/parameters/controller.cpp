@@ -41,6 +41,7 @@ Result<void> ParametersController::open_file(const std::string& path) {
   if (!read) return tl::unexpected(read.error());
   in_file_ = ParameterSet{read->parameters, read->identity};
   file_text_ = std::move(*text);
+  file_findings_ = params::check_file(*read);
   load(*in_file_, path);
   return {};
 }
@@ -50,6 +51,7 @@ Result<void> ParametersController::start_from_machine(const std::string& path) {
   if (!machine_) return problem(ProblemKind::usage, "expected the name of a machine file, found nothing");
   in_file_.reset();
   file_text_.clear();
+  file_findings_.clear();
   load({params::default_parameters_for(*machine_), {machine_->name, {}}}, "");
   return {};
 }
@@ -81,10 +83,12 @@ Result<void> ParametersController::take_up_draft() {
   if (!draft->machine.empty()) (void)check_with(draft->machine);
   in_file_.reset();
   file_text_.clear();
+  file_findings_.clear();
   if (auto text = read_file(draft->file); !draft->file.empty() && text) {
     if (auto read = params::parse_parameters(*text, draft->file)) {
       in_file_ = ParameterSet{read->parameters, read->identity};
       file_text_ = std::move(*text);
+      file_findings_ = params::check_file(*read);
     }
   }
   loaded_ = true;
@@ -178,7 +182,9 @@ void ParametersController::keep_draft() const {
 }
 
 void ParametersController::refresh() {
-  findings_ = params::check(set_.parameters, machine_ ? &*machine_ : nullptr);
+  findings_ = file_findings_;
+  for (params::Finding& finding : params::check(set_.parameters, machine_ ? &*machine_ : nullptr))
+    findings_.push_back(std::move(finding));
   compared_.clear();
   changes_ = 0;
   const std::optional<ParameterSet> held =
@@ -261,6 +267,7 @@ Result<void> ParametersController::save(const std::string& path) {
   std::string text = params::parameters_toml(set_.parameters, set_.identity);
   if (auto written = write_file(path, text); !written) return written;
   file_text_ = std::move(text);
+  file_findings_.clear();
   file_ = path;
   in_file_ = set_;
   settle();

@@ -103,6 +103,7 @@ class ParametersController {
   std::optional<UnitContent> unit_;
   std::vector<Edit> done_, undone_;
   std::vector<params::Finding> findings_;
+  std::vector<params::Finding> file_findings_;  ///< of the file as it was read; saving it mends them
   std::vector<ComparedKey> compared_;
   std::size_t changes_ = 0;
 };

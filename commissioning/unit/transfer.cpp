@@ -123,13 +123,19 @@ Result<UnitParameters> receive_parameters(protocol::UnitClient& client) {
   return *parameters;
 }
 
-std::optional<Problem> objections_to(const UnitParameters& parameters, const std::string& file) {
+std::optional<Problem> objections_to(const params::ParametersFile& file, const std::string& name,
+                                     Incomplete incomplete) {
   std::vector<Problem> problems;
-  for (const params::Finding& finding : params::check(parameters)) {
-    if (finding.severity != params::Severity::error) continue;
-    const std::string key = finding.keys.empty() ? std::string() : finding.keys.front() + ": ";
-    problems.push_back({ProblemKind::refused, key + finding.message, file, 0, 0, {}});
-  }
+  const auto object = [&](std::string message) {
+    problems.push_back({ProblemKind::refused, std::move(message), name, 0, 0, {}});
+  };
+  if (!file.has_end && incomplete == Incomplete::refuse)
+    object(std::string(params::kNoParametersEnd) + ", or give --accept-incomplete");
+  std::vector<params::Finding> findings = params::check_file(file);
+  for (params::Finding& finding : params::check(file.parameters)) findings.push_back(std::move(finding));
+  for (const params::Finding& finding : findings)
+    if (finding.severity == params::Severity::error)
+      object((finding.keys.empty() ? std::string() : finding.keys.front() + ": ") + finding.message);
   if (problems.empty()) return std::nullopt;
   return folded(std::move(problems));
 }

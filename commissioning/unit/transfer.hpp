@@ -37,13 +37,17 @@ struct SendReport {
   std::vector<std::string> map_objections;  ///< why it was dropped
 };
 
-/// A parameter set that must not meet a machine, as one `refused` problem with every error; nothing if it may.
-[[nodiscard]] std::optional<Problem> objections_to(const UnitParameters& parameters, const std::string& file);
+/// What is done with a parameter file that does not end with its closing line.
+enum class Incomplete { refuse, accept };
+
+/// A parameter file that must not meet a machine, as one `refused` problem with every error; nothing if it may.
+[[nodiscard]] std::optional<Problem> objections_to(const params::ParametersFile& file, const std::string& name,
+                                                   Incomplete incomplete = Incomplete::refuse);
 
 /// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit), then reads back and compares.
 /// The map is read and judged as `map send` judges one, but not sent again.
 /// @param owner  [identity] of the parameters, against the header of that map; empty: not judged
-/// @pre objections_to(parameters) is empty
+/// @pre objections_to() the file of the parameters are none
 [[nodiscard]] Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
                                                  const params::Identity& owner, UnfitMap unfit = UnfitMap::refuse,
                                                  const protocol::ProgressCallback& progress = {});

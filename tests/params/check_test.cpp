@@ -246,3 +246,23 @@ TEST_CASE("axes that do not exist are not judged") {
                                     {"axis.Z.deadband_um", "0"}}));
   CHECK(to_text(findings) == "");
 }
+
+TEST_CASE("a file without its closing line is remarked on, an axis without keys is an error, and defaults are named") {
+  const auto cut = parse_parameters("[axis.X]\ndeadband_um = 3\n[axis.Z]\ntransducer = \"resolver\"\n", "p.toml");
+  REQUIRE(cut.has_value());
+  const auto findings = check_file(*cut);
+  REQUIRE(findings.size() == 2);
+  CHECK(findings[0].severity == Severity::error);
+  CHECK(findings[0].keys.front() == "axis.Y.transducer");
+  CHECK(findings[0].message.find("nothing of [axis.Y]") != std::string::npos);
+  CHECK(findings[1].severity == Severity::warning);
+  CHECK(findings[1].message.find("# end of parameters") != std::string::npos);
+  const auto taken = defaults_taken(*cut);
+  CHECK(taken.size() == cut->defaulted.size());
+  CHECK(std::find(taken.begin(), taken.end(), "not given, default: axis.X.output_scale_counts_per_um = 10 counts/um") !=
+        taken.end());
+  const auto whole = parse_parameters(parameters_toml(UnitParameters{}), "p.toml");
+  REQUIRE(whole.has_value());
+  CHECK(check_file(*whole).empty());
+  CHECK(defaults_taken(*whole).empty());
+}

@@ -92,11 +92,30 @@ TEST_CASE("fields of absent axes are not missed, and their tables are left out o
   CHECK(text.find("[axis.Y") == std::string::npos);
 }
 
-TEST_CASE("an empty file is a set of defaults") {
+TEST_CASE("an empty file is a set of defaults, and no sound file") {
   const auto file = parsed("");
   REQUIRE(file.has_value());
   CHECK(file->parameters == UnitParameters{});
   CHECK(file->defaulted.size() == fields().size());
+  CHECK(file->axes_without_keys.size() == kAxes);
+  CHECK_FALSE(file->has_end);
+}
+
+TEST_CASE("a file cut off at any byte is known by its missing last line") {
+  const std::string whole = parameters_toml(UnitParameters{}, {"mill", "17"});
+  REQUIRE(parsed(whole)->has_end);
+  CHECK(parsed(whole + " \r\n\n")->has_end);
+  CHECK_FALSE(parsed(whole + "deadband_um = 3\n").has_value());
+  CHECK_FALSE(parsed(whole + "# more\n")->has_end);
+  for (std::size_t bytes = 0; bytes + 1 < whole.size(); ++bytes)
+    if (const auto cut = parsed(whole.substr(0, bytes))) CHECK_FALSE(cut->has_end);
+}
+
+TEST_CASE("a present axis of which a file gives nothing is named") {
+  const auto file = parsed("axis.Z.deadband_um = 7\n[axis.X.datum]\nnull_offset_mm = 1\n");
+  REQUIRE(file.has_value());
+  CHECK(file->axes_without_keys == std::vector<Axis>{Axis::Y});
+  CHECK(parsed("axis.X.deadband_um = 1\n[configuration]\nchain = \"TX\"\naxes = \"X\"\n")->axes_without_keys.empty());
 }
 
 TEST_CASE("the written file explains each field with unit, range and default, and a vector is one entry") {

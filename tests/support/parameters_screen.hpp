@@ -11,7 +11,8 @@ struct ParametersCase : StateFolder {
   ParametersCase() {
     (void)with("p.toml",
                "[identity]\nmachine = \"moving column mill\"\n[compensation]\nscope = \"linear\"\n"
-               "[axis.X]\ndeadband_um = 4.0\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
+               "[axis.X]\ndeadband_um = 4.0\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
+               "[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n");
   }
   [[nodiscard]] std::string file(const std::string& name = "p.toml") const { return *this / name; }
 };

@@ -185,7 +185,8 @@ Result<Taken> taken(const ReadArguments& arguments, const ReadFiles& files) {
     return problem(ProblemKind::usage, fmt::format("--levers: the {} format has no lever arms", files.format->name));
   auto& header = made.read.map.header;
   if (!arguments.params.empty()) {
-    auto file = params::read_parameters(arguments.params);
+    auto file = arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                             : params::read_whole_parameters(arguments.params);
     if (!file) return tl::unexpected(file.error());
     made.parameters = std::move(*file);
     header.configuration = configuration_of(made.parameters->parameters);

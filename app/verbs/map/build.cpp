@@ -116,7 +116,8 @@ Problem with_hint(Problem why) {
 }
 
 Result<Built> built(const BuildArguments& arguments) {
-  const auto parameters = params::read_parameters(arguments.params);
+  const auto parameters = arguments.params_out.empty() ? params::read_parameters(arguments.params)
+                                                       : params::read_whole_parameters(arguments.params);
   if (!parameters) return tl::unexpected(parameters.error());
   auto recipe = recipe_of(arguments, parameters->parameters);
   if (!recipe) return tl::unexpected(with_hint(recipe.error()));

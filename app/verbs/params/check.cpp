@@ -33,7 +33,9 @@ Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments
     for (const Problem& warning : read->warnings) context.console.warn(to_text(warning));
     machine = read->machine;
   }
-  const auto findings = params::check(file->parameters, machine ? &*machine : nullptr);
+  std::vector<params::Finding> findings = params::check_file(*file);
+  for (params::Finding& finding : params::check(file->parameters, machine ? &*machine : nullptr))
+    findings.push_back(std::move(finding));
   const bool sound = !params::has_errors(findings);
   Json object{{"file", arguments.file},
               {"sound", sound},
@@ -41,6 +43,7 @@ Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments
               {"defaulted", file->defaulted}};
   std::string text = params::to_text(findings);
   if (text.empty()) text = fmt::format("{}: sound", arguments.file);
+  for (const std::string& taken : params::defaults_taken(*file)) text += "\n" + taken;
   return Outcome{text, one_line(object), findings.empty() ? kDone : kDoesNotHold};
 }
 

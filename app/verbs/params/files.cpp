@@ -68,6 +68,10 @@ struct SetArguments : VerbArguments {
   const std::vector<std::string>& words =
       texts("KEY=VALUE", "KEY=VALUE or KEY VALUE, as many as wanted", Need::required);
   const std::string& output = text("-o,--output", "write here in place of FILE");
+  const bool& accept_incomplete =
+      flag("--accept-incomplete",
+           "although FILE does not end with its closing line: what it leaves out is written "
+           "as the default");
 };
 
 struct Assignment {
@@ -93,8 +97,10 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
 }
 
 Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) {
-  auto file = params::read_parameters(arguments.file);
+  auto file = arguments.accept_incomplete ? params::read_parameters(arguments.file)
+                                          : params::read_whole_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
+  for (const std::string& taken : params::defaults_taken(*file)) context.console.warn(taken);
   const auto assignments = assignments_of(arguments.words);
   if (!assignments) return tl::unexpected(assignments.error());
   const UnitParameters before = file->parameters;

@@ -17,10 +17,12 @@ struct SendArguments : VerbArguments {
   const std::string& file = text("FILE", "parameter file", Need::required);
   const bool& force = flag("--force", "drop a map in the unit that does not fit, in place of refusing");
   const bool& other_machine = flag("--other-machine", "send although [identity] names another machine");
+  const bool& accept_incomplete =
+      flag("--accept-incomplete", "send although the parameter file does not end with its closing line");
   const Access access = writes_to_unit();
 };
 
-Outcome sent(const SendArguments& arguments, const SendReport& report) {
+Outcome sent(const SendArguments& arguments, const SendReport& report, const params::ParametersFile& file) {
   std::string text = fmt::format("parameters of {} sent and verified: {} bytes, commit {}", arguments.file,
                                  report.bytes, report.commit_sequence);
   if (report.map_kept) text += "\nthe map in the unit fits and stays";
@@ -30,16 +32,19 @@ Outcome sent(const SendArguments& arguments, const SendReport& report) {
                         {"bytes", report.bytes},
                         {"commit_sequence", report.commit_sequence},
                         {"verified", true},
+                        {"defaulted", file.defaulted},
                         {"map_kept", report.map_kept},
                         {"map_dropped", report.map_dropped},
                         {"map_objections", report.map_objections}}),
-          kDone};
+          kDone, true};
 }
 
 Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
-  if (auto objections = objections_to(file->parameters, arguments.file)) return tl::unexpected(std::move(*objections));
+  const Incomplete incomplete = arguments.accept_incomplete ? Incomplete::accept : Incomplete::refuse;
+  if (auto objections = objections_to(*file, arguments.file, incomplete)) return tl::unexpected(std::move(*objections));
+  for (const std::string& taken : params::defaults_taken(*file)) context.console.warn(taken);
   auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
   const auto identity = unit->client().identity();
@@ -53,7 +58,7 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   if (!report) return tl::unexpected(report.error());
   for (const std::string& objection : report->map_objections)
     context.console.warn("the map in the unit is dropped: " + objection);
-  return sent(arguments, *report);
+  return sent(arguments, *report, *file);
 }
 
 struct ReceiveArguments : VerbArguments {

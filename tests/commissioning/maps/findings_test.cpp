@@ -15,6 +15,9 @@ chain = "TX"
 axes = "X"
 [compensation]
 scope = "linear"
+[axis.X]
+transducer = "encoder"
+# end of parameters
 )";
 const char* const kMachine = R"(configuration = "TX"
 name = "moving column mill"

@@ -10,7 +10,8 @@ void take_short_axis(LaserScreenDriver& driver, const StateFolder& folder) {
               "configuration = \"TX\"\nname = \"moving column mill\"\n[axis.X]\ntravel_mm = [-4100.0, 0.0]\n");
   const std::string params = folder.with("p.toml",
                                          "[identity]\nmachine = \"moving column mill\"\n[configuration]\nchain = "
-                                         "\"TX\"\naxes = \"X\"\n[compensation]\nscope = \"linear\"\n");
+                                         "\"TX\"\naxes = \"X\"\n[compensation]\nscope = \"linear\"\n[axis.X]\n"
+                                         "transducer = \"encoder\"\n# end of parameters\n");
   driver.take_files({"samples/laser/x_axis.csv"}, params);
 }
 

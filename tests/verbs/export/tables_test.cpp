@@ -20,6 +20,7 @@ machine = "small mill"
 chain = "TXYZ"
 [compensation.squareness]
 C0Y_um_per_m = 40.0
+# end of parameters
 )";
 const char* const kMachine = R"(
 name = "small mill"

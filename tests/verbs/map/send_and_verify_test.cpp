@@ -25,6 +25,9 @@ chain = "TX"
 axes = "X"
 [compensation]
 scope = "linear"
+[axis.X]
+transducer = "encoder"
+# end of parameters
 )";
 
 /// Positioning of X, −200 … 0 mm, 0.1 um per mm and 2 um of reversal; one run.
@@ -101,6 +104,11 @@ chain = "TXY"
 axes = "XY"
 [compensation]
 scope = "planar"
+[axis.X]
+transducer = "encoder"
+[axis.Y]
+transducer = "encoder"
+# end of parameters
 )");
   const Ran r = ran({"map", "build", workspace.data, "--params", params, "-o", workspace.map, "--json"});
   CHECK(r.code == 0);

@@ -95,5 +95,25 @@ TEST_CASE("each parameter has a place of its own in the image") {
   }
 }
 
+TEST_CASE("a parameter file that lost its end is not sent, and `params set` does not make it whole") {
+  const Folder folder;
+  const std::string whole = content_of("samples/mill/parameters.toml");
+  const std::string axis_lost = folder.with("axis.toml", whole.substr(0, whole.find("[axis.Z]")));
+  const std::string line_lost = folder.with("line.toml", whole.substr(0, whole.find("# end of parameters")));
+  const std::string none = "rtu:/dev/no-such-port:9600";
+  const Ran lost = ran({"params", "send", axis_lost, "--link", none});
+  CHECK(lost.code == 1);
+  CHECK(lost.messages.find("may have lost its end") != std::string::npos);
+  CHECK(ran({"params", "send", axis_lost, "--accept-incomplete", "--link", none}).code == 1);
+  CHECK(ran({"params", "send", line_lost, "--link", none}).code == 1);
+  CHECK(ran({"params", "send", line_lost, "--accept-incomplete", "--link", none}).code == 4);  // as far as the link
+  CHECK(ran({"params", "set", line_lost, "axis.X.deadband_um=3"}).code == 1);
+  CHECK(content_of(line_lost).find("# end of parameters") == std::string::npos);
+  CHECK(ran({"params", "check", line_lost}).code == 1);
+  CHECK(ran({"params", "set", line_lost, "axis.X.deadband_um=3", "--accept-incomplete"}).code == 0);
+  CHECK(ran({"params", "check", line_lost}).out.find("lost its end") == std::string::npos);
+  CHECK(ran({"params", "check", folder.with("empty.toml", ""), "--json"}).json()["sound"] == false);
+}
+
 }  // namespace
 }  // namespace ecs::app
