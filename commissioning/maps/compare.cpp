@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/maps/view.hpp"
+#include "laser/map/image.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -63,6 +64,20 @@ void compare_values(const laser::MapTable& expected, const laser::MapTable& foun
   }
 }
 
+/// At the points of either. @pre both have points
+LargestDifference largest_between(const laser::MapTable& file, const laser::MapTable& unit) {
+  LargestDifference largest;
+  bool any = false;
+  for (const auto* points : {&file.position_mm, &unit.position_mm})
+    for (const double p : *points) {
+      const LargestDifference here{file.component, file.approach, p, laser::compensation_at(file, p),
+                                   laser::compensation_at(unit, p)};
+      if (!any || here.difference() > largest.difference()) largest = here;
+      any = true;
+    }
+  return largest;
+}
+
 }  // namespace
 
 std::vector<MapDifference> differences_between(const laser::ErrorMap& expected, const laser::ErrorMap& found) {
@@ -76,6 +91,29 @@ std::vector<MapDifference> differences_between(const laser::ErrorMap& expected, 
       out.push_back(of_table(table, "only in the file"));
     else
       compare_values(table, *other, out);
+  }
+  return out;
+}
+
+std::optional<LargestDifference> largest_difference(const laser::ErrorMap& file, const laser::ErrorMap& unit) {
+  std::optional<LargestDifference> largest;
+  for (const laser::MapTable& table : file.tables)
+    if (const laser::MapTable* other = same_table(unit, table); other != nullptr)
+      if (const auto one = largest_between(table, *other); !largest || one.difference() > largest->difference())
+        largest = one;
+  return largest;
+}
+
+std::vector<MapDifference> beyond_resolution(const laser::ErrorMap& file, const laser::ErrorMap& unit) {
+  std::vector<MapDifference> out;
+  for (const laser::MapTable& table : file.tables) {
+    const laser::MapTable* other = same_table(unit, table);
+    if (other == nullptr || other->position_mm == table.position_mm) continue;
+    const LargestDifference at = largest_between(table, *other);
+    if (at.difference() <= laser::resolution_for(other->compensation)) continue;
+    out.push_back({at.component, at.approach, at.position_mm, at.expected, at.found,
+                   fmt::format("{} at {:.6g} mm: the file's curve {:.2f} {}, unit {:.2f}", name_of_table(table),
+                               at.position_mm, at.expected, unit_of(at.component), at.found)});
   }
   return out;
 }

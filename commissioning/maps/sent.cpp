@@ -12,17 +12,15 @@ namespace ecs::commissioning {
 namespace {
 
 /// Map and parameters of the file as a unit would hold them: rounded and resampled as the image does it.
-Result<laser::ImageContent> expected_content(const std::string& map_file, const std::string& params_file,
+Result<laser::ImageContent> expected_content(const laser::ErrorMap& map, const std::string& params_file,
                                              const UnitParameters& of_unit) {
-  const auto map = laser::read_map_csv(map_file);
-  if (!map) return tl::unexpected(map.error());
   UnitParameters parameters = of_unit;
   if (!params_file.empty()) {
     const auto file = params::read_parameters(params_file);
     if (!file) return tl::unexpected(file.error());
     parameters = file->parameters;
   }
-  const auto image = laser::image_of(*map, parameters);
+  const auto image = laser::image_of(map, parameters);
   if (!image) return tl::unexpected(image.error());
   return laser::content_of(image->bytes);
 }
@@ -55,10 +53,15 @@ Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, c
 }
 
 Result<MapVerdict> verdict_on(const FoundMap& found, const std::string& map_file, const std::string& params_file) {
-  const auto expected = expected_content(map_file, params_file, found.parameters.value_or(UnitParameters{}));
+  const auto map = laser::read_map_csv(map_file);
+  if (!map) return tl::unexpected(map.error());
+  const auto expected = expected_content(*map, params_file, found.parameters.value_or(UnitParameters{}));
   if (!expected) return tl::unexpected(expected.error());
   MapVerdict verdict;
   verdict.differences = differences_between(expected->map, found.map);
+  verdict.largest = largest_difference(*map, found.map);
+  for (MapDifference& resampled : beyond_resolution(*map, found.map))
+    verdict.differences.push_back(std::move(resampled));
   if (found.parameters) verdict.parameters = params::diff(expected->parameters, *found.parameters);
   return verdict;
 }

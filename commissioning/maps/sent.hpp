@@ -39,6 +39,7 @@ using BeforeSending = std::function<void(std::optional<std::uint32_t>)>;
 struct MapVerdict {
   std::vector<MapDifference> differences;      ///< of the map, to the resolution of the unit's memory
   std::vector<params::Difference> parameters;  ///< file (a) against unit (b); empty without a parameter file
+  std::optional<LargestDifference> largest;    ///< from the file's own curve, before it is resampled
   [[nodiscard]] bool same() const { return differences.empty() && parameters.empty(); }
 };
 

@@ -59,14 +59,6 @@ TableGrid grid_of(const MapTable& table) {
   return grid;
 }
 
-double resolution_for(const std::vector<double>& values) {
-  double largest = 0.0;
-  for (const double v : values) largest = std::max(largest, std::abs(v));
-  for (const double resolution : {0.01, 0.1})
-    if (largest <= resolution * 32'767.0) return resolution;
-  return 1.0;
-}
-
 /// counts × resolution, to the digits that a resolution such as 0.01 has: 35 counts are 0.35, not 0.35000000000000003.
 double decimal(std::int16_t counts, double resolution) {
   const double per_unit = std::round(1.0 / resolution);
@@ -122,6 +114,14 @@ Result<void> within_capacity(std::size_t values, std::size_t bytes, const UnitPa
 
 }  // namespace
 
+double resolution_for(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double v : values) largest = std::max(largest, std::abs(v));
+  for (const double resolution : {0.01, 0.1})
+    if (largest <= resolution * 32'767.0) return resolution;
+  return 1.0;
+}
+
 Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters) {
   std::vector<Problem> objections;
   for (const MapFinding& finding : findings_for(map, parameters))
@@ -141,6 +141,7 @@ Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters)
                                         table_name(table), grid.increment_mm, grid.largest_change,
                                         unit_of(table.component)));
     const double resolution = resolution_for(grid.values);
+    if (grid.largest_change > resolution) image.changed.push_back(image.notes.back());
     entries.push_back({table.component, table.approach, false, static_cast<std::uint32_t>(counts.size()),
                        static_cast<std::uint32_t>(grid.values.size()), grid.start_mm, grid.increment_mm, resolution});
     for (const double value : grid.values) counts.push_back(static_cast<std::int16_t>(std::lround(value / resolution)));

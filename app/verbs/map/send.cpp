@@ -19,11 +19,18 @@ struct SendArguments : VerbArguments {
   const std::string& file = text("FILE", "map CSV", Need::required);
   const std::string& params = text("--params", "parameters of the unit, sent with the map", Need::required);
   const bool& other_machine = flag("--other-machine", "send although map, parameters and unit name other machines");
+  const bool& accept_incomplete =
+      flag("--accept-incomplete", "send although the parameter file does not end with its closing line");
+  const bool& accept_resampling =
+      flag("--accept-resampling", "send although resampling changes a table by more than its resolution");
   const Access access = writes_to_unit();
 };
 
 Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
-  const auto ready = prepared_map(arguments.file, arguments.params, arguments.other_machine);
+  const auto ready =
+      prepared_map(arguments.file, arguments.params,
+                   {arguments.other_machine, arguments.accept_incomplete ? Incomplete::accept : Incomplete::refuse,
+                    arguments.accept_resampling});
   if (!ready) return tl::unexpected(ready.error());
   for (const std::string& note : ready->image.notes) context.console.note(note);
   for (const std::string& remark : ready->remarks) context.console.warn(remark);
@@ -46,7 +53,7 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   return Outcome{
       fmt::format("{} sent to unit {} and verified: {} bytes in {:.1f} s, block check {}, commit {}", arguments.file,
                   sent->identity.serial_number, sent->report.bytes, sent->seconds, check, sent->report.commit_sequence),
-      one_line(object), kDone};
+      one_line(object), kDone, true};
 }
 
 }  // namespace

@@ -73,6 +73,17 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
   for (const params::Difference& d : of_parameters)
     object["parameters"].push_back({{"key", d.key}, {"unit", text_or_null(d.unit)}, {"expected", d.a}, {"found", d.b}});
   std::string text = differences_text(differences) + params::to_text(of_parameters, "file", "unit");
+  object["largest_difference"] = nullptr;
+  if (const auto& largest = verdict->largest) {
+    object["largest_difference"] = {{"component", name_of(largest->component)},
+                                    {"approach", word_for(largest->approach)},
+                                    {"position_mm", largest->position_mm},
+                                    {"expected", largest->expected},
+                                    {"found", largest->found}};
+    text += fmt::format("largest difference from the curves of the file: {:.3f} {} ({} {} at {:.6g} mm)\n",
+                        largest->difference(), unit_of(largest->component), name_of(largest->component),
+                        word_for(largest->approach), largest->position_mm);
+  }
   text += same ? fmt::format("the unit holds {}", arguments.file)
                : fmt::format("the unit does not hold {}: {} differences", arguments.file,
                              differences.size() + of_parameters.size());
