@@ -27,9 +27,13 @@ struct Region {
 inline constexpr Region kEprom{0x000000, 0x10000, false, "EPROM"};
 inline constexpr Region kSystemRam{0x040000, 0x10000, true, "system RAM"};
 inline constexpr Region kCommitRecords{0x0F0000, 0x80, false, "commit records"};
-inline constexpr Region kBankA{0x100000, kBankBytes, true, "axis memory bank A"};
-inline constexpr Region kBankB{0x200000, kBankBytes, true, "axis memory bank B"};
+inline constexpr Region kBankA{0x100000, kBankBytes, false, "axis memory bank A"};  ///< written by staging only
+inline constexpr Region kBankB{0x200000, kBankBytes, false, "axis memory bank B"};
 inline constexpr std::array<Region, 5> kRegions{kEprom, kSystemRam, kCommitRecords, kBankA, kBankB};
+
+[[nodiscard]] constexpr bool in_axis_memory(Address address) {
+  return kBankA.contains(address) || kBankB.contains(address);
+}
 
 /// Bytes of one bank that a unit with `modules` axis memory modules has.
 [[nodiscard]] constexpr std::uint32_t bank_bytes(std::uint8_t modules) { return modules * kModuleBankBytes; }

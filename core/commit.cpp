@@ -36,6 +36,20 @@ std::optional<Commit> active_commit(ByteView records) noexcept {
   return first ? first : second;
 }
 
+SlotState state_of_slot(ByteView records, std::uint32_t slot) noexcept {
+  if (commit_in(records, slot)) return SlotState::sound;
+  const ByteView bytes = records.subspan(slot * kCommitSlotBytes, kCommitSlotBytes);
+  const bool erased = (bytes[0] == 0x00 || bytes[0] == 0xFF) &&
+                      std::all_of(bytes.begin(), bytes.end(), [&](std::uint8_t byte) { return byte == bytes[0]; });
+  return erased ? SlotState::blank : SlotState::damaged;
+}
+
+std::optional<std::uint32_t> damaged_slot(ByteView records) noexcept {
+  for (std::uint32_t slot = 0; slot < kCommitSlots; ++slot)
+    if (state_of_slot(records, slot) == SlotState::damaged) return slot;
+  return std::nullopt;
+}
+
 std::uint32_t next_commit_slot(ByteView records) noexcept {
   const auto first = commit_in(records, 0);
   const auto second = commit_in(records, 1);

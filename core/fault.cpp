@@ -30,6 +30,8 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
     {"position_jump", "an axis position changed further in one period than any axis can move",
      "check the transducer wiring and the position feedback scaling factor"},
     {"user_software", "the user software left its memory or its time", "check the program and its start address"},
+    {"commit_record", "a commit record in the axis memory is damaged: a map may be lost",
+     "send parameters and map again, or compare the unit with its map"},
 }};
 
 constexpr std::array<std::string_view, 5> kModes{"starting", "integration", "datuming", "compensating", "halted"};

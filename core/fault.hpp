@@ -29,8 +29,9 @@ enum class Fault : std::uint16_t {
   watchdog = 10,               ///< the processor stopped serving the watchdog: fatal
   position_jump = 11,          ///< an axis moved further in one period than any axis can
   user_software = 12,          ///< user software left its bounds or its time
+  commit_record = 13,          ///< a commit record is damaged: neither erased nor sound
 };
-inline constexpr std::uint16_t kFaultCount = 13;
+inline constexpr std::uint16_t kFaultCount = 14;
 
 /// One sentence in plain words, and what to do next.
 struct FaultText {

@@ -120,7 +120,8 @@ class ImageView {
 };
 
 // --- which bank is active
-/// The record that switches a new image active: two slots, the valid one with the higher sequence counts.
+/// The record that switches a new image active. Two slots: a commit is written into the one that is not in force, then
+/// the other is erased, and only then the commit is answered. So a damaged record never brings an older map back.
 struct Commit {
   std::uint32_t sequence = 0;  ///< 1, 2, …
   std::uint32_t bank = 0;      ///< 0 = A, 1 = B
@@ -129,8 +130,18 @@ struct Commit {
   friend bool operator==(const Commit&, const Commit&) = default;
 };
 inline constexpr std::uint32_t kCommitSlotBytes = 64;
+inline constexpr std::uint32_t kCommitSlots = 2;
 /// @param records  the region of commit records (two slots)
 [[nodiscard]] std::optional<Commit> active_commit(ByteView records) noexcept;
+enum class SlotState : std::uint8_t {
+  blank,   ///< erased: every byte 0x00, or every byte 0xFF
+  sound,   ///< holds a commit
+  damaged  ///< neither: what it held is lost, or it was never finished
+};
+/// @param slot  0 or 1
+[[nodiscard]] SlotState state_of_slot(ByteView records, std::uint32_t slot) noexcept;
+/// The first slot that is damaged.
+[[nodiscard]] std::optional<std::uint32_t> damaged_slot(ByteView records) noexcept;
 /// The bytes of one slot, and the slot that must be overwritten next (never the active one).
 void encode_commit(const Commit& commit, Bytes slot) noexcept;
 [[nodiscard]] std::uint32_t next_commit_slot(ByteView records) noexcept;

@@ -66,8 +66,6 @@ void MemoryController::ask_to_write(ByteWrite write, bool undo) {
                   write.after.size() == 1 ? "" : "s", serial_number_, now.emulator ? " (EMULATOR)" : "");
   question.detail = fmt::format("at {}, {}\nnow {}\nnew {}", hex_address(write.address), write.where,
                                 short_hex(write.before), short_hex(write.after));
-  if (names_.in_active_map(write.address, write.after.size()))
-    question.detail += undo ? "\nThey lie in the active map." : fmt::format("\nCareful: {}.", kSpoilsMap);
   question.yes = "write";
   question.no = "leave as it is";
   ask(std::move(question), [this, write = std::move(write), undo] { this->write(write, undo); });

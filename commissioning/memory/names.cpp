@@ -68,7 +68,6 @@ MemoryNames::MemoryNames(const MemoryBytes& memory) {
     if (region == nullptr) continue;
     add_image(image, *region, stretches_);
     contents_.push_back({image.address, text_of(image, meaning)});
-    if (image.active) active_ = {image.address, image.bytes};
   }
   for (const MemoryRegion& region : memory.regions()) {
     const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;

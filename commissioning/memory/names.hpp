@@ -44,10 +44,6 @@ class MemoryNames {
   [[nodiscard]] const NamedStretch* stretch_at(Address address) const;
   /// What a region holds, in words: "active map of 12,345 bytes, commit 3"; empty: nothing known.
   [[nodiscard]] std::string content_of(const MemoryRegion& region) const;
-  /// Whether any of these bytes lies in the map that the unit uses.
-  [[nodiscard]] bool in_active_map(Address address, std::size_t bytes) const {
-    return address < active_.first + active_.bytes && active_.first < address + bytes;
-  }
   /// The bytes that the names come from.
   [[nodiscard]] static std::vector<Stretch> structure(const MemoryBytes& memory);
 
@@ -58,7 +54,6 @@ class MemoryNames {
   };
   std::vector<NamedStretch> stretches_;  ///< by address
   std::vector<Content> contents_;
-  Stretch active_;
 };
 
 /// The number under the cursor as the unit could mean it: "u8 69  s16 17731  u32 1162695753  f64 1.5".

@@ -70,10 +70,4 @@ Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& argu
   return bytes;
 }
 
-bool touches_active_map(const protocol::UnitStatus& status, Address address, std::size_t bytes) {
-  if (status.active_bank == protocol::Bank::none) return false;
-  const Address first = address_of(status.active_bank);
-  return address < first + status.image_length_bytes && first < address + bytes;
-}
-
 }  // namespace ecs::commissioning

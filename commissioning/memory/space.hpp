@@ -1,4 +1,4 @@
-// What the unit's address space allows: which bytes exist, what a typed row of bytes means, what a write would spoil.
+// What the unit's address space allows: which bytes exist, what a typed row of bytes means.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +24,5 @@ namespace ecs::commissioning {
 
 /// Words apart or several in one argument: "4E75", "4E 75", "0x4E 0x75".
 [[nodiscard]] Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments);
-
-/// Whether any of these bytes lies in the map that is active.
-[[nodiscard]] bool touches_active_map(const protocol::UnitStatus& status, Address address, std::size_t bytes);
-/// Said before such a write.
-inline constexpr std::string_view kSpoilsMap =
-    "these bytes lie in the active map: its block check will fail at the next power-up or start of compensation; `ecs "
-    "map send` or `ecs memory load` makes it whole again";
 
 }  // namespace ecs::commissioning

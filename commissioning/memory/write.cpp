@@ -14,6 +14,9 @@ std::string_view reason_of(const MemoryRegion& region) {
   if (region.first == kEprom.first) return "it holds the unit's program and cannot be changed over the link";
   if (region.first == kCommitRecords.first)
     return "only the unit writes there, when it takes over a map; `map send` and `memory load` lead to that";
+  if (in_axis_memory(region.first))
+    return "parameters and maps are written whole, beside the active ones; use `params send`, `map send` or `memory "
+           "load`";
   return "the host may not write there";
 }
 

@@ -23,7 +23,9 @@ std::string_view name_of_bank(Bank bank) {
   return bank == Bank::B ? "B" : "none";
 }
 
-bool has_address(Fault fault) { return fault == Fault::ram_test || fault == Fault::block_check; }
+bool has_address(Fault fault) {
+  return fault == Fault::ram_test || fault == Fault::block_check || fault == Fault::commit_record;
+}
 
 Cell hex_cell(std::uint32_t number) { return word_cell(fmt::format("{:08X}", number)); }
 

@@ -16,7 +16,27 @@ Formula::Formula(Formula&&) noexcept = default;
 Formula& Formula::operator=(Formula&&) noexcept = default;
 Formula::~Formula() = default;
 
+namespace {
+
+/// The library's assignments (=, +=, …) would change the variables of every other formula.
+bool assigns(const std::string& expression) {
+  for (std::size_t at = expression.find('='); at != std::string::npos; at = expression.find('=', at + 1)) {
+    const char before = at > 0 ? expression[at - 1] : ' ';
+    const char after = at + 1 < expression.size() ? expression[at + 1] : ' ';
+    if (after == '=')
+      ++at;
+    else if (before != '!' && before != '<' && before != '>')
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Result<Formula> Formula::compile(const std::string& expression, Variables& variables) {
+  if (assigns(expression))
+    return problem(ProblemKind::bad_input,
+                   fmt::format("formula \"{}\": expected a value, got an assignment; == compares", expression));
   auto parser = std::make_unique<Parser>();
   try {
     const std::map<std::string, double*> named{{"p", &variables.p}, {"d", &variables.d}, {"x", &variables.x},

@@ -36,6 +36,13 @@ std::string content_of(int file) {
   return std::string(trimmed(std::string_view(text.data(), got > 0 ? static_cast<std::size_t>(got) : 0)));
 }
 
+/// A plain file, empty or signed by an emulator.
+bool is_ours(int file) {
+  struct stat opened {};
+  const std::string text = content_of(file);
+  return ::fstat(file, &opened) == 0 && S_ISREG(opened.st_mode) && (text.empty() || text.starts_with("pid "));
+}
+
 void sign(int file) {
   const std::string text = fmt::format("pid {}\n", ::getpid());
   if (::ftruncate(file, 0) == 0) (void)!::pwrite(file, text.data(), text.size(), 0);
@@ -49,10 +56,15 @@ Result<BatteryLock> BatteryLock::take(const std::filesystem::path& battery) {
   if (error) path = battery;
   path += ".in-use";
   for (const auto end = Clock::now() + kPatience;;) {
-    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+    Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644));
     if (file.get() < 0)
       return problem(ProblemKind::output,
                      fmt::format("{}: cannot make this file: {}", path.string(), std::strerror(errno)));
+    if (!is_ours(file.get()))
+      return problem(ProblemKind::output,
+                     fmt::format("{}: expected the mark of an ecs-emulator that uses the memory, found another file; "
+                                 "remove it, or name another file for the memory",
+                                 path.string()));
     const bool locked = ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
     if (locked && still_named(file.get(), path)) {
       sign(file.get());

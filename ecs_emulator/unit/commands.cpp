@@ -50,7 +50,10 @@ protocol::UnitError Unit::may_write(Address address, std::uint32_t bytes) {
   if (!powered_) return UnitError::unit_fault;
   if (mode_ != UnitMode::integration) return UnitError::not_in_integration_mode;
   if (!memory_.exists(address, bytes)) return UnitError::address_unknown;
-  return memory_.writable(address, bytes) ? UnitError::none : UnitError::address_protected;
+  if (!in_axis_memory(address))
+    return memory_.writable(address, bytes) ? UnitError::none : UnitError::address_protected;
+  if (in_active_bank(memory_, address)) return UnitError::address_protected;
+  return staging_ ? UnitError::none : UnitError::no_staging;
 }
 
 protocol::UnitError Unit::write_memory(Address address, std::span<const std::uint8_t> bytes) {
@@ -171,7 +174,8 @@ protocol::CommandResult Unit::begin_staging(bool copy_active) {
   return done(bank);
 }
 
-protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
+/// Why what is staged is no image that this unit can take; `done` if it is.
+protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint32_t crc) {
   if (!staging_) return refused(UnitError::no_staging, "begin staging first");
   const Address bank = inactive_bank(memory_);
   const std::uint32_t size = bank_bytes(memory_.modules());
@@ -181,27 +185,50 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
   if (verdict.total_bytes != length)
     return refused(UnitError::image_refused, fmt::format("the image has {} bytes", verdict.total_bytes));
-  const ImageView image(memory_.view(bank, length));
-  const auto parameters = image.parameters();
+  const auto parameters = ImageView(memory_.view(bank, length)).parameters();
   if (!parameters || parameters->memory_modules > memory_.modules())
     return refused(UnitError::image_refused, fmt::format("this rack has {} memory module(s)", memory_.modules()));
+  return done();
+}
+
+protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
+  if (const CommandResult verdict = commit_refused(length, crc); verdict.state != CommandState::done) return verdict;
+  const Address bank = inactive_bank(memory_);
   const auto active = active_image(memory_);
   const ByteView records = memory_.view(kCommitRecords.first, kCommitRecords.size);
-  const Address slot = kCommitRecords.first + next_commit_slot(records) * kCommitSlotBytes;
+  const std::vector<std::uint8_t> records_before(records.begin(), records.end());
+  const std::uint32_t slot = next_commit_slot(records);
+  const Commit commit{active ? active->commit.sequence + 1 : 1, bank == kBankA.first ? 0u : 1u, length,
+                      ImageView(memory_.view(bank, length)).check()};
   std::array<std::uint8_t, kCommitSlotBytes> bytes{};
-  encode_commit({active ? active->commit.sequence + 1 : 1, bank == kBankA.first ? 0u : 1u, length, image.check()},
-                bytes);
-  memory_.write(slot, bytes);
+  encode_commit(commit, bytes);
+  memory_.write(kCommitRecords.first + slot * kCommitSlotBytes, bytes);
+  memory_.write(kCommitRecords.first + (1 - slot) * kCommitSlotBytes, std::array<std::uint8_t, kCommitSlotBytes>{});
   staging_ = false;
   isolate();
+  const auto now_active = active_image(memory_);
+  if (!now_active || now_active->commit != commit)
+    return failed(UnitError::unit_fault, "the commit record does not hold");
+  if (on_commit_ && !memory_.power_failed() && !on_commit_()) {
+    memory_.write(kCommitRecords.first, records_before);
+    return failed(UnitError::unit_fault, "the battery memory cannot be written; the map before stays active");
+  }
+  take_over(commit);
+  return done(commit.sequence);
+}
+
+/// What follows from another active map.
+void Unit::take_over(const Commit& commit) {
   reload_parameters();
   for (Origin& origin : origins_) origin.referenced = false;
   tick_ = {};
-  map_test_ = {Fault::none, bank, std::nullopt, image.check(), verdict.check_found};
-  if (on_commit_ && !memory_.power_failed()) on_commit_();
-  const auto now_active = active_image(memory_);
-  return now_active && now_active->first == bank ? done(now_active->commit.sequence)
-                                                 : failed(UnitError::unit_fault, "the commit record does not hold");
+  map_test_ = {Fault::none, 0, std::nullopt, commit.image_check, commit.image_check};
+  const bool of_map = fault_ == Fault::block_check || fault_ == Fault::no_map || fault_ == Fault::bad_parameters ||
+                      fault_ == Fault::map_not_for_parameters || fault_ == Fault::commit_record;
+  if (!of_map) return;
+  fault_ = Fault::none;
+  fault_axis_.reset();
+  fault_address_ = 0;
 }
 
 protocol::CommandResult Unit::run_user_software(Address start, std::uint32_t argument) {
@@ -255,8 +282,8 @@ void Unit::command_step() {
   if (entering_compensation_) {
     entering_compensation_ = false;
     enter_compensation();
-    result_ = fault_ == Fault::none ? done(0, "reference the machine now")
-                                    : failed(UnitError::unit_fault, std::string(text_of(fault_).meaning));
+    result_ = mode_ == UnitMode::datuming ? done(0, "reference the machine now")
+                                          : failed(UnitError::unit_fault, std::string(text_of(fault_).meaning));
   } else if (user_software_) {
     result_ = user_software_step();
   } else if (recorder_) {

@@ -29,13 +29,26 @@ std::optional<ActiveImage> active_image(const UnitMemory& memory) {
   return ActiveImage{*commit, commit->bank == 0 ? kBankA.first : kBankB.first};
 }
 
+std::optional<Address> damaged_record(const UnitMemory& memory) {
+  const auto slot = damaged_slot(memory.view(kCommitRecords.first, kCommitRecords.size));
+  if (!slot) return std::nullopt;
+  return kCommitRecords.first + *slot * kCommitSlotBytes;
+}
+
 Address inactive_bank(const UnitMemory& memory) {
   const auto active = active_image(memory);
   return active && active->first == kBankA.first ? kBankB.first : kBankA.first;
 }
 
+bool in_active_bank(const UnitMemory& memory, Address address) {
+  const auto active = active_image(memory);
+  return active && in_axis_memory(address) && (address >= kBankB.first) == (active->first == kBankB.first);
+}
+
 TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, CompiledMap& map) {
   const auto active = active_image(memory);
+  const auto damaged = damaged_record(memory);
+  if (!active && damaged) return {Fault::commit_record, *damaged, std::nullopt, 0, 0};
   if (!active) return {Fault::no_map, 0, std::nullopt, 0, 0};
   const ByteView bank = bank_from(memory, active->first);
   const ImageVerdict image = check_image(bank);

@@ -29,8 +29,12 @@ struct ActiveImage {
   Address first = 0;
 };
 [[nodiscard]] std::optional<ActiveImage> active_image(const UnitMemory& memory);
+/// The first byte of a commit record that is neither erased nor sound.
+[[nodiscard]] std::optional<Address> damaged_record(const UnitMemory& memory);
 /// The bank that holds no active image.
 [[nodiscard]] Address inactive_bank(const UnitMemory& memory);
+/// The address lies in the bank of the active image, which nothing but the unit's own tests may write.
+[[nodiscard]] bool in_active_bank(const UnitMemory& memory, Address address);
 
 /// Block check, parameters and map of the active image; `map` is built on success.
 /// An axis that the parameters name needs a module in the rack, for the transducer that they name.

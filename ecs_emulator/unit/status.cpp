@@ -15,6 +15,14 @@ protocol::Identity Unit::identity() {
   return identity;
 }
 
+/// Block check stored in the commit record, and computed now.
+TestVerdict Unit::block_check_now() const {
+  const auto active = active_image(memory_);
+  if (!active) return {};
+  const ImageVerdict image = check_image(memory_.view(active->first, bank_bytes(memory_.modules())));
+  return {Fault::none, active->first, std::nullopt, active->commit.image_check, image.check_found};
+}
+
 protocol::UnitStatus Unit::status() {
   protocol::UnitStatus status;
   status.mode = mode_;
@@ -23,8 +31,9 @@ protocol::UnitStatus Unit::status() {
   status.fault_axis = fault_axis_;
   status.ram_test = ram_test_;
   status.ram_test_address = ram_test_address_;
-  status.block_check_expected = map_test_.expected;
-  status.block_check_found = map_test_.found;
+  const TestVerdict block = mode_ == UnitMode::integration ? block_check_now() : map_test_;
+  status.block_check_expected = block.expected;
+  status.block_check_found = block.found;
   if (const auto active = active_image(memory_)) {
     status.active_bank = active->commit.bank == 0 ? protocol::Bank::A : protocol::Bank::B;
     status.commit_sequence = active->commit.sequence;

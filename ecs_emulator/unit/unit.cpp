@@ -21,6 +21,23 @@ void Unit::watch_supply() {
   if (memory_.power_failed()) power(false);
 }
 
+/// Erases every commit record but the one in force: a commit that power has interrupted is completed.
+void Unit::tidy_commit_records() {
+  const ByteView records = memory_.view(kCommitRecords.first, kCommitRecords.size);
+  if (damaged_slot(records) || state_of_slot(records, 0) != state_of_slot(records, 1)) return;
+  if (state_of_slot(records, 0) == SlotState::blank) return;
+  memory_.write(kCommitRecords.first + next_commit_slot(records) * kCommitSlotBytes,
+                std::array<std::uint8_t, kCommitSlotBytes>{});
+}
+
+/// A damaged record beside a sound one is no reason to stop, but is reported until a map is committed.
+void Unit::report_damaged_record() {
+  const auto damaged = damaged_record(memory_);
+  if (!damaged || fault_ != Fault::none) return;
+  fault_ = Fault::commit_record;
+  fault_address_ = *damaged;
+}
+
 void Unit::start_up() {
   memory_.power_up();
   mode_ = UnitMode::starting;
@@ -45,6 +62,8 @@ void Unit::start_up() {
   result_ = {};
   hung_ = false;
   hung_s_ = 0.0;
+  tidy_commit_records();
+  report_damaged_record();
   reload_parameters();
 }
 
@@ -53,11 +72,6 @@ void Unit::reload_parameters() {
   parameters_ = stored.value_or(UnitParameters{});
   if (stored) return;
   for (std::size_t a = 0; a < kAxes; ++a) parameters_.axis_present[a] = settings_.axis_modules[a].has_value();
-}
-
-void Unit::note_request() {
-  silent_s_ = 0.0;
-  if (powered_ && mode_ == UnitMode::starting && settings_.link == LinkSense::automatic) enter_integration();
 }
 
 /// A host that has gone away leaves no axis under a compensation of its own.
@@ -73,6 +87,7 @@ void Unit::isolate() { drives_ = {}; }
 void Unit::enter_integration() {
   isolate();
   mode_ = UnitMode::integration;
+  report_damaged_record();
 }
 
 void Unit::raise(Fault fault, std::optional<Axis> axis, Address address) {

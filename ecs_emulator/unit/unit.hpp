@@ -21,7 +21,7 @@ namespace ecs::emulator {
 
 /// How the unit decides at power-up whether a host is connected.
 enum class LinkSense : std::uint8_t {
-  automatic,   ///< a valid request within kLinkWait_s
+  automatic,   ///< the command `enter_integration` within kLinkWait_s; who only reads does not count
   integrate,   ///< always integration mode
   compensate,  ///< always compensation mode
 };
@@ -37,7 +37,7 @@ inline constexpr double kFastest_mm_s = 2000.0;
 inline constexpr double kWatchdog_s = 0.1;
 /// Longest wait of the command `test_datum`.
 inline constexpr double kDatumTest_s = 600.0;
-/// An output that the host has set with its relay closed holds no longer than this without a request.
+/// An output that the host has set with its relay closed holds no longer than this without a command.
 inline constexpr double kOutputHold_s = 60.0;
 /// Largest position that the host can set: no machine is longer than a kilometre.
 inline constexpr double kLargestPosition_mm = 1e6;
@@ -58,11 +58,10 @@ class Unit final : public protocol::UnitPort, public Compensator {
 
   void power(bool on);
   [[nodiscard]] bool powered() const { return powered_; }
-  /// A valid request came over the link.
-  void note_request();
   void sense_link(LinkSense link) { settings_.link = link; }
-  /// Called when a new map has become the active one, before the host is answered.
-  void on_commit(std::function<void()> keep) { on_commit_ = std::move(keep); }
+  /// Called when a new map has become the active one, before the host is answered. False: the battery memory could not
+  /// be written, and the commit is taken back.
+  void on_commit(std::function<bool()> keep) { on_commit_ = std::move(keep); }
 
   [[nodiscard]] Drives tick(const Signals& signals) override;
   [[nodiscard]] double period_s() const override { return parameters_.loop_period_us * 1e-6; }
@@ -111,6 +110,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void raise(Fault fault, std::optional<Axis> axis = std::nullopt, Address address = 0);
   void isolate();
   void watch_supply();
+  void tidy_commit_records();
+  void report_damaged_record();
   void watch_host();
   void hang_step();
   void wait_for_link();
@@ -121,6 +122,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] bool transducers_sound();
   void command_step();
   void reload_parameters();
+  [[nodiscard]] TestVerdict block_check_now() const;
   [[nodiscard]] double mm_per_count(Axis axis) const;
   [[nodiscard]] double position_mm(Axis axis) const;
   [[nodiscard]] bool present(Axis axis) const;
@@ -132,6 +134,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult begin_on_axis(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult begin_staging(bool copy_active);
   [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] protocol::CommandResult commit_refused(std::uint32_t length, std::uint32_t crc);
+  void take_over(const Commit& commit);
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
   [[nodiscard]] protocol::CommandResult user_software_step();
@@ -157,7 +161,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   Drives drives_{};
   std::uint64_t ticks_ = 0;
   double uptime_s_ = 0.0;
-  double silent_s_ = 0.0;  ///< since the last request of the host
+  double silent_s_ = 0.0;  ///< since the last command
   std::uint32_t overruns_ = 0;
   std::uint16_t watchdog_trips_ = 0;
   std::uint32_t samples_ = 0;
@@ -171,7 +175,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   std::uint64_t user_software_since_ = 0;  ///< tick
   protocol::CommandResult result_;
 
-  std::function<void()> on_commit_;
+  std::function<bool()> on_commit_;
   double extra_us_ = 0.0;
   std::uint64_t slow_periods_ = 0;
   int late_in_a_row_ = 0;

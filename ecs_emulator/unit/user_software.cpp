@@ -147,10 +147,15 @@ struct UserSoftware::Processor {
                               void* window_) {
     const auto& window = *static_cast<Window*>(window_);
     const Address address = window.first + static_cast<Address>(offset);
-    if (!window.self->memory.writable(address, size))
+    if (!window.self->may_write(address, size))
       return window.self->trap(fmt::format("bus error: write to 0x{:06X} at PC 0x{:06X}", address, window.self->pc));
     for (unsigned i = 0; i < size; ++i)
       window.self->memory.write(address + i, static_cast<std::uint8_t>(value >> (8 * (size - 1 - i))));
+  }
+
+  [[nodiscard]] bool may_write(Address address, unsigned size) const {
+    if (!in_axis_memory(address)) return memory.writable(address, size);
+    return memory.exists(address, size) && !in_active_bank(memory, address);
   }
 
   void map_window(std::size_t number, Address first, std::uint32_t size) {

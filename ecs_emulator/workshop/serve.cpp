@@ -28,19 +28,17 @@ Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
       {options.pty.value_or(std::filesystem::path()), paced ? options.pace_baud : 115'200, paced, options.unit});
 }
 
-/// The unit on the line: it notices the host before it answers.
+/// The unit on the line.
 class Socket final : public protocol::RegisterHandler {
  public:
   explicit Socket(Unit& unit) : unit_(unit), face_(unit) {}
   tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
-    unit_.note_request();
     return face_.read(first, count);
   }
   tl::expected<void, protocol::ModbusException> write(std::uint16_t first,
                                                       std::span<const std::uint16_t> values) override {
     if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
-    unit_.note_request();
     return face_.write(first, values);
   }
   /// A unit without power does not answer, also when it loses it in the middle of a request.
@@ -68,7 +66,7 @@ class RunningWorkshop {
         workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address())} {
     simulation_.attach(&unit_);
     simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
-    unit_.on_commit([this] { keep_memory(); });
+    unit_.on_commit([this] { return keep_memory(); });
   }
   RunningWorkshop(const RunningWorkshop&) = delete;
   RunningWorkshop& operator=(const RunningWorkshop&) = delete;
@@ -142,16 +140,16 @@ class RunningWorkshop {
     }
   }
 
-  void keep_memory() {
+  /// False: the file could not be written.
+  bool keep_memory() {
     kept_ = Clock::now();
+    battery_problem_.reset();
     if (battery_.empty()) {
       unit_.memory().kept();
-      return;
+      return true;
     }
-    if (auto written = keep(unit_.memory(), battery_); !written)
-      battery_problem_ = written.error();
-    else
-      battery_problem_.reset();
+    if (auto written = keep(unit_.memory(), battery_); !written) battery_problem_ = written.error();
+    return !battery_problem_;
   }
 
   Simulation simulation_;

@@ -105,3 +105,24 @@ TEST_CASE("random records are not believed") {
 TEST_CASE("a commit to a bank that does not exist is invalid") {
   CHECK(!active_commit(written(blank(0), {1, 2, 4000, 1})));
 }
+
+TEST_CASE("a slot that is neither erased nor holds a sound commit is damaged") {
+  for (const std::uint8_t filling : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+    const Records one = written(blank(filling), kFirst);
+    CHECK(state_of_slot(one, 0) == SlotState::sound);
+    CHECK(state_of_slot(one, 1) == SlotState::blank);
+    CHECK(!damaged_slot(one));
+    for (std::size_t bit = 0; bit < 8 * kCommitSlotBytes; ++bit) {
+      Records flipped = one;
+      flipped[kCommitSlotBytes + bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+      CHECK(damaged_slot(flipped) == 1);
+    }
+    for (std::size_t bit = 0; bit < 8 * 24; ++bit) {
+      Records flipped = one;
+      flipped[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+      CHECK(damaged_slot(flipped) == 0);
+      CHECK(!active_commit(flipped));
+    }
+  }
+  CHECK(damaged_slot(blank(0x55)) == 0);
+}

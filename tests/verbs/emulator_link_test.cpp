@@ -155,15 +155,18 @@ TEST_CASE("a map that is new to the unit brings the reminder to check polarity, 
   CHECK_FALSE(reminded());
 }
 
-TEST_CASE("bytes written into the active map are written, with a warning of what that does") {
+TEST_CASE("bytes cannot be written into the active map nor beside it, a transfer writes there") {
   const EmulatorWorkspace workspace;
   REQUIRE(ran({"params", "send", workspace.params}).code == 0);
   const auto images = ran({"memory", "show", "--unit", "--json"}).json()["images"];
   const std::string active = images[0]["address"];
-  const Ran spoils = ran({"memory", "write", active, "00", "--yes"});
-  CHECK(spoils.code == 0);
-  CHECK(spoils.messages.find("block check will fail") != std::string::npos);
-  CHECK(ran({"memory", "write", "0x048000", "00", "--yes"}).messages.find("block check") == std::string::npos);
+  for (const std::string& address : {active, std::string("0x100000"), std::string("0x200000")}) {
+    const Ran refused = ran({"memory", "write", address, "00", "--yes"});
+    CHECK(refused.code == 1);
+    CHECK(refused.messages.find("use `params send`, `map send` or `memory load`") != std::string::npos);
+  }
+  CHECK(ran({"memory", "show", "--unit", "--json"}).json()["images"] == images);
+  CHECK(ran({"memory", "write", "0x048000", "00", "--yes"}).code == 0);
 }
 
 TEST_CASE("a file that may not grow is a write error, and nothing is left beside it") {

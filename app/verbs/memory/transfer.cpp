@@ -12,6 +12,7 @@
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/memory/fields.hpp"
 #include "commissioning/memory/space.hpp"
+#include "commissioning/memory/write.hpp"
 #include "commissioning/unit/map_checks.hpp"
 
 namespace ecs::app {
@@ -95,22 +96,18 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
   if (!bytes) return tl::unexpected(bytes.error());
   if (const auto fits = within_space(*address, bytes->size()); !fits) return tl::unexpected(fits.error());
   if (const auto there = memory_there(*address, bytes->size()); !there) return tl::unexpected(there.error());
+  if (const auto may = may_write(MemoryBytes::of_unit(kMostModules), *address, bytes->size()); !may)
+    return tl::unexpected(may.error());
   if (const auto sure = confirmed(
           arguments.yes, fmt::format("{} bytes from {} on are overwritten", bytes->size(), hex_address(*address)));
       !sure)
     return tl::unexpected(sure.error());
   auto unit = open_unit(context, arguments.access);
   if (!unit) return tl::unexpected(unit.error());
-  const auto status = unit->client().status();
-  if (!status) return tl::unexpected(status.error());
-  const bool spoils_map = touches_active_map(*status, *address, bytes->size());
-  if (spoils_map) context.console.warn(kSpoilsMap);
   if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(context, "memory")); !written)
     return tl::unexpected(written.error());
-  return Outcome{
-      fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
-      one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}, {"in_active_map", spoils_map}}),
-      kDone};
+  return Outcome{fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
+                 one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}}), kDone};
 }
 
 // --- dump
@@ -183,7 +180,7 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
                                {"bytes", report->bytes},
                                {"commit_sequence", report->commit_sequence},
                                {"verified", true}}),
-                 kDone};
+                 kDone, true};
 }
 
 }  // namespace

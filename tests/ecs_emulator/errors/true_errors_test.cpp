@@ -127,5 +127,8 @@ TEST_CASE("what no machine can do is refused with its line before anything moves
   CHECK(refusal("[air]\nmean_degC = -300\n").find("-40") != std::string::npos);
   CHECK(refusal("[air]\nmean_degC = 1e300\n").find("60") != std::string::npos);
   CHECK(refusal("[[contribution]]\ncomponent = \"EYZ\"\nformula = \"p\"\n").find("has no Z") != std::string::npos);
+  CHECK(refusal(head + "formula = \"d = 5\"\n").find("assignment") != std::string::npos);
+  CHECK(refusal(head + "formula = \"p += 1\"\n").find("assignment") != std::string::npos);
+  CHECK(refusal(head + "formula = \"p >= 1 && p != 2 || d == 1 ? 1 : 0\"\n") == "");
   CHECK(refusal(head + "formula = \"0.01*p + d\"\n") == "");
 }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "ecs_emulator/unit/battery_lock.hpp"
 #include "tests/support/folder.hpp"
 
 using namespace ecs;
@@ -36,4 +37,21 @@ TEST_CASE("a file that is not a battery memory, or is of another rack, is refuse
   UnitMemory larger(3);
   REQUIRE(keep(larger, folder.path / "three").has_value());
   CHECK(!restore(memory, folder.path / "three").has_value());
+}
+
+TEST_CASE("the mark of a memory in use is never written into another file") {
+  const Folder folder;
+  const auto battery = folder.path / "battery";
+  REQUIRE(write_file(folder.path / "precious", "data").has_value());
+  std::filesystem::create_symlink(folder.path / "precious", folder.path / "battery.in-use");
+  CHECK(!BatteryLock::take(battery).has_value());
+  CHECK(read_file(folder.path / "precious").value() == "data");
+  std::filesystem::remove(folder.path / "battery.in-use");
+  REQUIRE(write_file(folder.path / "battery.in-use", "notes of somebody").has_value());
+  const auto refused = BatteryLock::take(battery);
+  REQUIRE(!refused.has_value());
+  CHECK(to_text(refused.error()).find("found another file") != std::string::npos);
+  CHECK(read_file(folder.path / "battery.in-use").value() == "notes of somebody");
+  std::filesystem::remove(folder.path / "battery.in-use");
+  CHECK(BatteryLock::take(battery).has_value());
 }

@@ -80,7 +80,14 @@ const std::vector<Case> kCases{
        leave_and(b, [&] { b.unit.memory().corrupt((active_image(b.unit.memory())->first) + 600, 0x10); });
      },
      send_again},
-    {Fault::no_map, [](Bench& b) { leave_and(b, [&] { b.unit.memory().corrupt(kCommitRecords.first, 0xFF); }); },
+    {Fault::no_map,
+     [](Bench& b) {
+       leave_and(b, [&] {
+         b.unit.memory().write(kCommitRecords.first, std::array<std::uint8_t, kCommitSlots * kCommitSlotBytes>{});
+       });
+     },
+     send_again},
+    {Fault::commit_record, [](Bench& b) { leave_and(b, [&] { b.unit.memory().corrupt(kCommitRecords.first, 0xFF); }); },
      send_again},
     {Fault::map_not_for_parameters,
      [](Bench& b) {

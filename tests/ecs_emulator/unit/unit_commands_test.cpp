@@ -44,6 +44,91 @@ TEST_CASE("memory is protected region by region") {
   CHECK(std::string(eprom.begin(), eprom.end()) == "ECS UNIT FIRMWARE 1.0");
 }
 
+TEST_CASE("axis memory takes writes only beside the active map, and only while a map is staged") {
+  Bench bench;
+  const std::vector<std::uint8_t> bytes(4, 0x5A);
+  const auto image = bench.image([](Component, double, Approach) { return 1.0; });
+  for (const Address bank : {kBankA.first, kBankB.first})
+    CHECK(bench.unit.write_memory(bank, bytes) == UnitError::no_staging);
+  REQUIRE(bench.stage_and_commit(image).state == CommandState::done);  // bank A is active now
+  CHECK(bench.unit.write_memory(kBankA.first, bytes) == UnitError::address_protected);
+  CHECK(bench.unit.write_memory(kBankB.first, bytes) == UnitError::no_staging);
+  REQUIRE(bench.tell(CommandCode::begin_staging).value == kBankB.first);
+  CHECK(bench.unit.write_memory(kBankA.first + 0x200, bytes) == UnitError::address_protected);
+  CHECK(bench.unit.may_write(kBankA.first + bank_bytes(1) - 1, 1) == UnitError::address_protected);
+  CHECK(bench.unit.write_memory(kBankB.first, bytes) == UnitError::none);
+  const ByteView held = bench.unit.memory().view(kBankA.first, static_cast<std::uint32_t>(image.size()));
+  CHECK(std::equal(held.begin(), held.end(), image.begin(), image.end()));
+}
+
+TEST_CASE("the status computes the block check of the active map while nothing else has the processor's time") {
+  Bench bench;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 1.0; })).value == 1);
+  const auto sound = bench.unit.status();
+  CHECK(sound.block_check_found == sound.block_check_expected);
+  bench.unit.memory().corrupt(kBankA.first + 600, 0x10);
+  const auto spoilt = bench.unit.status();
+  CHECK(spoilt.block_check_expected == sound.block_check_expected);
+  CHECK(spoilt.block_check_found != spoilt.block_check_expected);
+}
+
+TEST_CASE("a commit that cannot be kept in the battery memory fails, and the map before stays active") {
+  Bench bench;
+  bool disk_full = false;
+  bench.unit.on_commit([&] { return !disk_full; });
+  const auto old_image = bench.image([](Component, double, Approach) { return 1.0; });
+  REQUIRE(bench.stage_and_commit(old_image).value == 1);
+  disk_full = true;
+  const auto result = bench.stage_and_commit(bench.image([](Component, double, Approach) { return 2.0; }));
+  CHECK(result.state == CommandState::failed);
+  CHECK(result.text.find("the map before stays active") != std::string::npos);
+  CHECK(result.text.size() <= protocol::kResultTextBytes);
+  CHECK(bench.unit.status().commit_sequence == 1);
+  CHECK(bench.unit.status().active_bank == protocol::Bank::A);
+  disk_full = false;
+  CHECK(bench.stage_and_commit(old_image).value == 2);
+}
+
+TEST_CASE("a damaged record of an answered commit isolates the unit and never brings the map before back") {
+  Bench bench;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 1.0; })).value == 1);
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 2.0; })).value == 2);
+  for (std::uint32_t byte = 0; byte < 24; ++byte) {
+    CAPTURE(byte);
+    const Address at = kCommitRecords.first + kCommitSlotBytes + byte;
+    bench.unit.memory().corrupt(at, 0x04);
+    bench.unit.power(false);
+    bench.unit.power(true);
+    bench.simulation.tick();
+    CHECK(bench.unit.status().fault == Fault::commit_record);
+    CHECK(bench.unit.status().fault_address == kCommitRecords.first + kCommitSlotBytes);
+    CHECK(bench.unit.status().active_bank == protocol::Bank::none);
+    CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+    CHECK(bench.unit.mode() == UnitMode::integration);
+    bench.unit.memory().corrupt(at, 0x04);
+  }
+}
+
+TEST_CASE("a damaged record beside a sound one is reported until a map is committed, and prevents nothing") {
+  Bench bench;
+  const auto image = bench.image([](Component, double, Approach) { return 1.0; });
+  REQUIRE(bench.stage_and_commit(image).value == 1);
+  bench.unit.memory().corrupt(kCommitRecords.first + kCommitSlotBytes + 5, 0x04);
+  CHECK(bench.tell(CommandCode::enter_compensation).state == CommandState::done);
+  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::done);
+  CHECK(bench.unit.fault() == Fault::commit_record);
+  REQUIRE(bench.stage_and_commit(image).value == 2);
+  CHECK(bench.unit.fault() == Fault::none);
+}
+
+TEST_CASE("a map takes the fault away that the lack of one was") {
+  Bench bench;
+  REQUIRE(bench.tell(CommandCode::enter_compensation).state == CommandState::failed);
+  REQUIRE(bench.unit.fault() == Fault::no_map);
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 1.0; })).value == 1);
+  CHECK(bench.unit.fault() == Fault::none);
+}
+
 TEST_CASE("an image that is not what was announced, or no image, is refused and the old map stays") {
   Bench bench;
   const auto image = bench.image([](Component, double, Approach) { return 1.0; });
@@ -70,10 +155,10 @@ TEST_CASE("power lost at any byte of a transfer leaves the complete old map or t
   const auto old_image = bench.image([](Component, double, Approach) { return 1.0; });
   const auto new_image = bench.image([](Component, double, Approach) { return 2.0; });
   REQUIRE(bench.stage_and_commit(old_image).state == CommandState::done);
-  const std::uint64_t all = bank_bytes(1) + new_image.size() + kCommitSlotBytes;
+  const std::uint64_t staged = bank_bytes(1) + new_image.size();
   std::vector<std::uint64_t> cuts;
-  for (std::uint64_t cut = 0; cut < all - kCommitSlotBytes; cut += 4999) cuts.push_back(cut);
-  for (std::uint64_t cut = all - kCommitSlotBytes; cut <= all; ++cut) cuts.push_back(cut);
+  for (std::uint64_t cut = 0; cut < staged; cut += 4999) cuts.push_back(cut);
+  for (std::uint64_t cut = staged; cut <= staged + kCommitSlots * kCommitSlotBytes; ++cut) cuts.push_back(cut);
   for (const std::uint64_t cut : cuts) {
     CAPTURE(cut);
     Bench other;
@@ -89,7 +174,7 @@ TEST_CASE("power lost at any byte of a transfer leaves the complete old map or t
     other.simulation.tick();
     const auto active = active_image(other.unit.memory());
     REQUIRE(active.has_value());
-    const auto& expected = cut >= all - kCommitSlotBytes + 24 ? new_image : old_image;
+    const auto& expected = cut >= staged + 24 ? new_image : old_image;
     const ByteView held = other.unit.memory().view(active->first, static_cast<std::uint32_t>(expected.size()));
     CHECK(std::equal(held.begin(), held.end(), expected.begin()));
     CHECK(other.tell(CommandCode::enter_compensation).state == CommandState::done);
@@ -130,17 +215,23 @@ TEST_CASE("the monitor shows what the host's output asks for, whatever polarity 
   CHECK(bench.unit.monitor().axes[0].compensation_um == 0.0);
 }
 
-TEST_CASE("an output with its relay closed ends when the host is silent for a minute") {
+TEST_CASE("an output with its relay closed ends when no command has come for a minute, whoever reads") {
   Bench bench;
   Command command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 40.0, .relay_on = true};
   REQUIRE(bench.tell(command).state == CommandState::done);
   REQUIRE(bench.simulation.run_for(59.0));
   CHECK(bench.unit.monitor().axes[0].relay_closed);
-  SUBCASE("a request begins the minute anew") {
-    bench.unit.note_request();
+  SUBCASE("the same command again begins the minute anew") {
+    REQUIRE(bench.tell(command).state == CommandState::done);
     REQUIRE(bench.simulation.run_for(59.0));
     CHECK(bench.unit.monitor().axes[0].output_counts == 400);
     CHECK(bench.unit.monitor().axes[0].relay_closed);
+  }
+  SUBCASE("reads do not keep it closed") {
+    REQUIRE(bench.simulation.run_for(0.5));
+    CHECK(bench.unit.status().axes[0].relay_closed);
+    REQUIRE(bench.simulation.run_for(1.0));
+    CHECK(!bench.unit.status().axes[0].relay_closed);
   }
   SUBCASE("silence opens the relays") {
     REQUIRE(bench.simulation.run_for(1.5));

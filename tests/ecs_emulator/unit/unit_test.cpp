@@ -15,10 +15,12 @@ using protocol::CommandCode;
 using protocol::CommandState;
 using protocol::UnitError;
 
-TEST_CASE("with a host on the line the unit goes into integration mode") {
+TEST_CASE("a host that asks for it at power-up brings the unit into integration mode, one that reads does not") {
   Bench bench("", small_machine(), LinkSense::automatic);
   CHECK(bench.unit.mode() == UnitMode::starting);
-  bench.unit.note_request();
+  CHECK(bench.unit.status().mode == UnitMode::starting);
+  CHECK(bench.unit.mode() == UnitMode::starting);
+  CHECK(bench.tell(CommandCode::enter_integration).state == CommandState::done);
   CHECK(bench.unit.mode() == UnitMode::integration);
   CHECK(bench.unit.fault() == Fault::none);
 }

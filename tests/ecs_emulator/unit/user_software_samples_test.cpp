@@ -68,7 +68,7 @@ TEST_CASE("a RAM test written by the user finds a stuck bit of axis memory and c
   SKIP_UNLESS(assembler_installed(), kNoAssembler);
   const Code program = assembled("ram_test");
   put(bench, kUserPrograms, program);
-  put(bench, kBankB.first + 0x100, {1, 2, 3, 4});
+  bench.unit.memory().write(kBankB.first + 0x100, std::array<std::uint8_t, 4>{1, 2, 3, 4});
   CHECK(run_program(bench, kBankB.first).value == 0);
   CHECK(long_at(bench, kBankB.first + 0x100) == 0x01020304);
   bench.unit.memory().stick(kBankB.first + 0x123, 3, 1);

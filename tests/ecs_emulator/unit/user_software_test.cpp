@@ -20,6 +20,20 @@ CommandResult run_code(const Code& code) {
 
 }  // namespace
 
+TEST_CASE("a program cannot write into the bank of the active map, it can into the other one") {
+  Bench bench;
+  REQUIRE(bench.stage_and_commit(bench.image([](Component, double, Approach) { return 1.0; })).state ==
+          CommandState::done);  // bank A
+  const auto run_in = [&](const Code& code) {
+    put(bench, kUserPrograms, code);
+    return run_program(bench, 0);
+  };
+  const auto active = run_in({0x23, 0xC0, 0x00, 0x10, 0x02, 0x00, 0x4E, 0x75});
+  CHECK(active.state == CommandState::failed);
+  CHECK(active.text.find("write to 0x100200") != std::string::npos);
+  CHECK(run_in({0x23, 0xC0, 0x00, 0x20, 0x02, 0x00, 0x4E, 0x75}).state == CommandState::done);
+}
+
 TEST_CASE("what a program must not do ends it with the reason and the place") {
   struct Wrong {
     Code code;
