@@ -14,6 +14,20 @@ namespace {
 
 const Registers kEchoOnly{0};  ///< the link fills it in
 
+/// Where a map is staged while that bank is active.
+Address inactive_bank_beside(Bank active) { return active == Bank::A ? kBankB.first : kBankA.first; }
+
+Problem wrong_bank(Address named, const UnitStatus& before) {
+  return {ProblemKind::link,
+          fmt::format("the unit names 0x{:06X} to write the map to, expected 0x{:06X}, the bank beside the active one; "
+                      "another host uses the unit, or its answers are wrong; nothing was written",
+                      named, inactive_bank_beside(before.active_bank)),
+          {},
+          0,
+          0,
+          {}};
+}
+
 }  // namespace
 
 Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options) {
@@ -30,7 +44,11 @@ Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOpt
   return client;
 }
 
-Result<Identity> UnitClient::identity() { return link_.ask(kEcho, kEchoOnly, kIdentity).and_then(identity_in); }
+Result<Identity> UnitClient::identity() {
+  auto identity = link_.ask(kEcho, kEchoOnly, kIdentity).and_then(identity_in);
+  if (identity) serial_number_ = identity->serial_number;
+  return identity;
+}
 
 Result<MonitorSample> UnitClient::monitor() { return link_.ask(kEcho, kEchoOnly, kMonitor).and_then(monitor_in); }
 
@@ -56,25 +74,23 @@ Result<void> UnitClient::stage(Address address, std::span<const std::uint8_t> im
   return {};
 }
 
-/// Takes back what was staged before any commit, even after a cancel.
-Problem UnitClient::given_up(Problem why) {
-  if (!link_.connected()) return why;
-  link_.heed_cancel(false);
-  if (const auto abandoned = abandon_staged(); !abandoned && link_.last_failure() != LinkFailure::none)
-    why.message += " (what was sent could not be abandoned; the old map is active)";
-  link_.heed_cancel(true);
-  return why;
-}
-
 Address address_of(Bank bank) { return bank == Bank::B ? kBankB.first : kBankA.first; }
 
 Result<void> UnitClient::upload_image(std::span<const std::uint8_t> image, const UploadOptions& options,
                                       const ProgressCallback& progress) {
+  if (serial_number_.empty())
+    if (const auto first = identity(); !first) return tl::unexpected(first.error());
+  const auto before = status();
+  if (!before) return tl::unexpected(before.error());
   const auto address = begin_staging(options.copy_active);
-  if (!address) return tl::unexpected(address.error());
-  if (auto staged = stage(*address, image, options, progress); !staged)
-    return tl::unexpected(given_up(std::move(staged.error())));
-  return commit_staged(static_cast<std::uint32_t>(image.size()), crc32_of(image));
+  if (!address) return tl::unexpected(given_up(address.error(), *before));
+  if (*address != inactive_bank_beside(before->active_bank))
+    return tl::unexpected(given_up(wrong_bank(*address, *before), *before));
+  if (auto staged = same_unit().and_then([&] { return stage(*address, image, options, progress); }); !staged)
+    return tl::unexpected(given_up(std::move(staged.error()), *before));
+  if (auto still = nothing_else_committed(*before); !still)
+    return tl::unexpected(given_up(std::move(still.error()), *before));
+  return commit_staged(*before, static_cast<std::uint32_t>(image.size()), crc32_of(image));
 }
 
 }  // namespace ecs::protocol

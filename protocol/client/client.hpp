@@ -63,9 +63,6 @@ class UnitClient {
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
   [[nodiscard]] Result<void> output_off();
   [[nodiscard]] Result<Address> begin_staging(bool copy_active);
-  /// If the reply does not come, the unit tells what became of the commit: done if what was committed is active by its
-  /// length and CRC (unless the flag cancels), else a problem that says which map is active, or that nobody knows.
-  [[nodiscard]] Result<void> commit_staged(std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] Result<void> abandon_staged();
   [[nodiscard]] Result<CommandResult> test_datum(Axis axis, std::chrono::milliseconds limit,
                                                  const CommandCallback& busy = {});
@@ -89,21 +86,26 @@ class UnitClient {
                                           const ProgressCallback& progress = {});
 
   /// A map: begin staging, write, check, commit. Until the commit the old map stays active and whole; after a problem
-  /// or a cancel what was staged is abandoned, as far as the link allows. From the commit on, see commit_staged().
+  /// or a cancel what was staged is abandoned, as far as the link allows. A unit that names the active bank to write
+  /// to, another unit on the link and another host's commit are found before the commit. From the commit on a cancel
+  /// waits until the unit has said which map is active; every problem names that map, or says that it is not known.
   [[nodiscard]] Result<void> upload_image(std::span<const std::uint8_t> image, const UploadOptions& options = {},
                                           const ProgressCallback& progress = {});
 
  private:
   [[nodiscard]] Result<CommandResult> result_now();
   [[nodiscard]] std::uint16_t next_sequence();
-  [[nodiscard]] Result<void> confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
   [[nodiscard]] Result<CommandResult> wait_for(const Command& command, CommandResult first,
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
   [[nodiscard]] Result<UnitStatus> status_when_idle();
   [[nodiscard]] Result<bool> holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc);
-  [[nodiscard]] Result<void> settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why);
+  [[nodiscard]] Result<void> same_unit();
+  [[nodiscard]] Result<void> commit_staged(const UnitStatus& before, std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] Result<void> confirmed(std::uint32_t commit, std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] Result<void> settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why,
+                                     bool cancelled);
   [[nodiscard]] Result<void> run_acting(const Command& command, std::chrono::milliseconds limit,
                                         std::string_view if_unanswered);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
@@ -115,9 +117,12 @@ class UnitClient {
                                           std::uint64_t received, const std::function<void(std::size_t)>& sent);
   [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
                                    const ProgressCallback& progress);
-  [[nodiscard]] Problem given_up(Problem why);
+  [[nodiscard]] Problem given_up(Problem why, const UnitStatus& before);
+  [[nodiscard]] Result<UnitStatus> abandoned();
+  [[nodiscard]] Result<void> nothing_else_committed(const UnitStatus& before);
 
   Link link_;
+  std::string serial_number_;   ///< of the unit that `identity()` found last
   std::uint16_t sequence_ = 0;  ///< 0: not yet known
   std::uint16_t window_tag_ = 0;
 };

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kShortLimit = 5s;
-constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole bank, checking and switching it
+constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole bank
 constexpr milliseconds kRamTestLimit = 10min;
 constexpr milliseconds kFirstPoll = 5ms;
 constexpr milliseconds kSlowestPoll = 200ms;
@@ -55,13 +55,6 @@ Result<CommandResult> outcome_of(const Command& command, const CommandResult& re
 
 constexpr std::string_view kOpensByItself =
     "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
-
-std::string another_is_active(const UnitStatus& now) {
-  return fmt::format(
-      "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
-      "link now; compare before compensating",
-      now.image_length_bytes, now.commit_sequence);
-}
 
 }  // namespace
 
@@ -176,73 +169,6 @@ Result<Address> UnitClient::begin_staging(bool copy_active) {
   Command command = command_of(CommandCode::begin_staging);
   command.copy_active = copy_active;
   return run(command, kStagingLimit).map([](const CommandResult& result) { return Address{result.value}; });
-}
-
-/// The status once no command is under way; a problem if one stays busy.
-Result<UnitStatus> UnitClient::status_when_idle() {
-  if (!link_.connected())
-    if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
-  const auto until = std::chrono::steady_clock::now() + kShortLimit;
-  for (auto result = result_now(); result; result = result_now()) {
-    if (result->state != CommandState::busy) return status();
-    if (std::chrono::steady_clock::now() >= until || !link_.pause(kSlowestPoll)) break;
-  }
-  return problem(ProblemKind::link, "the unit does not say what became of the commit");
-}
-
-/// Whether the active map is of that length and CRC: its sequence alone does not tell whose it is.
-Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc) {
-  if (now.active_bank == Bank::none || now.image_length_bytes != length) return false;
-  return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
-}
-
-/// A commit was given and it was not answered with `done`: the unit itself says what became of it.
-Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why) {
-  const bool cancelled = link_.cancelled();
-  link_.heed_cancel(false);
-  const auto now = status_when_idle();
-  const bool changed = now && now->commit_sequence != before.commit_sequence;
-  const auto ours = changed ? holds(*now, length, crc) : Result<bool>(false);
-  if (now && !changed) static_cast<void>(abandon_staged());
-  link_.heed_cancel(true);
-  if (!now || !ours)
-    why.message +=
-        "; the commit had been sent and its reply did not come: the unit may have taken the new map; read its status "
-        "(`ecs utility status`) before it is used";
-  else if (!changed)
-    why.message += before.active_bank == Bank::none ? "; the unit has not taken the map: it holds none, as before"
-                                                    : "; the unit has not taken the new map: the old map is active";
-  else if (!*ours)
-    why.message += "; " + another_is_active(*now);
-  else if (cancelled)
-    why.message +=
-        fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
-  else if (why.kind == ProblemKind::refused)
-    why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
-  else
-    return {};
-  return tl::unexpected(std::move(why));
-}
-
-Result<void> UnitClient::commit_staged(std::uint32_t length, std::uint32_t crc) {
-  const auto before = status();
-  if (!before) return tl::unexpected(given_up(before.error()));
-  Command command = command_of(CommandCode::commit_staged);
-  command.length = length;
-  command.crc = crc;
-  auto done = run_plain(command, kStagingLimit);
-  return done ? confirmed(*before, length, crc) : settled(*before, length, crc, std::move(done.error()));
-}
-
-/// Whether the unit at the end of the link now holds, active, what was committed: another host or another unit on the
-/// same link may have come between.
-Result<void> UnitClient::confirmed(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
-  const auto now = status_when_idle();
-  if (!now) return tl::unexpected(now.error());
-  const auto ours = now->commit_sequence != before.commit_sequence ? holds(*now, length, crc) : Result<bool>(false);
-  if (!ours) return tl::unexpected(ours.error());
-  if (*ours) return {};
-  return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
 }
 
 Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }

@@ -68,7 +68,17 @@ std::string_view exception_text(unsigned code) {
 struct Trouble {
   LinkFailure failure = LinkFailure::none;
   unsigned exception = 0;
+  bool foreign = false;  ///< with `stale`: its echo is none that this link has sent lately
 };
+
+/// Echoes count up; a reply later than so many requests is no longer on its way.
+constexpr std::uint16_t kLatestReply = 64;
+
+/// Of the reply to this request, if it is no exception.
+std::size_t reply_bytes(const Bytes& pdu) {
+  if (pdu[0] == MODBUS_FC_WRITE_MULTIPLE_REGISTERS) return 5;
+  return 2 + 2u * (static_cast<std::size_t>(pdu[3]) << 8 | pdu[4]);
+}
 
 std::uint16_t random_start() { return static_cast<std::uint16_t>(std::random_device{}()); }
 
@@ -91,6 +101,11 @@ struct Link::Connection {
   [[nodiscard]] bool cancelled() const {
     return heeds_cancel && cancel_flag != nullptr && cancel_flag->load(std::memory_order_relaxed);
   }
+  /// What is done after a cancel, so that nothing stays half done, does not try as long as what was cancelled.
+  [[nodiscard]] int tries() const {
+    const bool hurried = !heeds_cancel && cancel_flag != nullptr && cancel_flag->load(std::memory_order_relaxed);
+    return hurried ? std::min(timing.tries, 2) : timing.tries;
+  }
   [[nodiscard]] std::string name() const { return to_text(address); }
 
   [[nodiscard]] tl::expected<Bytes, Trouble> transact(const Bytes& pdu);
@@ -109,7 +124,7 @@ tl::expected<Bytes, Trouble> Link::Connection::transact(const Bytes& pdu) {
   const auto sent = modbus.send(pdu);
   if (!sent) return tl::unexpected(Trouble{sent.error(), 0});
   statistics.bytes_sent += *sent;
-  auto reply = modbus.receive(listening);
+  auto reply = modbus.receive(reply_bytes(pdu), listening);
   if (!reply) return tl::unexpected(Trouble{reply.error(), 0});
   const double round_trip_ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
   statistics.bytes_received += reply->size() + (address.is_serial() ? 3 : 7);
@@ -133,7 +148,8 @@ tl::expected<Registers, Trouble> Link::Connection::ask_once(const Block& request
   Registers registers(answer.count);
   for (std::size_t i = 0; i < registers.size(); ++i)
     registers[i] = static_cast<std::uint16_t>((*reply)[2 + 2 * i] << 8 | (*reply)[3 + 2 * i]);
-  if (registers.front() != values.front()) return tl::unexpected(Trouble{LinkFailure::stale, 0});
+  const auto requests_ago = static_cast<std::uint16_t>(values.front() - registers.front());
+  if (requests_ago != 0) return tl::unexpected(Trouble{LinkFailure::stale, 0, requests_ago > kLatestReply});
   late_replies_possible = false;
   return registers;
 }
@@ -141,7 +157,8 @@ tl::expected<Registers, Trouble> Link::Connection::ask_once(const Block& request
 void Link::Connection::count(const Trouble& trouble) {
   if (trouble.failure == LinkFailure::no_answer) ++statistics.timeouts;
   if (trouble.failure == LinkFailure::garbled) ++statistics.crc_errors;
-  if (trouble.failure == LinkFailure::stale) ++statistics.stale_replies;
+  if (trouble.failure == LinkFailure::stale)
+    ++(trouble.foreign ? statistics.foreign_replies : statistics.stale_replies);
   if (trouble.failure == LinkFailure::exception) ++statistics.exceptions;
 }
 
@@ -169,9 +186,18 @@ tl::unexpected<Problem> Link::Connection::fail(const Trouble& trouble, int tries
       return say(fmt::format("no answer within {} ms ({} {}); check {}", wait_ms, tries, tries == 1 ? "try" : "tries",
                              what_to_check));
     case LinkFailure::garbled:
+      if (!address.is_serial())
+        return say(
+            fmt::format("replies that are no answers of a unit ({} {}); check the port: does a unit listen there?",
+                        tries, tries == 1 ? "try" : "tries"));
       return say(fmt::format("garbled replies, bad CRC ({} {}); check cable, baud rate, parity and grounding", tries,
                              tries == 1 ? "try" : "tries"));
     case LinkFailure::stale:
+      if (trouble.foreign)
+        return say(
+            fmt::format("only answers to another host's requests ({} tries); end the other program, or take it "
+                        "off the link",
+                        tries));
       return say(fmt::format(
           "only late replies to earlier requests ({} tries); the unit is too slow or two hosts use one link", tries));
     case LinkFailure::exception:
@@ -206,7 +232,8 @@ Result<Registers> Link::ask(const Block& request, Registers values, const Block&
   auto& connection = *connection_;
   ++connection.statistics.requests;
   Trouble trouble;
-  for (int tried = 1; tried <= connection.timing.tries; ++tried) {
+  const int tries = connection.tries();
+  for (int tried = 1; tried <= tries; ++tried) {
     if (tried > 1) ++connection.statistics.retries;
     values.front() = ++connection.echo;
     auto reply = connection.ask_once(request, values, answer);
@@ -219,7 +246,7 @@ Result<Registers> Link::ask(const Block& request, Registers values, const Block&
                                trouble.failure == LinkFailure::stale;
     if (!worth_another) return connection.fail(trouble, tried);
   }
-  return connection.fail(trouble, connection.timing.tries);
+  return connection.fail(trouble, tries);
 }
 
 Result<void> Link::write_once(std::uint16_t first, std::span<const std::uint16_t> values) {

@@ -23,8 +23,9 @@ struct LinkStatistics {
   std::uint64_t requests = 0;  ///< transactions asked for
   std::uint64_t retries = 0;
   std::uint64_t timeouts = 0;
-  std::uint64_t crc_errors = 0;  ///< replies with a bad CRC, cut or mixed with garbage
-  std::uint64_t stale_replies = 0;
+  std::uint64_t crc_errors = 0;       ///< replies with a bad CRC, cut or mixed with garbage
+  std::uint64_t stale_replies = 0;    ///< to earlier requests of this link
+  std::uint64_t foreign_replies = 0;  ///< to requests that this link never made: another host's
   std::uint64_t exceptions = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;

@@ -19,6 +19,8 @@ namespace ecs::protocol {
 namespace {
 
 constexpr auto kCancelSlice = std::chrono::milliseconds(50);
+constexpr auto kShortestNap = std::chrono::microseconds(100);
+constexpr int kPatience = 3;  ///< times as long as a reply takes, for one whose bytes keep coming
 
 struct Parts {
   std::uint32_t s = 0;
@@ -134,9 +136,35 @@ ModbusLink::Wait ModbusLink::wait_readable(Clock::time_point until, const std::f
   }
 }
 
-tl::expected<ModbusLink::Bytes, LinkFailure> ModbusLink::receive(const std::function<bool()>& cancelled) {
+/// Until so many bytes have come, or none within the byte time-out. The library's own wait for them cannot be
+/// cancelled, and lasts as long as somebody drips bytes.
+ModbusLink::Wait ModbusLink::wait_whole(std::size_t bytes, const std::function<bool()>& cancelled) const {
+  const auto give_up = Clock::now() + kPatience * (static_cast<int>(bytes) * timing_.byte_time + timing_.byte_timeout);
+  std::size_t come = 0;
+  for (auto grown = Clock::now(); Clock::now() - grown < timing_.byte_timeout;) {
+    if (cancelled()) return Wait::cancelled;
+    int unread = 0;
+    if (::ioctl(modbus_get_socket(context_), FIONREAD, &unread) != 0) return Wait::lost;
+    const auto now = static_cast<std::size_t>(std::max(0, unread));
+    if (now >= bytes) return Wait::ready;
+    if (Clock::now() > give_up) return Wait::over;
+    if (now > come) grown = Clock::now();
+    come = now;
+    std::this_thread::sleep_for(
+        std::clamp<std::chrono::nanoseconds>((bytes - come) * timing_.byte_time, kShortestNap, kCancelSlice));
+  }
+  return Wait::ready;
+}
+
+tl::expected<ModbusLink::Bytes, LinkFailure> ModbusLink::receive(std::size_t bytes,
+                                                                 const std::function<bool()>& cancelled) {
   if (!connected()) return tl::unexpected(LinkFailure::disconnected);
-  switch (wait_readable(Clock::now() + timing_.response_timeout, cancelled)) {
+  auto wait = wait_readable(Clock::now() + timing_.response_timeout, cancelled);
+  if (wait == Wait::ready) {
+    wait = wait_whole(bytes + (address_.is_serial() ? 3 : 7), cancelled);
+    if (wait == Wait::over) return tl::unexpected(LinkFailure::garbled);
+  }
+  switch (wait) {
     case Wait::over:
       return tl::unexpected(LinkFailure::no_answer);
     case Wait::cancelled:
@@ -165,7 +193,7 @@ tl::expected<ModbusLink::Bytes, LinkFailure> ModbusLink::receive(const std::func
 }
 
 bool ModbusLink::stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled) {
-  constexpr int kMostExtensions = 4;
+  constexpr int kMostExtensions = 2;
   const auto give_up = Clock::now() + kMostExtensions * span;
   auto until = Clock::now() + span;
   while (connected()) {

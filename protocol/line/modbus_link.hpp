@@ -39,15 +39,17 @@ class ModbusLink {
   [[nodiscard]] tl::expected<std::size_t, LinkFailure> send(std::span<const std::uint8_t> pdu);
 
   /// The reply to what was sent, without unit number and check, or no_answer, garbled, disconnected, cancelled.
-  [[nodiscard]] tl::expected<Bytes, LinkFailure> receive(const std::function<bool()>& cancelled);
+  /// @param bytes  of a reply that is no exception, in the same form
+  [[nodiscard]] tl::expected<Bytes, LinkFailure> receive(std::size_t bytes, const std::function<bool()>& cancelled);
 
-  /// Listens until nothing has come for `span` (at most four times as long), then drops what came.
+  /// Listens until nothing has come for `span` (at most twice as long), then drops what came.
   /// False: cancelled or disconnected.
   bool stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled);
 
  private:
   enum class Wait { ready, over, lost, cancelled };
   [[nodiscard]] Wait wait_readable(Clock::time_point until, const std::function<bool()>& cancelled) const;
+  [[nodiscard]] Wait wait_whole(std::size_t bytes, const std::function<bool()>& cancelled) const;
   [[nodiscard]] tl::expected<void, PortProblem> connect_serial(const SerialPort& port);
   [[nodiscard]] tl::expected<void, PortProblem> connect_tcp(const TcpPeer& peer);
   [[nodiscard]] bool prepare();

@@ -37,6 +37,10 @@ class UnitModel : public UnitPort {
   bool takes_commits = true;        ///< false: a commit fails
   bool spoils_commits = false;      ///< another host changes the map as soon as it is active
   int replies_to_lose = 0;          ///< carried out, but not answered
+  int replies_left = -1;            ///< after so many the unit is silent; -1: never
+  bool names_active_bank = false;   ///< as the one to write
+  std::function<void()> after_commit;
+  int foreign_echo = -1;  ///< the next monitor block carries it, as if another host had asked
 
   Identity identity() override {
     return {kProtocolVersion, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
@@ -92,7 +96,7 @@ class UnitModel : public UnitPort {
         return done();
       case CommandCode::begin_staging:
         staging = true;
-        return done(address_of_spare());
+        return done(names_active_bank ? address_of_active() : address_of_spare());
       case CommandCode::abandon_staged:
         if (!staging) return refused(UnitError::no_staging);
         staging = false;
@@ -129,6 +133,7 @@ class UnitModel : public UnitPort {
  private:
   static CommandResult done(std::uint32_t value = 0) { return {0, CommandState::done, UnitError::none, 0, value, {}}; }
   static CommandResult refused(UnitError error) { return {0, CommandState::refused, error, 0, 0, {}}; }
+  [[nodiscard]] Address address_of_active() const { return active == Bank::B ? kBankB.first : kBankA.first; }
   [[nodiscard]] Address address_of_spare() const { return active == Bank::A ? kBankB.first : kBankA.first; }
   std::vector<std::uint8_t>* bank_at(Address address, std::size_t bytes) {
     auto& bank = address >= kBankB.first ? bank_b : bank_a;
@@ -151,7 +156,8 @@ class UnitModel : public UnitPort {
     active = active == Bank::A ? Bank::B : Bank::A;
     image_length = command.length;
     if (spoils_commits) spare.front() ^= 0xFF;
-    return done();
+    if (after_commit) after_commit();
+    return done(commits);
   }
 };
 
@@ -159,7 +165,18 @@ class UnitModel : public UnitPort {
 class LosingServer : public RegisterServer {
  public:
   explicit LosingServer(UnitModel& model) : RegisterServer(model), model_(&model) {}
-  [[nodiscard]] bool silent() const override { return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0; }
+  [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override {
+    auto block = RegisterServer::read(first, count);
+    if (block && first == kMonitor.first && model_->foreign_echo >= 0) {
+      block->front() = static_cast<std::uint16_t>(block->front() + std::exchange(model_->foreign_echo, -1));
+    }
+    return block;
+  }
+  [[nodiscard]] bool silent() const override {
+    if (model_->replies_left == 0) return true;
+    if (model_->replies_left > 0) --model_->replies_left;
+    return model_->replies_to_lose > 0 && model_->replies_to_lose-- > 0;
+  }
 
  private:
   UnitModel* model_;

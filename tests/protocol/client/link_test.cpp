@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -295,4 +297,101 @@ TEST_CASE("the server makes its symbolic link, replaces a stale one and removes 
     CHECK(std::filesystem::is_character_file(path));
   }
   CHECK_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
+}
+
+TEST_CASE("idle connections make room for a host, hosts at work do not") {
+  auto shop = Workshop::on_tcp();
+  std::vector<UnitClient> idle;
+  for (int k = 0; k < 8; ++k) idle.push_back(shop.client());
+  for (UnitClient& host : idle) REQUIRE(host.monitor().has_value());
+  std::this_thread::sleep_for(200ms);
+  REQUIRE(idle.front().monitor().has_value());
+  auto newcomer = shop.client();
+  CHECK(newcomer.monitor().has_value());
+  CHECK(idle.front().monitor().has_value());
+  CHECK_FALSE(idle[1].monitor().has_value());  // idle for longest
+}
+
+TEST_CASE("a symbolic link that a killed server left leads nowhere, whatever terminal has its name now") {
+  const auto path = std::filesystem::temp_directory_path() / ("ecs-left-" + std::to_string(::getpid()));
+  std::filesystem::path target;
+  {
+    auto server = ModbusServer::on_pty({path, 9600, false, 1}).value();
+    target = std::filesystem::read_symlink(path);
+    CHECK(std::filesystem::canonical(path).string().starts_with("/dev/pts/"));
+  }
+  std::filesystem::create_symlink(target, path);
+  auto other = ModbusServer::on_pty({{}, 9600, false, 1}).value();  // may have the name of the one that is gone
+  const bool leads_nowhere = !std::filesystem::exists(path) || !std::filesystem::is_character_file(path);
+  const bool leads_to_another =
+      !leads_nowhere && std::filesystem::canonical(path) == std::get<SerialPort>(other.address().endpoint).device;
+  CHECK_FALSE(leads_to_another);
+  std::filesystem::remove(path);
+}
+
+namespace {
+
+/// A peer that answers every request with bytes of no end, one every few milliseconds.
+class Dripping {
+ public:
+  Dripping() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof place;
+    auto* const general = reinterpret_cast<sockaddr*>(&place);
+    REQUIRE(::bind(listener_, general, size) == 0);
+    REQUIRE(::listen(listener_, 1) == 0);
+    REQUIRE(::getsockname(listener_, general, &size) == 0);
+    port = ntohs(place.sin_port);
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      const int peer = ::accept(listener_, nullptr, nullptr);
+      const char head[] = {0, 1, 0, 0, 0, 120, 1, 23, 116};
+      for (std::size_t k = 0; !stop.stop_requested(); ++k) {
+        const char byte = k < sizeof head ? head[k] : 'x';
+        if (::send(peer, &byte, 1, MSG_NOSIGNAL) < 0) break;
+        std::this_thread::sleep_for(20ms);
+      }
+      ::close(peer);
+    });
+  }
+  Dripping(const Dripping&) = delete;
+  Dripping& operator=(const Dripping&) = delete;
+  ~Dripping() {
+    thread_.request_stop();
+    ::shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    ::close(listener_);
+  }
+  std::uint16_t port = 0;
+
+ private:
+  int listener_;
+  std::jthread thread_;
+};
+
+}  // namespace
+
+TEST_CASE("a cancel takes effect at once behind a peer that drips bytes") {
+  Dripping peer;
+  std::atomic<bool> cancelled{false};
+  UnitClient unit(Link::open({TcpPeer{"127.0.0.1", peer.port}, 1}, {&cancelled, std::nullopt}).value());
+  std::jthread later([&] {
+    std::this_thread::sleep_for(300ms);
+    cancelled = true;
+  });
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK_FALSE(unit.upload_image(noise_image(1000)).has_value());
+  CHECK(std::chrono::steady_clock::now() - begun < 3s);
+}
+
+TEST_CASE("answers to another host's requests are told from late ones") {
+  auto shop = Workshop::on_pty();
+  auto unit = shop.client();
+  REQUIRE(unit.monitor().has_value());
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.foreign_echo = 5000; });
+  const auto sample = unit.monitor();
+  CHECK(sample.has_value());
+  CHECK(unit.link().statistics().foreign_replies == 1);
+  CHECK(unit.link().statistics().stale_replies == 0);
 }

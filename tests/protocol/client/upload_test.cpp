@@ -336,3 +336,89 @@ TEST_CASE("a command that acts on the machine and is not answered may have been 
   CHECK(off.error().message.find("a relay that was closed still is") != std::string::npos);
   CHECK(off.error().message.find("60 s") != std::string::npos);
 }
+
+namespace {
+
+/// What becomes of an upload when `then` happens as soon as some of it has travelled.
+Result<void> sent_while(Workshop& shop, const std::function<void(UnitModel&)>& then) {
+  auto unit = shop.client();
+  bool happened = false;
+  return unit.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+    if (happened || progress.bytes_done < 5'000) return;
+    happened = true;
+    shop.in_server([&](ModbusServer&, UnitModel& model) { then(model); });
+  });
+}
+
+bool says(const Result<void>& sent, std::string_view words) {
+  return !sent && sent.error().message.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a unit that names the bank of its active map to be written is not written to") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.names_active_bank = true; });
+  const auto sent = shop.client().upload_image(noise_image(20'000));
+  CHECK(says(sent, "the bank beside the active one"));
+  CHECK(says(sent, "old map is active"));
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("a map that another host commits meanwhile stays active, and the message names it") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  const auto sent = sent_while(shop, [](UnitModel& model) {
+    model.commits = 7;
+    model.active = Bank::B;
+  });
+  CHECK(says(sent, "another host"));
+  CHECK(says(sent, "commit 7"));
+  CHECK(!says(sent, "old map is active"));
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 7);
+}
+
+TEST_CASE("a map is not committed in another unit that the cable has been moved to") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  const auto sent = sent_while(shop, [](UnitModel& model) { model.serial_number = "ECS-0043"; });
+  CHECK(says(sent, "unit ECS-0043 answers on this link now, unit ECS-0042 did before"));
+  CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 0);
+  CHECK(active_image(shop) == kOldImage);
+}
+
+TEST_CASE("whatever ends an upload before its commit, the message names the old map as the active one") {
+  for (const bool had_map : {true, false}) {
+    auto shop = Workshop::on_tcp();
+    if (had_map) install_old(shop);
+    const auto sent = sent_while(shop, [](UnitModel& model) { model.bank_b[100] ^= model.bank_a[100] ^= 1; });
+    CHECK(says(sent, had_map ? "old map is active" : "holds none, as before"));
+  }
+}
+
+TEST_CASE("a line that dies after the commit was answered leaves no doubt that the new map is active") {
+  for (const int answered : {1, 2, 3, 4, 5}) {
+    CAPTURE(answered);
+    auto shop = Workshop::on_pty();
+    install_old(shop);
+    auto options = shop.options();
+    options.timing->tries = 1;
+    UnitClient unit(Link::open(shop.address(), options).value());
+    shop.in_server(
+        [=](ModbusServer&, UnitModel& model) { model.on_commit = [=, &model] { model.replies_left = answered; }; });
+    const auto sent = unit.upload_image(noise_image(4000));
+    CHECK(says(sent, "it is active (commit 1)"));
+  }
+}
+
+TEST_CASE("a cancel after the commit was answered does not hide that the map is active and verified") {
+  std::atomic<bool> cancelled{false};
+  auto shop = Workshop::on_pty();
+  install_old(shop);
+  auto unit = shop.client(&cancelled);
+  shop.in_server([&](ModbusServer&, UnitModel& model) { model.after_commit = [&cancelled] { cancelled = true; }; });
+  const auto sent = unit.upload_image(noise_image(4000));
+  const bool told = sent.has_value() || says(sent, "it is active (commit 1)");
+  CHECK(told);
+}

@@ -1,0 +1,159 @@
+// The commit of a map: given once, and afterwards the unit itself says which map is active.
+#include <fmt/format.h>
+
+#include "protocol/client/client.hpp"
+
+namespace ecs::protocol {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::milliseconds kCommitLimit = 60s;  ///< checking and switching a whole bank
+constexpr std::chrono::milliseconds kIdleLimit = 5s;
+constexpr std::chrono::milliseconds kIdlePoll = 200ms;
+constexpr std::string_view kHowToFindOut =
+    "`ecs map verify` compares the unit with a map, `ecs utility status` names the commit";
+
+std::string another_is_active(const UnitStatus& now) {
+  return fmt::format(
+      "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
+      "link now; compare before compensating",
+      now.image_length_bytes, now.commit_sequence);
+}
+
+std::string not_taken(const UnitStatus& before) {
+  if (before.active_bank == Bank::none) return "; the unit has not taken the map: it holds none, as before";
+  return fmt::format("; the unit has not taken the new map: the old map is active (commit {})", before.commit_sequence);
+}
+
+std::string unknown_after(const UnitStatus& before) {
+  return fmt::format(
+      "; the commit had been sent and its reply did not come: it is not known which map is active, the unit may have "
+      "taken the new map (commit {} was active before); {}",
+      before.commit_sequence, kHowToFindOut);
+}
+
+}  // namespace
+
+/// The status once no command is under way; a problem if one stays busy.
+Result<UnitStatus> UnitClient::status_when_idle() {
+  if (!link_.connected())
+    if (const auto again = link_.reconnect(); !again) return tl::unexpected(again.error());
+  const auto until = std::chrono::steady_clock::now() + kIdleLimit;
+  for (;;) {
+    const auto result = result_now();
+    if (!result) return tl::unexpected(result.error());
+    if (result->state != CommandState::busy) return status();
+    if (std::chrono::steady_clock::now() >= until || !link_.pause(kIdlePoll))
+      return problem(ProblemKind::link, "another command of the unit does not end");
+  }
+}
+
+/// Whether the active map is of that length and CRC: its sequence alone does not tell whose it is.
+Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc) {
+  if (now.active_bank == Bank::none || now.image_length_bytes != length) return false;
+  return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
+}
+
+/// The unit that `identity()` found last still answers.
+Result<void> UnitClient::same_unit() {
+  const std::string expected = serial_number_;
+  const auto now = identity();
+  if (!now) return tl::unexpected(now.error());
+  if (now->serial_number == expected) return {};
+  serial_number_ = expected;
+  return problem(ProblemKind::link,
+                 fmt::format("unit {} answers on this link now, unit {} did before", now->serial_number, expected));
+}
+
+/// A commit was given and it was not answered with `done`: the unit itself says what became of it.
+Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why,
+                                 bool cancelled) {
+  const auto now = status_when_idle();
+  const auto same = now ? same_unit() : Result<void>();
+  const bool changed = now && now->commit_sequence != before.commit_sequence;
+  const auto ours = changed ? holds(*now, length, crc) : Result<bool>(false);
+  if (now && same && !changed) static_cast<void>(abandon_staged());
+  if (!now || !same || !ours)
+    why.message += (same ? std::string() : "; " + same.error().message) + unknown_after(before);
+  else if (!changed)
+    why.message += not_taken(before);
+  else if (!*ours)
+    why.message += "; " + another_is_active(*now);
+  else if (cancelled)
+    why.message +=
+        fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
+  else if (why.kind == ProblemKind::refused)
+    why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
+  else
+    return {};
+  return tl::unexpected(std::move(why));
+}
+
+/// The unit has answered that what was committed is active. Whether it still is, at the end of this link: another host
+/// or another unit may have come between.
+Result<void> UnitClient::confirmed(std::uint32_t commit, std::uint32_t length, std::uint32_t crc) {
+  const auto in_doubt = [&](const Problem& why) {
+    return problem(ProblemKind::link,
+                   fmt::format("the unit has taken the new map, it is active (commit {}); it could not be looked at "
+                               "afterwards: {}; {}",
+                               commit, why.message, kHowToFindOut));
+  };
+  const auto now = status_when_idle();
+  if (!now) return in_doubt(now.error());
+  if (const auto same = same_unit(); !same) return in_doubt(same.error());
+  const auto ours = now->commit_sequence == commit ? holds(*now, length, crc) : Result<bool>(false);
+  if (!ours) return in_doubt(ours.error());
+  if (*ours) return {};
+  return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
+}
+
+/// This unit and its active map are those of the beginning of the transfer.
+Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
+  if (const auto same = same_unit(); !same) return same;
+  const auto now = status();
+  if (!now) return tl::unexpected(now.error());
+  if (now->commit_sequence == before.commit_sequence && now->active_bank == before.active_bank) return {};
+  return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
+}
+
+/// Takes back what was staged before any commit, even after a cancel, and says which map is active.
+Problem UnitClient::given_up(Problem why, const UnitStatus& before) {
+  link_.heed_cancel(false);
+  const auto same = link_.connected() ? same_unit() : problem(ProblemKind::link, "");
+  const auto now = same ? abandoned() : tl::unexpected(same.error());
+  link_.heed_cancel(true);
+  if (!now)
+    why.message +=
+        "; nothing was committed, but what was sent could not be abandoned; the old map is active unless "
+        "another host has sent one";
+  else if (now->commit_sequence != before.commit_sequence)
+    why.message += "; " + another_is_active(*now);
+  else
+    why.message += not_taken(before);
+  return why;
+}
+
+/// What is staged is dropped: the status afterwards.
+Result<UnitStatus> UnitClient::abandoned() {
+  const auto done = abandon_staged();
+  if (!done && link_.last_failure() != LinkFailure::none) return tl::unexpected(done.error());
+  return status();
+}
+
+Result<void> UnitClient::commit_staged(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
+  Command command;
+  command.code = CommandCode::commit_staged;
+  command.length = length;
+  command.crc = crc;
+  auto done = run(command, kCommitLimit);
+  const bool cancelled = link_.cancelled();
+  link_.heed_cancel(false);  // what follows is short and says which map is active
+  auto ending =
+      done ? confirmed(done->value, length, crc) : settled(before, length, crc, std::move(done.error()), cancelled);
+  link_.heed_cancel(true);
+  return ending;
+}
+
+}  // namespace ecs::protocol
