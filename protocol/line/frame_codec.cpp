@@ -190,16 +190,15 @@ std::vector<std::uint8_t> FrameCodec::answer(std::span<const std::uint8_t> frame
     if (library_->framing == Framing::rtu) return {};
     return refuse(ModbusException::no_such_unit);
   }
-  const bool broadcast = library_->framing == Framing::rtu && frame[0] == MODBUS_BROADCAST_ADDRESS;
-  if (!library_knows(query[library_->pdu_at()]))
-    return broadcast ? std::vector<std::uint8_t>{} : refuse(ModbusException::illegal_function);
+  const bool broadcast = frame[library_->pdu_at() - 1] == MODBUS_BROADCAST_ADDRESS && library_->framing == Framing::rtu;
+  if (broadcast) return {};  // what is for everybody acts on nobody
+  if (!library_knows(query[library_->pdu_at()])) return refuse(ModbusException::illegal_function);
   if (::send(library_->sockets[1], frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return {};
   const int length = modbus_receive(library_->context, query.data());
   Adu rest{};
   while (::recv(library_->sockets[0], rest.data(), rest.size(), MSG_DONTWAIT) > 0) continue;
   if (length <= 0) return {};
   const auto exception = library_->serve(query, handler);
-  if (broadcast) return {};
   if (exception) return refuse(*exception);
   modbus_reply(library_->context, query.data(), length, library_->mapping);
   return library_->drained();

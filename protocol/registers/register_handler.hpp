@@ -26,7 +26,7 @@ class RegisterHandler {
   virtual ~RegisterHandler() = default;
   /// `count` registers from `first` on, or the exception to answer with.
   [[nodiscard]] virtual tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) = 0;
-  /// All of the values or none.
+  /// All of the values or none. Never called for a broadcast.
   [[nodiscard]] virtual tl::expected<void, ModbusException> write(std::uint16_t first,
                                                                   std::span<const std::uint16_t> values) = 0;
   /// The device has no power: what it was asked last gets no reply.

@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "the unit does not know this command; its firmware may be older than this program",
     "nothing is staged; begin staging first",
     "the unit's memory does not hold what was announced; send it again",
-    "the unit refuses the image",
+    "not a map for this unit",
     "another command is under way; stop it, or wait for its end",
     "the unit has no such axis",
     "the axis is not referenced yet; give it a position or run its datum sequence",

@@ -20,6 +20,11 @@ void MemoryWindow::open(const WindowOpen& window) {
     error_ = unit_->may_write(window.address, window.length);
 }
 
+void MemoryWindow::close() {
+  received_ = 0;
+  error_ = UnitError::no_staging;
+}
+
 bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
   if (error_ != UnitError::none || registers.size() < kBlockHeaderRegisters) return false;
   const std::uint16_t tag = registers[0];

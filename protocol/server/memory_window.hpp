@@ -20,6 +20,9 @@ class MemoryWindow {
   /// window closed with the reason in ack().error.
   void open(const WindowOpen& window);
 
+  /// Nothing more is taken until a window is opened anew; acknowledged as `no_staging`.
+  void close();
+
   /// One block: tag, number, check, payload. False: not taken.
   [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
 

@@ -74,7 +74,7 @@ class PtyLink : public ServerLink {
   }
   ~PtyLink() override {
     std::error_code ignored;
-    if (link_made_ && std::filesystem::read_symlink(options_.link_path, ignored) == slave_)
+    if (link_made_ && std::filesystem::read_symlink(options_.link_path, ignored) == link_target())
       std::filesystem::remove(options_.link_path, ignored);
   }
 
@@ -87,7 +87,7 @@ class PtyLink : public ServerLink {
       if (const auto target = living_target(options_.link_path, slave_)) return in_use(options_.link_path, *target);
       std::filesystem::remove(options_.link_path, error);
     }
-    std::filesystem::create_symlink(slave_, options_.link_path, error);
+    std::filesystem::create_symlink(link_target(), options_.link_path, error);
     if (error)
       return problem(ProblemKind::output,
                      fmt::format("cannot make the link {}: {}", options_.link_path.string(), error.message()));
@@ -153,6 +153,10 @@ class PtyLink : public ServerLink {
     while (const auto bytes = channel_.take_due(Clock::now()))
       if (::write(master_.get(), bytes->data(), bytes->size()) < 0) return;
   }
+
+  /// The descriptor of this process that leads to the slave side, and not the slave's own name, which another program's
+  /// terminal may have once this process has ended: the link then leads nowhere.
+  [[nodiscard]] std::string link_target() const { return fmt::format("/proc/{}/fd/{}", ::getpid(), keeper_.get()); }
 
   static constexpr std::size_t kMostHeard = 4096;
   PtyOptions options_;

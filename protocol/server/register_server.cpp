@@ -29,6 +29,12 @@ std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
   return std::nullopt;
 }
 
+/// After these a window that was opened before writes into another bank, or into none.
+bool changes_staging(CommandCode code) {
+  return code == CommandCode::begin_staging || code == CommandCode::commit_staged ||
+         code == CommandCode::abandon_staged;
+}
+
 }  // namespace
 
 tl::expected<Registers, ModbusException> RegisterServer::read(std::uint16_t first, std::uint16_t count) {
@@ -83,8 +89,7 @@ tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, s
   if (!block) return tl::unexpected(ModbusException::illegal_address);
   std::copy(values.begin(), values.end(), requests_.begin() + first);
   if (first == block->first) echo_ = values.front();
-  const bool key_written = block->count > 1 && first <= block->first + 1 && first + values.size() > block->first + 1u;
-  if (key_written) act_on(*block);
+  if (block->count > 1 && first == block->first && values.size() == block->count) act_on(*block);
   return {};
 }
 
@@ -94,7 +99,8 @@ void RegisterServer::act_on(const Block& block) {
     if (const auto window = window_open_in(whole)) window_.open(*window);
   } else if (block == kCommand) {
     const std::uint16_t sequence = whole[1];
-    if (sequence == 0 || sequence == result_.sequence) return;
+    if (sequence == 0 || std::find(sequences_.begin(), sequences_.end(), sequence) != sequences_.end()) return;
+    sequences_[next_sequence_++ % sequences_.size()] = sequence;
     if (const auto command = command_in(whole))
       take_command(*command);
     else
@@ -114,6 +120,7 @@ void RegisterServer::take_command(const Command& command) {
   } else if (port_busy_ && command.code != CommandCode::stop) {
     result_ = {command.sequence, CommandState::refused, UnitError::busy, 0, 0, {}};
   } else {
+    if (changes_staging(command.code)) window_.close();
     result_ = unit_->begin(command);
     result_.sequence = command.sequence;
     port_busy_ = result_.state == CommandState::busy;

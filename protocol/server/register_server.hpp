@@ -2,6 +2,7 @@
 // Does not live here: the link (server.hpp), the order of the fields (protocol/registers/unit_registers.hpp).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -32,6 +33,9 @@ class UnitPort {
   [[nodiscard]] virtual CommandResult progress() = 0;
 };
 
+/// Commands whose late repeat does nothing.
+inline constexpr std::size_t kRemembered = 32;
+
 class RegisterServer : public RegisterHandler {
  public:
   explicit RegisterServer(UnitPort& unit) : unit_(&unit), window_(unit) {}
@@ -53,6 +57,8 @@ class RegisterServer : public RegisterHandler {
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written
   CommandResult result_;
+  std::array<std::uint16_t, kRemembered> sequences_{};  ///< of the commands taken last, so that none is taken twice
+  std::size_t next_sequence_ = 0;
   bool port_busy_ = false;           ///< the unit works on a command …
   std::uint16_t busy_sequence_ = 0;  ///< … of this number
 };

@@ -17,10 +17,13 @@ namespace ecs::protocol {
 
 namespace {
 
+constexpr std::chrono::milliseconds kIdle{100};  ///< a host at work asks more often
+
 struct Connection {
   Descriptor socket;
   std::vector<std::uint8_t> heard;
   ReplyChannel channel;
+  std::chrono::steady_clock::time_point asked;  ///< when it was made, or asked last
   bool ended = false;
 };
 
@@ -54,15 +57,23 @@ class TcpLink : public ServerLink {
   }
 
  private:
-  /// Beyond the most connections a newcomer is closed at once: those that are served are not disturbed.
+  /// Beyond the most connections the one that has asked nothing for longest gives way; where all have asked within
+  /// kIdle, the newcomer is closed.
   void take_newcomers() {
     while (true) {
       Descriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
       if (!socket) return;
       const int on = 1;
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      if (connections_.size() < options_.most_connections) connections_.push_back({std::move(socket), {}, {}, false});
+      if (connections_.size() >= options_.most_connections) drop_idle();
+      if (connections_.size() < options_.most_connections)
+        connections_.push_back({std::move(socket), {}, {}, Clock::now(), false});
     }
+  }
+  void drop_idle() {
+    const auto idle = std::min_element(connections_.begin(), connections_.end(),
+                                       [](const Connection& a, const Connection& b) { return a.asked < b.asked; });
+    if (idle != connections_.end() && Clock::now() - idle->asked > kIdle) connections_.erase(idle);
   }
 
   static void listen(Connection& connection) {
@@ -79,6 +90,7 @@ class TcpLink : public ServerLink {
       connection.ended = cut.broken;
       if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
       carry_out(std::span(connection.heard).first(cut.length), handler, connection.channel, Clock::now(), {});
+      connection.asked = Clock::now();
       connection.heard.erase(connection.heard.begin(),
                              connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
       ++answered;

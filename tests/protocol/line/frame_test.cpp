@@ -10,6 +10,7 @@
 #include "protocol/line/frame_codec.hpp"
 #include "protocol/line/frame_cut.hpp"
 #include "protocol/registers/frame_check.hpp"
+#include "protocol/registers/unit_registers.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -133,4 +134,36 @@ TEST_CASE("the length of a request is known as soon as its header is") {
   CHECK(tcp_request_length(Bytes{0, 1, 0, 0, 0, 6}).length == 12);
   CHECK(tcp_request_length(Bytes{0, 1, 0, 9, 0, 6}).broken);
   CHECK(tcp_request_length(Bytes{0, 1, 0, 0, 9, 6}).broken);
+}
+
+TEST_CASE("a broadcast acts on nothing and gets no reply") {
+  UnitModel model;
+  RegisterServer server(model);
+  auto codec = FrameCodec::make(Framing::rtu, 1).value();
+  Command command;
+  command.sequence = 7;
+  command.code = CommandCode::begin_staging;
+  const Registers words = registers_of(command, 0);
+  Bytes frame{0x00,
+              0x10,
+              0x00,
+              0x30,
+              0x00,
+              static_cast<std::uint8_t>(words.size()),
+              static_cast<std::uint8_t>(2 * words.size())};
+  for (const auto word : words) {
+    frame.push_back(static_cast<std::uint8_t>(word >> 8));
+    frame.push_back(static_cast<std::uint8_t>(word & 0xFF));
+  }
+  const auto crc = crc16_of(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+  CHECK(codec.answer(frame, server).empty());
+  CHECK(model.commands_begun == 0);
+  frame[0] = 1;  // the same to this unit alone
+  const auto own_crc = crc16_of(std::span(frame).first(frame.size() - 2));
+  frame[frame.size() - 2] = static_cast<std::uint8_t>(own_crc & 0xFF);
+  frame[frame.size() - 1] = static_cast<std::uint8_t>(own_crc >> 8);
+  CHECK(!codec.answer(frame, server).empty());
+  CHECK(model.commands_begun == 1);
 }

@@ -95,3 +95,44 @@ TEST_CASE("a window onto memory that may not be written stays closed and says wh
   window.open({7, kBankA.first, kWindowBytes + 1});
   CHECK(window.ack().error == UnitError::bad_argument);
 }
+
+TEST_CASE("a window that was closed takes nothing more and says that nothing is staged") {
+  UnitModel model;
+  RegisterServer server(model);
+  const auto image = noise_image(1000);
+  const WindowOpen open{5, kBankA.first, 1000};
+  REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
+  REQUIRE(server.write(kBlockWrite.first, block_of(open, 0, image)).has_value());
+  Command begin;
+  begin.code = CommandCode::begin_staging;
+  begin.sequence = 9;
+  REQUIRE(server.write(kCommand.first, registers_of(begin, 2)).has_value());
+  CHECK_FALSE(server.write(kBlockWrite.first, block_of(open, 1, image)).has_value());
+  const auto ack = server.read(kWindowAck.first, kWindowAck.count).and_then([](const Registers& block) {
+    return tl::expected<WindowAck, ModbusException>(window_ack_in(block).value());
+  });
+  REQUIRE(ack.has_value());
+  CHECK(ack->error == UnitError::no_staging);
+  CHECK(ack->received == 0);
+}
+
+TEST_CASE("a command acts only as a whole block, and a late repeat of an earlier one does nothing") {
+  UnitModel model;
+  RegisterServer server(model);
+  const auto give = [&](std::uint16_t sequence, CommandCode code) {
+    Command command;
+    command.sequence = sequence;
+    command.code = code;
+    CHECK(server.write(kCommand.first, registers_of(command, 0)).has_value());
+  };
+  give(11, CommandCode::output_compensation);
+  give(12, CommandCode::output_off);
+  CHECK(model.log == std::vector{CommandCode::output_compensation, CommandCode::output_off});
+  const std::uint16_t again = 13;
+  CHECK(server.write(kCommand.first + 1, std::span(&again, 1)).has_value());
+  CHECK(server.write(kCommand.first, std::vector<std::uint16_t>{0, 14, 4}).has_value());
+  give(11, CommandCode::output_compensation);  // a retry that another host's order has overtaken
+  CHECK(model.log.size() == 2);
+  give(15, CommandCode::clear_fault);
+  CHECK(model.log.size() == 3);
+}
