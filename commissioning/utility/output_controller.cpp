@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::array<double, 8> kSteps_um{0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
 constexpr double kLeastMeasured = 0.02;                     ///< of what was put out; less is no movement
+constexpr auto kRenewal = std::chrono::seconds(20);         ///< a third of the time that the unit holds a relay
 constexpr auto kSettling = std::chrono::milliseconds(100);  ///< from a command to a sample that shows it
 constexpr double kScaleHolds = 0.02;                        ///< of the scale; a dial gauge knows no better
 
@@ -208,6 +209,19 @@ void OutputController::off() {
   });
 }
 
+/// The unit opens a relay 60 s after the last command: what is shown as put out is commanded again in time.
+void OutputController::renew() {
+  if (!setting_.relay || busy() || std::chrono::steady_clock::now() - sent_at_ < kRenewal) return;
+  sent_at_ = std::chrono::steady_clock::now();
+  start("holding the output", [connection = connection_, held = setting_](JobControl& control) {
+    return connection->with_link(control, [&](UnitLink& link) -> Result<Taken> {
+      if (const auto out = link.client().output_compensation(held.axis, held.um, held.relay); !out)
+        return tl::unexpected(out.error());
+      return Taken{held, std::nullopt};
+    });
+  });
+}
+
 void OutputController::take(const Result<Taken>& taken) {
   if (!taken) {
     message_.say(taken.error());
@@ -215,6 +229,7 @@ void OutputController::take(const Result<Taken>& taken) {
   }
   sent_at_ = std::chrono::steady_clock::now();
   const OutputSetting& now = taken->setting;
+  if (now == setting_ && now.relay) return;  // renewed
   if (setting_.at_rest() && taken->before) rest_mm_ = taken->before->axes[index_of(now.axis)].position_mm;
   setting_ = now;
   if (now.at_rest())
@@ -254,6 +269,7 @@ bool OutputController::advance() {
     changed = true;
   }
   if (changed) follow_unit();
+  renew();
   start_reading_parameters();
   changed = reading_.advance() || changed;
   return task_.advance() || changed;

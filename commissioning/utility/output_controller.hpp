@@ -18,6 +18,7 @@ struct OutputSetting {
   double um = 0.0;
   bool relay = false;
   [[nodiscard]] bool at_rest() const { return um == 0.0 && !relay; }
+  friend bool operator==(const OutputSetting&, const OutputSetting&) = default;
 };
 
 /// "+5 um", "0 um"
@@ -77,6 +78,7 @@ class OutputController {
   void take(const Result<Taken>& taken);
   void follow_unit();
   void follow_value();
+  void renew();
   void start_reading_parameters();
 
   std::shared_ptr<UnitConnection> connection_;
