@@ -13,7 +13,8 @@ namespace ecs {
 struct Outcome {
   std::string text;
   std::string json;
-  int exit_code = 0;  ///< 1: the thing asked for does not hold; the answer is still a result
+  int exit_code = 0;      ///< 1: the thing asked for does not hold; the answer is still a result
+  bool finished = false;  ///< a signal that came meanwhile has left nothing undone: it does not make the exit code
 };
 
 inline constexpr int kDone = 0;

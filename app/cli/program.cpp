@@ -59,6 +59,7 @@ Problem stopped_by_signal(Problem under_way) {
 
 int run_action(VerbContext& context, const Action& action) {
   const Result<Outcome> result = action(context);
+  if (result && result->finished) return answered(context, *result);
   if (result) return with_signal(answered(context, *result));
   if (interrupting_signal() != 0) return with_signal(failed(context, stopped_by_signal(result.error())));
   return failed(context, result.error());

@@ -13,7 +13,7 @@ namespace {
 
 struct StatusArguments : VerbArguments {
   const std::string& save = text("--save", "write decoded values and raw registers to this file");
-  const std::string& from = text("--from", "decode such a file; no unit is asked");
+  const std::vector<std::string>& from = texts("--from", "decode such a file; no unit is asked");
   const Access access = uses_link();
 };
 
@@ -24,7 +24,8 @@ Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
 }
 
 Result<Outcome> show_status(VerbContext& context, const StatusArguments& arguments) {
-  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(context) : read_snapshot(arguments.from);
+  if (arguments.from.size() > 1) return problem(ProblemKind::usage, "utility status: --from takes one file");
+  const auto snapshot = arguments.from.empty() ? snapshot_of_unit(context) : read_snapshot(arguments.from.front());
   if (!snapshot) return tl::unexpected(snapshot.error());
   if (!arguments.save.empty()) {
     if (auto written = write_snapshot(arguments.save, *snapshot); !written) return tl::unexpected(written.error());
