@@ -34,6 +34,15 @@ void add(Examination& work, std::string check, FindingState state, std::string m
   if (work.on_finding) work.on_finding(work.diagnosis.findings.back());
 }
 
+/// True: another host's answers arrive on this link.
+bool judge_other_hosts(const UnitClient& client, Examination& work) {
+  const auto foreign = client.link().statistics().foreign_replies;
+  if (foreign == 0) return false;
+  add(work, "another host", FindingState::problem, fmt::format("{} answers were to another host's requests", foreign),
+      "end the other program, or take it off the link: one host at a time may use it");
+  return true;
+}
+
 /// Reads again and again, and says how good the link is.
 void judge_quality(UnitClient& client, Examination& work) {
   int answered = 0;
@@ -42,16 +51,27 @@ void judge_quality(UnitClient& client, Examination& work) {
   add(work, "line", FindingState::ok,
       fmt::format("{} of {} reads answered, {:.1f} ms a read, slowest {:.1f} ms", answered, kQualityReads,
                   s.mean_round_trip_ms(), s.worst_round_trip_ms));
+  static_cast<void>(judge_other_hosts(client, work));
   if (s.stale_replies > 0)
     add(work, "late answers", FindingState::problem,
         fmt::format("{} answers came after the request had been given up", s.stale_replies),
         "look for a slow converter or network between here and the unit; lower the latency timer of a USB adapter");
   if (s.crc_errors > 0)
     add(work, "disturbed", FindingState::problem, fmt::format("{} answers were garbled", s.crc_errors),
-        "check shield, ground and length of the cable, and the parity");
+        client.link().address().is_serial() ? "check shield, ground and length of the cable, and the parity"
+                                            : "see that no other program listens at this port");
   if (s.timeouts > 0)
     add(work, "lost answers", FindingState::problem, fmt::format("{} requests had no answer", s.timeouts),
         "check plugs and cable");
+}
+
+/// Asked once more where nothing answered: the answers of another host's requests explain it.
+bool heard_another_host(const LinkAddress& address, Examination& work) {
+  auto link = Link::open(address, {&work.cancelled, std::nullopt});
+  if (!link) return false;
+  UnitClient client(std::move(*link));
+  static_cast<void>(client.identity());
+  return judge_other_hosts(client, work);
 }
 
 bool greet(Result<UnitClient>& client, Examination& work) {
@@ -142,7 +162,7 @@ void examine_serial(const LinkAddress& address, Examination& work) {
   auto client = UnitClient::connect(address, {&work.cancelled, std::nullopt});
   if (client && greet(client, work)) return;
   if (!client) add(work, "link", FindingState::problem, client.error().message);
-  if (work.cancelled || echoes(address, work)) return;
+  if (work.cancelled || heard_another_host(address, work) || echoes(address, work)) return;
   if (other_unit_number(address, work) || other_speed(address, work) || work.cancelled) return;
   add(work, "unit", FindingState::problem, "no unit answers at any of the usual speeds, parities and unit numbers",
       "check power and cable; see that no other program uses the link");
