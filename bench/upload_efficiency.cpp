@@ -44,7 +44,7 @@ class PlainMemory : public UnitPort {
     if (commits && crc32_of(std::span(bytes_).first(command.length)) != command.crc)
       result.state = CommandState::failed;
     else if (commits)
-      activate(command.length);
+      result.value = activate(command.length);
     return result;
   }
   CommandResult progress() override { return {}; }
@@ -53,10 +53,11 @@ class PlainMemory : public UnitPort {
   [[nodiscard]] bool holds(Address address, std::size_t size) const {
     return address >= kBankA.first && address - kBankA.first + size <= bytes_.size();
   }
-  void activate(std::uint32_t length) {
+  /// The commit sequence afterwards.
+  std::uint32_t activate(std::uint32_t length) {
     status_.active_bank = Bank::A;
     status_.image_length_bytes = length;
-    ++status_.commit_sequence;
+    return ++status_.commit_sequence;
   }
   UnitStatus status_;
   std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kBankBytes);

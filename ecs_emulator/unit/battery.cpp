@@ -1,6 +1,11 @@
 #include "ecs_emulator/unit/battery.hpp"
 
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "base/file.hpp"
 
@@ -17,6 +22,17 @@ struct Part {
 std::array<Part, 3> parts_of(const UnitMemory& memory) {
   const std::uint32_t bank = bank_bytes(memory.modules());
   return {{{kCommitRecords.first, kCommitRecords.size}, {kBankA.first, bank}, {kBankB.first, bank}}};
+}
+
+/// The name of a file lasts over a loss of power once its folder is on the disk.
+Result<void> keep_name(const std::filesystem::path& path) {
+  const std::filesystem::path folder = led_to(path).parent_path();
+  const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool kept = handle >= 0 && (::fsync(handle) == 0 || errno == EINVAL);  // EINVAL: it has nothing to write
+  const int error = errno;
+  if (handle >= 0) ::close(handle);
+  if (kept) return {};
+  return problem(ProblemKind::output, fmt::format("{}: cannot write: {}", folder.string(), std::strerror(error)));
 }
 
 }  // namespace
@@ -50,6 +66,7 @@ Result<void> keep(UnitMemory& memory, const std::filesystem::path& path) {
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   if (auto written = write_file(path, content); !written) return written;
+  if (auto lasting = keep_name(path); !lasting) return lasting;
   memory.kept();
   return {};
 }

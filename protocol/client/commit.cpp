@@ -118,11 +118,13 @@ Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
   return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
 }
 
-/// Takes back what was staged before any commit, even after a cancel, and says which map is active.
+/// Takes back what was staged before any commit, even after a cancel, and says which map is active. What the unit has
+/// refused needs no taking back: what is staged there now is another host's.
 Problem UnitClient::given_up(Problem why, const UnitStatus& before) {
   link_.heed_cancel(false);
   const auto same = link_.connected() ? same_unit() : problem(ProblemKind::link, "");
-  const auto now = same ? abandoned() : tl::unexpected(same.error());
+  const auto left = [&] { return why.kind == ProblemKind::refused ? status() : abandoned(); };
+  const auto now = same ? left() : tl::unexpected(same.error());
   link_.heed_cancel(true);
   if (!now)
     why.message +=

@@ -50,6 +50,8 @@ StatisticsRow judgement(const WatchedUnit& unit) {
   if (s.requests < 20) return {"", "", "too few requests to judge the link yet", Tone::faint};
   if (share(s.crc_errors, s.requests) > kMuch)
     return {"", "", "many garbled answers: check shield, ground, length of the cable, and the parity", Tone::bad};
+  if (share(s.foreign_replies, s.requests) > kMuch)
+    return {"", "", "many answers to another host's requests: one host at a time may use the link", Tone::bad};
   if (share(s.stale_replies, s.requests) > kMuch)
     return {"", "", "many late answers: a slow converter or network; lower the latency timer of a USB adapter",
             Tone::bad};
