@@ -19,12 +19,16 @@ struct TableGrid {
   double largest_change = 0.0;  ///< between the points given and the grid's own line, um
 };
 
-/// Evenly spaced to a millionth of the spacing.
+/// What the positions of a map file are rounded to.
+constexpr double kWritten_mm = 1e-4;
+
+/// Evenly spaced to a millionth of the spacing, or as evenly as rounded positions can be.
 bool evenly_spaced(const std::vector<double>& p) {
   if (p.size() < 3) return true;
   const double step = (p.back() - p.front()) / static_cast<double>(p.size() - 1);
+  const double allowed_mm = std::max(1e-6 * step, std::min(kWritten_mm, 1e-3 * step));
   for (std::size_t i = 0; i < p.size(); ++i)
-    if (std::abs(p[i] - (p.front() + step * static_cast<double>(i))) > 1e-6 * step) return false;
+    if (std::abs(p[i] - (p.front() + step * static_cast<double>(i))) > allowed_mm) return false;
   return true;
 }
 
