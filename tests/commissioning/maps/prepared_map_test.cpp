@@ -1,9 +1,12 @@
 // A map with its parameters, judged and made into the bytes for the unit.
 #include "commissioning/maps/prepared_map.hpp"
 
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 #include "base/file.hpp"
+#include "commissioning/maps/compare.hpp"
 #include "laser/map/csv.hpp"
 #include "tests/support/folder.hpp"
 
@@ -25,10 +28,10 @@ class MapFiles {
                   {Component::EYY, Approach::unknown, {-1400.0, 0.0}, {2.0, 0.0}},
                   {Component::EZZ, Approach::unknown, {-1000.0, 0.0}, {3.0, 0.0}}};
   }
-  [[nodiscard]] Result<PreparedMap> prepared(bool other_machine = false) const {
+  [[nodiscard]] Result<PreparedMap> prepared(const PrepareOptions& options = {}) const {
     REQUIRE(write_file(folder_ / "map.csv", laser::to_map_csv(map)));
     REQUIRE(params::write_parameters(folder_ / "parameters.toml", parameters, identity));
-    return prepared_map(folder_ / "map.csv", folder_ / "parameters.toml", other_machine);
+    return prepared_map(folder_ / "map.csv", folder_ / "parameters.toml", options);
   }
 
   laser::ErrorMap map;
@@ -70,6 +73,41 @@ TEST_CASE("a map without a component that the scope needs is refused, and the co
   CHECK(names(reasons(files.prepared()), "EZZ"));
 }
 
+TEST_CASE("a map that resampling changes by more than its resolution is refused unless that is accepted") {
+  MapFiles files;
+  files.map.tables[0].position_mm = {-4100.0, -4000.0, -3933.0, 0.0};
+  files.map.tables[0].compensation = {1.0, 185.0, -20.0, 0.0};
+  CHECK(names(reasons(files.prepared()), "--accept-resampling"));
+  const auto accepted = files.prepared({.accept_resampling = true});
+  REQUIRE(accepted);
+  const auto content = laser::content_of(accepted->image.bytes);
+  REQUIRE(content);
+  const auto largest = largest_difference(files.map, content->map);
+  REQUIRE(largest);
+  CHECK(largest->component == Component::EXX);
+  CHECK(largest->difference() > 1.0);
+  const auto beyond = beyond_resolution(files.map, content->map);
+  REQUIRE(beyond.size() == 1);
+  CHECK(beyond[0].component == Component::EXX);
+  CHECK(beyond[0].position_mm == largest->position_mm);
+}
+
+TEST_CASE("points that are even within the digits of a map file are not resampled") {
+  MapFiles files;
+  auto& table = files.map.tables[0];
+  table = {Component::EXX, Approach::unknown, {}, {}};
+  for (int k = 0; k < 1200; ++k) {
+    table.position_mm.push_back(std::round((-4100.0 + 4100.0 * k / 1199.0) * 1e4) * 1e-4);
+    table.compensation.push_back(k * 7919 % 101);
+  }
+  const auto prepared = files.prepared();
+  REQUIRE_MESSAGE(prepared, (prepared ? "" : to_text(prepared.error())));
+  const auto content = laser::content_of(prepared->image.bytes);
+  CHECK(content->map.tables[0].position_mm.size() == 1200);
+  CHECK(beyond_resolution(files.map, content->map).empty());
+  CHECK(largest_difference(files.map, content->map)->difference() <= 0.01);
+}
+
 TEST_CASE("a component declared zero with a reason is not missing") {
   MapFiles files;
   files.map.tables.pop_back();
@@ -81,7 +119,7 @@ TEST_CASE("a map made for another machine is refused unless that is meant") {
   MapFiles files;
   files.map.header.machine = "lathe";
   CHECK(names(reasons(files.prepared()), "lathe"));
-  CHECK(files.prepared(true));
+  CHECK(files.prepared({.other_machine = true}));
 }
 
 TEST_CASE("squareness measured for the map is not left behind where the parameters hold 0") {
