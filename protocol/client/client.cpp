@@ -46,7 +46,7 @@ Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOpt
 
 Result<Identity> UnitClient::identity() {
   auto identity = link_.ask(kEcho, kEchoOnly, kIdentity).and_then(identity_in);
-  if (identity) serial_number_ = identity->serial_number;
+  if (identity && serial_number_.empty()) serial_number_ = identity->serial_number;
   return identity;
 }
 

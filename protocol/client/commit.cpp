@@ -111,7 +111,7 @@ Result<void> UnitClient::confirmed(std::uint32_t commit, std::uint32_t length, s
 
 /// This unit and its active map are those of the beginning of the transfer.
 Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
-  if (const auto same = same_unit(); !same) return same;
+  if (auto same = same_unit(); !same) return same;
   const auto now = status();
   if (!now) return tl::unexpected(now.error());
   if (now->commit_sequence == before.commit_sequence && now->active_bank == before.active_bank) return {};

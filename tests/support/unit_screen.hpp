@@ -18,7 +18,9 @@ inline int ran_on(UnitConnection& unit, const std::vector<std::string>& words) {
 /// Parameters with a map for the sample mill.
 inline void give_map(UnitConnection& unit, const StateFolder& one) {
   const std::string params =
-      one.with("p.toml", "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
+      one.with("p.toml",
+               "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
+               "[axis.X]\ntransducer = \"encoder\"\n[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n");
   const std::string map = one.with("map.csv",
                                    "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                                    "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");

@@ -20,7 +20,9 @@ const std::string kEcs = std::string(ECS_BUILD_FOLDER) + "/app/ecs";
 struct EmulatorWorkspace {
   StateFolder folder;
   std::string params =
-      folder.with("p.toml", "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n");
+      folder.with("p.toml",
+                  "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
+                  "[axis.X]\ntransducer = \"encoder\"\n[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n");
   std::string map = folder.with("map.csv",
                                 "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                                 "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");
