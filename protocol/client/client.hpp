@@ -122,7 +122,7 @@ class UnitClient {
   [[nodiscard]] Result<void> nothing_else_committed(const UnitStatus& before);
 
   Link link_;
-  std::string serial_number_;   ///< of the unit that `identity()` found last
+  std::string serial_number_;   ///< of the unit that answered first: no other one is sent a map
   std::uint16_t sequence_ = 0;  ///< 0: not yet known
   std::uint16_t window_tag_ = 0;
 };

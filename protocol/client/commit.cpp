@@ -56,15 +56,13 @@ Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std:
   return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
 }
 
-/// The unit that `identity()` found last still answers.
+/// The unit that answered first still answers.
 Result<void> UnitClient::same_unit() {
-  const std::string expected = serial_number_;
   const auto now = identity();
   if (!now) return tl::unexpected(now.error());
-  if (now->serial_number == expected) return {};
-  serial_number_ = expected;
-  return problem(ProblemKind::link,
-                 fmt::format("unit {} answers on this link now, unit {} did before", now->serial_number, expected));
+  if (now->serial_number == serial_number_) return {};
+  return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
+                                                now->serial_number, serial_number_));
 }
 
 /// A commit was given and it was not answered with `done`: the unit itself says what became of it.
