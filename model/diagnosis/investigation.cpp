@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "model/diagnosis/e_value.hpp"
+#include "model/diagnosis/wander.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
@@ -214,9 +215,26 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (group.e_value) *group.e_value /= static_cast<double>(found.candidates_tried);
 }
 
+/// An effect is named only if it is better than a wander by the evidence that proves a cause, for having been chosen
+/// among all candidates.
+std::string objection_to_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
+                                std::size_t i) {
+  const EffectInstance& effect = found.families[found.solution.chosen[i].family].effect;
+  if (!may_be_wander(found.noise, effect)) return "";
+  const LinearProblem with = joined(base, search, found.solution);
+  const LinearProblem without =
+      joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
+  const double effects =
+      deviance_of(data, found.noise, found.left_out, with.columns, with.target) + found.groups[i].member.cost;
+  const double wander = deviance_of_wander(data, found.noise, found.left_out, without.columns, without.target);
+  if (wander - effects > 2.0 * std::log(kProved * static_cast<double>(found.candidates_tried))) return "";
+  return fmt::format("a slow wander of the readings explains what {} does as well: repeat the line, also backwards",
+                     to_text(effect));
+}
+
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
-void judge(const Regressors& regressors, const Search& search, const Whitener& whitener, double noise_freedom,
-           Found& found) {
+void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
+           double noise_freedom, Found& found) {
   const Observations& data = regressors.data();
   const std::vector<Choice>& chosen = found.solution.chosen;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -250,6 +268,10 @@ void judge(const Regressors& regressors, const Search& search, const Whitener& w
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
     found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
+    found.groups[i].denied = !found.objection.empty();
+  }
+  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
+    found.objection = objection_to_wander(data, base, search, found, i);
     found.groups[i].denied = !found.objection.empty();
   }
 }
@@ -361,7 +383,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.structure_p_after = found.structure_p_before;
       found.closest = search.expand(alone, kClosest);
     } else {
-      judge(regressors, search, whitener, noise_freedom, found);
+      judge(regressors, base, search, whitener, noise_freedom, found);
       found.after = structure.tests(found.solution.space);
       found.structure_p_after = chance_beside(found.solution.space, found.after);
     }

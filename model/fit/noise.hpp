@@ -104,6 +104,8 @@ class Whitener {
   [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& column) const;
   /// The transposed map: products with whitened columns become products with the columns as they are.
   [[nodiscard]] Eigen::MatrixXd transposed(const Eigen::MatrixXd& white) const;
+  /// ln of the determinant of the covariance, rows left out apart.
+  [[nodiscard]] double ln_determinant() const;
 
  private:
   struct Step {

@@ -80,6 +80,13 @@ void Whitener::apply_transposed(const double* from, double* to) const {
   }
 }
 
+double Whitener::ln_determinant() const {
+  double sum = 0.0;
+  for (const Step& step : steps_)
+    if (step.scale > 0.0) sum -= 2.0 * std::log(step.scale);
+  return sum;
+}
+
 Eigen::MatrixXd Whitener::transposed(const Eigen::MatrixXd& white) const {
   Eigen::MatrixXd out(white.rows(), white.cols());
   for (Eigen::Index j = 0; j < white.cols(); ++j) apply_transposed(white.col(j).data(), out.col(j).data());

@@ -49,7 +49,7 @@ inline laser::Reading& added(Set& set, Axis axis, Sense sense, const Vector3& po
 
 inline Model offsets(const std::vector<std::pair<Axis, Sense>>& places) {
   Model model;
-  for (const auto& [axis, sense] : places) model.effects.push_back(effect(offset, axis, sense));
+  for (const auto& [axis, sense] : places) model.effects.push_back(effect(effects::offset, axis, sense));
   return model;
 }
 
