@@ -8,6 +8,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/result.hpp"
+#include "model/diagnosis/diagnose.hpp"
 
 namespace ecs::app {
 
@@ -31,7 +32,8 @@ struct ReportArguments : VerbArguments {
   const std::vector<std::string>& header =
       texts("--header", "key=value of the head of the page, such as customer=…; wins over files");
   const std::string& date = text("--date", "of the report; without: the last date in the files");
-  const int& blanks = integer("--blanks", "simulated data sets of noise alone for the diagnosis", 400, 50, 20'000);
+  const int& blanks = integer("--blanks", "simulated data sets of noise alone for the diagnosis",
+                              static_cast<int>(model::DiagnoseOptions{}.noise_replicates), 50, 20'000);
 };
 
 /// Empty: there is none.

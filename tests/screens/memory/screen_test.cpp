@@ -158,7 +158,7 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   type(one.screen, "o");
   replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "file before.ecsdump, unit MCM-0107, taken 2"));
-  (void)press(one.screen, Key::Name::home);
+  one.go("100000");
   type(one.screen, "/");
   replace_line(one.screen, "\"ECSI\"");
   CHECK(contains(picture(one.screen), "found at 0x100000"));
