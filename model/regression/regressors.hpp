@@ -50,8 +50,8 @@ class Regressors {
 
   [[nodiscard]] const Observations& data() const { return data_; }
 
-  /// Whether lines along the axis of an angular error see it through different levers at one target, which tells it from
-  /// other shapes of position.
+  /// Whether lines along the axis of an angular error see it through different levers at one target, which tells it
+  /// from other shapes of position.
   [[nodiscard]] bool lever_varies(const EffectInstance& effect) const;
 
  private:
