@@ -289,7 +289,7 @@ std::string why_not_explained(const Found& found) {
     return fmt::format("run {} scatters {:.2g} times as much as the others: look at that run first", found.noisy->run,
                        found.noisy->ratio);
   if (found.odd_pass)
-    return fmt::format("run {} lies {:.3g} off the other runs in one approach: look at that run first",
+    return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
                        found.odd_pass->run, found.odd_pass->off_um);
   if (found.wanders)
     return "readings of one run wander by more than three times what neighbours scatter: that is no noise";

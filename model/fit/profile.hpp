@@ -15,7 +15,7 @@ struct ProfileSigma {
 };
 
 /// A third of the longer way on which χ² rises by 9, all else fitted again (other searched parameters linearly); of the
-/// sizes a third of what they change on it. Nothing for periods (their peaks are told one by one), user formulas,
+/// sizes a third of what they change on it. Nothing for periods (their peaks are listed one by one), user formulas,
 /// places, and more readings than a profile is worth.
 /// @param sigma  by the curvature, where the search for the way begins
 [[nodiscard]] std::optional<ProfileSigma> profile_sigma(const Assembly& assembly, const Regressors& regressors,

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace ecs::commissioning {
 namespace {

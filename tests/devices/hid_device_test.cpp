@@ -10,7 +10,7 @@
 #include "devices/builtin.hpp"
 #include "devices/sensor.hpp"
 #include "devices/trigger.hpp"
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace ecs::devices {
 namespace {

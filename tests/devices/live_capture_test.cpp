@@ -9,7 +9,7 @@
 #include "app/screens/verbs/live_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "laser/measurement_set.hpp"
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 #include "tests/support/screen_driver.hpp"
 #include "tests/support/verb_run.hpp"
 

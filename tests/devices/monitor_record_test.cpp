@@ -9,7 +9,7 @@
 #include "app/screens/unit/screens.hpp"
 #include "app/ui/screen_program.hpp"
 #include "base/text.hpp"
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 #include "tests/support/unit_model.hpp"
 #include "tests/support/verb_run.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {

@@ -63,7 +63,7 @@ TEST_CASE("the deviance of independent noise is that of its mean square") {
         doctest::Approx(expected).epsilon(0.01));
 }
 
-TEST_CASE("a straight drift is told from a wander by more than a hundredfold evidence") {
+TEST_CASE("a straight drift has more than a hundred times the evidence of a wander") {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const OneRun run([](double t) { return 0.002 * t; }, seed);
     CHECK(run.drift_before_wander() > 2.0 * std::log(100.0));

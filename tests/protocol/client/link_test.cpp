@@ -375,7 +375,7 @@ TEST_CASE("a cancel takes effect at once behind a peer that drips bytes") {
   CHECK(std::chrono::steady_clock::now() - begun < 3s);
 }
 
-TEST_CASE("answers to another host's requests are told from late ones") {
+TEST_CASE("answers to another host's requests do not count as late ones") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   REQUIRE(unit.monitor().has_value());

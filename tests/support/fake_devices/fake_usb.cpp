@@ -23,7 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 
 namespace {
 

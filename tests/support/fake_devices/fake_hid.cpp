@@ -1,4 +1,4 @@
-#include "tests/support/fake_hid.hpp"
+#include "tests/support/fake_devices/fake_hid.hpp"
 
 #include <algorithm>
 #include <chrono>
