@@ -26,6 +26,13 @@ constexpr double kFewestWaves = 1.5, kPointsAWave = 2.5;
 /// A period changes where the ends differ by this ratio; an amplitude dies where one end has this share of the other.
 constexpr double kOtherPeriod = 1.25, kDead = 0.35;
 constexpr double kWaveTurn = 2.0 * std::numbers::pi;
+/// least, least + step, … up to most.
+std::vector<double> steps(double least, double most, double step) {
+  std::vector<double> values;
+  for (int i = 0; least + i * step <= most; ++i) values.push_back(least + i * step);
+  return values;
+}
+
 class ShapeSearch {
  public:
   explicit ShapeSearch(const Points& points) : points_(points), y_(static_cast<Index>(points.size())) {
@@ -51,7 +58,7 @@ class ShapeSearch {
   [[nodiscard]] ShapeFit wave() const {
     ShapeFit best{ShapeKind::wave, constant_, 4.0};
     const auto look = [&](double waves) { keep_better(best, wave_at(waves, 0.0, 0.0)); };
-    for (double waves = kFewestWaves; waves <= most_waves(); waves += kStepOfWaves) look(waves);
+    for (const double waves : steps(kFewestWaves, most_waves(), kStepOfWaves)) look(waves);
     const double middle = best.waves;
     for (int i = -kFineSteps; i <= kFineSteps && middle > 0.0; ++i) look(middle + i * kStepOfWaves / kFineSteps);
     best.first = best.second = best.waves;
@@ -177,8 +184,8 @@ class ShapeSearch {
 
   [[nodiscard]] ShapeFit chirp() const {
     ShapeFit best{ShapeKind::chirp, constant_, 5.0};
-    for (double waves = kFewestWaves; waves <= std::min(most_waves(), kMostWavesOfChirp); waves += kStepOfWaves)
-      for (double bend = -1.5 * waves; bend <= 1.5 * waves; bend += 2.0 * kStepOfWaves) {
+    for (const double waves : steps(kFewestWaves, std::min(most_waves(), kMostWavesOfChirp), kStepOfWaves))
+      for (const double bend : steps(-1.5 * waves, 1.5 * waves, 2.0 * kStepOfWaves)) {
         ShapeFit fit = wave_at(waves, bend, 0.0);
         fit.first = waves - 0.5 * bend;
         fit.second = waves + 0.5 * bend;
@@ -189,7 +196,7 @@ class ShapeSearch {
 
   [[nodiscard]] ShapeFit fading_wave() const {
     ShapeFit best{ShapeKind::fading_wave, constant_, 5.0};
-    for (double waves = kFewestWaves; waves <= most_waves(); waves += kStepOfWaves)
+    for (const double waves : steps(kFewestWaves, most_waves(), kStepOfWaves))
       for (const double decay : {-6.0, -3.5, -2.0, -1.0, 1.0, 2.0, 3.5, 6.0}) {
         ShapeFit fit = wave_at(waves, 0.0, decay);
         fit.first = decay > 0.0 ? 1.0 : std::exp(decay);
