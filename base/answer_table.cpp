@@ -53,5 +53,6 @@ Cell record_cell(std::string_view layout, const AnswerFields& fields) {
 }
 
 Outcome outcome_of(const Cell& answer, int exit_code) { return {answer.text, one_line(answer.json), exit_code}; }
+Outcome finished_outcome_of(const Cell& answer) { return {answer.text, one_line(answer.json), kDone, true}; }
 
 }  // namespace ecs

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/json.hpp"
@@ -44,6 +45,14 @@ struct Cell {
 /// A list in JSON, a line each in the text. @param begin  of each line: "note: "
 [[nodiscard]] Cell lines_cell(const std::vector<std::string>& lines, std::string_view begin);
 
+/// A cell for each item, below a heading in the text. @param make  the cell of an item
+template <class Items, class Make>
+[[nodiscard]] Cell list_cell(const Items& items, const Make& make, std::string heading = {}) {
+  Cell list{Json::array(), std::move(heading)};
+  for (const auto& item : items) list.add(make(item));
+  return list;
+}
+
 struct AnswerField {
   std::string_view key;  ///< in JSON and in the layout; empty: the keys of the cell's object take its place
   Cell cell;
@@ -57,5 +66,7 @@ using AnswerFields = std::vector<AnswerField>;
 /// Both.
 [[nodiscard]] Cell record_cell(std::string_view layout, const AnswerFields& fields);
 [[nodiscard]] Outcome outcome_of(const Cell& answer, int exit_code = kDone);
+/// The same after a write that is complete (Outcome::finished).
+[[nodiscard]] Outcome finished_outcome_of(const Cell& answer);
 
 }  // namespace ecs

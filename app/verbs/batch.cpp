@@ -32,9 +32,7 @@ Cell report_cell(const BatchReport& r) {
 }
 
 Cell reports_cell(const std::vector<BatchReport>& reports) {
-  Cell list{Json::array(), fmt::format("{:<20} {:<14} {:<14} link\n", "unit", "serial number", "result")};
-  for (const BatchReport& report : reports) list.add(report_cell(report));
-  return list;
+  return list_cell(reports, report_cell, fmt::format("{:<20} {:<14} {:<14} link\n", "unit", "serial number", "result"));
 }
 
 Result<Outcome> batch(VerbContext& context, const BatchArguments& arguments) {

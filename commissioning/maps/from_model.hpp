@@ -46,7 +46,6 @@ struct MapFromModel {
 /// Writes the files that `arguments` names. Refused where no effect of the model can be carried by a map.
 [[nodiscard]] Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments);
 
-[[nodiscard]] std::string from_model_text(const MapFromModel& built, const FromModelArguments& arguments);
-[[nodiscard]] Json from_model_json(const MapFromModel& built, const FromModelArguments& arguments);
+[[nodiscard]] Cell from_model_cell(const MapFromModel& built, const FromModelArguments& arguments);
 
 }  // namespace ecs::commissioning

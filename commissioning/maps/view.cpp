@@ -66,13 +66,6 @@ std::string header_view(const laser::MapHeader& header) {
   return text.empty() ? "no header\n" : text;
 }
 
-std::string findings_text(const std::vector<laser::MapFinding>& findings) {
-  std::string text;
-  for (const laser::MapFinding& finding : findings)
-    text += fmt::format("{}: {}\n", finding.objection ? "objection" : "remark", finding.message);
-  return text;
-}
-
 Json table_json(const laser::MapTable& table, bool with_values) {
   Json object = table_cell(table).json;
   if (with_values) {
@@ -99,10 +92,45 @@ Json header_json(const laser::MapHeader& header) {
   return object;
 }
 
-Json findings_json(const std::vector<laser::MapFinding>& findings) {
-  Json out = Json::array();
-  for (const laser::MapFinding& f : findings) out.push_back({{"objection", f.objection}, {"message", f.message}});
-  return out;
+Cell findings_cell(const std::vector<laser::MapFinding>& findings) {
+  return list_cell(findings, [](const laser::MapFinding& finding) {
+    return record_cell("{objection}: {message}\n", {{"objection", yes_cell(finding.objection, "objection", "remark")},
+                                                    {"message", word_cell(finding.message)}});
+  });
+}
+
+std::vector<std::string> objections_in(const std::vector<laser::MapFinding>& findings) {
+  std::vector<std::string> messages;
+  for (const laser::MapFinding& finding : findings)
+    if (finding.objection) messages.push_back(finding.message);
+  return messages;
+}
+
+Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view begin) {
+  Cell cell{Json::object(), {}};
+  for (const auto& [component, um_per_m] : values) {
+    const std::string key = fmt::format("{}_um_per_m", name_of(component));
+    cell.json[key] = number_or_null(um_per_m);
+    cell.text += fmt::format("{}compensation.squareness.{} = {:.4f}\n", begin, key, um_per_m);
+  }
+  return cell;
+}
+
+Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view origin,
+                     const std::string& params_out) {
+  Cell cell = squareness_cell(values, "  ");
+  if (values.empty()) return cell;
+  cell.text = (params_out.empty() ? fmt::format("squareness {}; without --params-out add these to the parameters by "
+                                                "hand:\n",
+                                                origin)
+                                  : fmt::format("squareness {}, in {}:\n", origin, params_out)) +
+              cell.text;
+  return cell;
+}
+
+Cell written_cell(std::string_view what, const std::string& file, std::string_view otherwise) {
+  if (file.empty()) return null_cell(otherwise);
+  return {file, fmt::format("{} written to {}\n", what, file)};
 }
 
 }  // namespace ecs::commissioning

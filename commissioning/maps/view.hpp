@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/json_fwd.hpp"
@@ -14,11 +16,22 @@ namespace ecs::commissioning {
 /// A line per table: component, approach, start, increment ("varies"), points, smallest and largest compensation.
 [[nodiscard]] std::string tables_text(const std::vector<laser::MapTable>& tables);
 [[nodiscard]] std::string header_view(const laser::MapHeader& header);
-[[nodiscard]] std::string findings_text(const std::vector<laser::MapFinding>& findings);
 
 /// @param with_values  positions and values of each table as well
 [[nodiscard]] Json table_json(const laser::MapTable& table, bool with_values);
 [[nodiscard]] Json header_json(const laser::MapHeader& header);
-[[nodiscard]] Json findings_json(const std::vector<laser::MapFinding>& findings);
+/// A line each.
+[[nodiscard]] Cell findings_cell(const std::vector<laser::MapFinding>& findings);
+/// What the objections among them say.
+[[nodiscard]] std::vector<std::string> objections_in(const std::vector<laser::MapFinding>& findings);
+
+/// {"C0Y_um_per_m": 12.5}; in the text a line each as parameter files have it. @param begin  of each line
+[[nodiscard]] Cell squareness_cell(const std::vector<std::pair<Component, double>>& values,
+                                   std::string_view begin = {});
+/// The same below a heading. @param origin  "measured"  @param params_out  the file that holds them; empty: none
+[[nodiscard]] Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view origin,
+                                   const std::string& params_out);
+/// The file, null where none is written. @param otherwise  the text then; else "map written to map.csv"
+[[nodiscard]] Cell written_cell(std::string_view what, const std::string& file, std::string_view otherwise = {});
 
 }  // namespace ecs::commissioning

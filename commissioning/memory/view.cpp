@@ -79,9 +79,8 @@ Cell table_cell(const DecodedTable& table) {
 
 Cell tables_cell(const DecodedImage& image) {
   if (image.tables.empty()) return {Json::array(), "no tables\n"};
-  Cell list{Json::array(), " # component    address    start/mm incr./mm count     least      most unit\n"};
-  for (const DecodedTable& table : image.tables) list.add(table_cell(table));
-  return list;
+  return list_cell(image.tables, table_cell,
+                   " # component    address    start/mm incr./mm count     least      most unit\n");
 }
 
 std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
@@ -121,9 +120,9 @@ Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_byt
 }
 
 Cell images_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
-  Cell list{Json::array(), memory.images.empty() ? "no memory image\n" : ""};
-  for (const DecodedImage& image : memory.images) list.add(image_cell(image, dump, with_bytes));
-  return list;
+  return list_cell(
+      memory.images, [&](const DecodedImage& image) { return image_cell(image, dump, with_bytes); },
+      memory.images.empty() ? "no memory image\n" : "");
 }
 
 Cell status_when_taken(const MemoryDump& dump) {

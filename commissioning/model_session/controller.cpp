@@ -174,7 +174,7 @@ void ModelController::start_map(const std::string& output) {
     arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
     const auto built = map_from_model(messages, arguments);
     if (!built) return tl::unexpected(built.error());
-    return owned_lines_of(from_model_text(*built, arguments));
+    return owned_lines_of(from_model_cell(*built, arguments).text);
   };
   task_.start("compiling the model to a map", build, [this](Result<Lines> lines) {
     if (!lines) return message_.say(lines.error());

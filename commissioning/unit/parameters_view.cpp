@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "params/fields.hpp"
 
 namespace ecs::commissioning {
@@ -39,6 +39,15 @@ std::string table_of(const UnitParameters& parameters) {
                             field.unit.empty() ? "" : " ", field.unit);
   }
   return text;
+}
+
+Cell differences_cell(const std::vector<params::Difference>& differences, std::string_view key_a,
+                      std::string_view key_b, std::string_view name_a, std::string_view name_b) {
+  Cell list{Json::array(), params::to_text(differences, name_a, name_b)};
+  for (const params::Difference& d : differences)
+    list.json.push_back(object_of(
+        {{"key", word_cell(d.key)}, {"unit", text_cell(d.unit)}, {key_a, word_cell(d.a)}, {key_b, word_cell(d.b)}}));
+  return list;
 }
 
 }  // namespace ecs::commissioning

@@ -7,8 +7,8 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/export/format_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/export_files.hpp"
@@ -211,11 +211,16 @@ std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& 
   return files;
 }
 
+Cell squareness_of(const Taken& made) {
+  std::vector<std::pair<Component, double>> values;
+  for (const Component square : made.read.squareness_found)
+    values.emplace_back(square, made.read.squareness[index_of(square)]);
+  return squareness_cell(values);
+}
+
 std::string read_text(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
   std::string text = fmt::format("{}\n\n", files.format->id) + tables_text(made.read.map.tables);
-  for (const Component square : made.read.squareness_found)
-    text += fmt::format("compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(square),
-                        made.read.squareness[index_of(square)]);
+  text += squareness_of(made).text;
   if (!made.read.squareness_found.empty())
     text += arguments.params_out.empty()
                 ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
@@ -226,17 +231,15 @@ std::string read_text(const ReadArguments& arguments, const ReadFiles& files, co
 
 Json read_json(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
                const std::vector<WrittenFile>& written) {
-  Json tables = Json::array(), squareness = Json::object(), warnings = Json::array(), replaced = Json::array();
+  Json tables = Json::array(), warnings = Json::array(), replaced = Json::array();
   for (const WrittenFile& file : written)
     if (file.replaced) replaced.push_back(file.path);
   for (const laser::MapTable& table : made.read.map.tables) tables.push_back(table_json(table, false));
-  for (const Component square : made.read.squareness_found)
-    squareness[fmt::format("{}_um_per_m", name_of(square))] = number_or_null(made.read.squareness[index_of(square)]);
   for (const Problem& warning : files.tables.warnings) warnings.push_back(problem_json(warning));
   return {{"format", files.format->id},
           {"map", text_or_null(arguments.output)},
           {"tables", std::move(tables)},
-          {"squareness", std::move(squareness)},
+          {"squareness", squareness_of(made).json},
           {"levers_from", text_or_null(made.levers_from)},
           {"curves_moved", made.moved},
           {"replaced", std::move(replaced)},

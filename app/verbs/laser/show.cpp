@@ -40,21 +40,19 @@ Cell target_cell(const laser::TargetReadings& t) {
 }
 
 Cell targets_cell(const std::vector<laser::TargetReadings>& targets) {
-  Cell list{Json::array(), fmt::format("{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n", "target [mm]",
-                                       "forward", "n", "reverse", "n", "unknown", "n", "reversal")};
-  for (const laser::TargetReadings& target : targets) list.add(target_cell(target));
-  return list;
+  return list_cell(targets, target_cell,
+                   fmt::format("{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n", "target [mm]", "forward", "n",
+                               "reverse", "n", "unknown", "n", "reversal"));
 }
 
 Cell conditions_cell(const std::vector<ConditionSummary>& conditions) {
-  Cell list{Json::array(), {}};
-  for (const ConditionSummary& c : conditions)
-    list.add(record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} readings\n",
-                         {{"name", word_cell(c.name)},
-                          {"readings", count_cell(c.readings)},
-                          {"least", {number_or_null(c.least), fmt::format("{:.6g}", c.least)}},
-                          {"most", {number_or_null(c.most), fmt::format("{:.6g}", c.most)}}}));
-  return list;
+  return list_cell(conditions, [](const ConditionSummary& c) {
+    return record_cell("  {name:<28} {least:>10} ... {most:<10} in {readings} readings\n",
+                       {{"name", word_cell(c.name)},
+                        {"readings", count_cell(c.readings)},
+                        {"least", {number_or_null(c.least), fmt::format("{:.6g}", c.least)}},
+                        {"most", {number_or_null(c.most), fmt::format("{:.6g}", c.most)}}});
+  });
 }
 
 std::string group_title(const laser::Group& group) {

@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/measurements/json.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/iso230.hpp"
@@ -16,22 +16,6 @@ struct StatsArguments : VerbArguments {
   const std::vector<std::string>& files = texts("FILE", "measurement files", Need::required);
   ImportOptions import{*this};
 };
-
-std::string iso230_text(const laser::Iso230& iso, const std::string& file) {
-  const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
-  std::string text = fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
-                                 name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
-                                 parked_text(line), iso.targets.size(), compensated_text(line));
-  const auto unit = laser::unit_of(iso.sense);
-  for (const LaserQuantity& q : kLaserQuantities) {
-    const auto& value = iso.*q.value;
-    text +=
-        fmt::format("  {:<8} {:>12} {:<5} {}\n", q.symbol, value ? fmt::format("{:.3f}", *value) : "-", unit, q.name);
-  }
-  text += fmt::format("  {:<8} {:>12.3f} {:<5} largest minus smallest reading\n", "range", iso.range, unit);
-  for (const std::string& note : iso.notes) text += fmt::format("  note: {}\n", note);
-  return text;
-}
 
 Json target_json(const laser::Iso230Target& t) {
   return {{"position_mm", number_or_null(t.position_mm)},
@@ -49,21 +33,36 @@ Json target_json(const laser::Iso230Target& t) {
           {"R", number_or_null(t.R)}};
 }
 
-Json iso230_json(const laser::Iso230& iso, const std::string& file) {
-  Json object{{"file", file}};
-  object.update(json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated));
-  for (const LaserQuantity& q : kLaserQuantities) object[q.key] = number_or_null(iso.*q.value);
-  object["range"] = number_or_null(iso.range);
-  object["merge_tolerance_mm"] = number_or_null(iso.merge_tolerance_mm);
-  object["targets"] = Json::array();
-  for (const laser::Iso230Target& target : iso.targets) object["targets"].push_back(target_json(target));
-  object["notes"] = iso.notes;
-  return object;
+Cell quantity_cell(std::string_view symbol, const std::optional<double>& value, std::string_view unit,
+                   std::string_view name) {
+  return {number_or_null(value),
+          fmt::format("  {:<8} {:>12} {:<5} {}\n", symbol, number_cell(value, 3).text, unit, name)};
+}
+
+Cell iso230_cell(const laser::Iso230& iso, const std::string& file) {
+  const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
+  const auto unit = laser::unit_of(iso.sense);
+  AnswerFields fields{
+      {"file",
+       {file, fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
+                          name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
+                          parked_text(line), iso.targets.size(), compensated_text(line))}},
+      {{}, {json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated), {}}}};
+  for (const LaserQuantity& q : kLaserQuantities)
+    fields.push_back({q.key, quantity_cell(q.symbol, iso.*q.value, unit, q.name)});
+  fields.push_back({"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")});
+  fields.push_back({"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}});
+  fields.push_back({"targets", list_cell(iso.targets, [](const auto& target) {
+                      return Cell{target_json(target), {}};
+                    })});
+  fields.push_back({"notes", lines_cell(iso.notes, "  note: ")});
+  Cell cell{object_of(fields), {}};
+  for (const AnswerField& field : fields) cell.text += field.cell.text;
+  return cell;
 }
 
 Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
-  std::string text;
-  Json lines = Json::array();
+  Cell lines{Json::array(), {}};
   for (const std::string& file : arguments.files) {
     const auto imported = read_with_notes(context, file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
@@ -72,11 +71,11 @@ Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {
     const auto all = laser::iso230_of(imported->set);
     if (!all) return tl::unexpected(all.error());
     for (const laser::Iso230& iso : *all) {
-      text += (text.empty() ? "" : "\n") + iso230_text(iso, file);
-      lines.push_back(iso230_json(iso, file));
+      if (!lines.text.empty()) lines.text += "\n";
+      lines.add(iso230_cell(iso, file));
     }
   }
-  return Outcome{text, one_line(Json{{"lines", std::move(lines)}}), kDone};
+  return outcome_of(record_cell("{lines}", {{"lines", lines}}));
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
 #include "base/date.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/declared_zero.hpp"
 #include "commissioning/maps/findings.hpp"
@@ -99,12 +99,6 @@ struct Built {
   [[nodiscard]] bool complete() const {
     return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
   }
-  [[nodiscard]] std::vector<Component> squares() const {
-    std::vector<Component> out;
-    for (const laser::ComponentOutcome& one : map.outcomes)
-      if (is_squareness(one.component)) out.push_back(one.component);
-    return out;
-  }
 };
 
 /// A file that does not say its axis or sense can be made to, by importing it.
@@ -137,91 +131,66 @@ Result<Built> built(const BuildArguments& arguments) {
   return Built{std::move(*recipe), std::move(*map), parameters->identity, std::move(findings)};
 }
 
-// --- as text
-
-std::string outcomes_text(const Built& b) {
-  std::string text = fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band",
-                                 "most", "slope", "smth", "n");
-  for (const laser::ComponentOutcome& one : b.map.outcomes) {
-    text += fmt::format("{:<4} {:<38} {:<4} {:>6.1f} {:>6.1f} {:>6.1f} {:>5.2f} {:>4}\n", name_of(one.component),
-                        laser::description_of(one.component), unit_of(one.component), one.band, one.largest,
-                        one.slope_um_per_m, one.smoothed_rms, one.points);
-    text +=
-        fmt::format("     from {} ({} readings)\n", fmt::join(files_for(b.recipe, one.component), ", "), one.readings);
-    for (const std::string& note : one.notes) text += fmt::format("     note: {}\n", note);
-  }
-  return text;
+Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
+  const auto files = files_for(b.recipe, one.component);
+  return record_cell(
+      "{component:<4} {description:<38} {unit:<4} {band:>6} {largest:>6} {slope_removed_per_m:>6} {smoothed_rms:>5} "
+      "{points:>4}\n     from {files} ({readings} readings)\n{notes}",
+      {{"component", word_cell(name_of(one.component))},
+       {"description", word_cell(laser::description_of(one.component))},
+       {"unit", word_cell(unit_of(one.component))},
+       {"files", {files, fmt::format("{}", fmt::join(files, ", "))}},
+       {"readings", count_cell(one.readings)},
+       {"band", number_cell(one.band, 1)},
+       {"largest", number_cell(one.largest, 1)},
+       {"slope_removed_per_m", number_cell(one.slope_um_per_m, 1)},
+       {"smoothed_rms", number_cell(one.smoothed_rms, 2)},
+       {"points", count_cell(one.points)},
+       {"notes", lines_cell(one.notes, "     note: ")}});
 }
 
-std::string squareness_text(const Built& b, const BuildArguments& arguments) {
+std::string declared_text(const Built& b) {
   std::string text;
-  for (const Component c : b.squares())
-    text += fmt::format("  compensation.squareness.{}_um_per_m = {:.4f}\n", name_of(c),
-                        squareness_um_per_m(b.map.parameters, c));
-  if (text.empty()) return text;
-  if (!arguments.params_out.empty()) return fmt::format("squareness measured, in {}:\n{}", arguments.params_out, text);
-  return "squareness measured; without --params-out these must go into the parameters by hand:\n" + text;
-}
-
-std::string built_text(const Built& b, const BuildArguments& arguments) {
-  std::string text = outcomes_text(b);
   for (const laser::DeclaredZero& z : b.map.map.header.declared_zero)
     text += fmt::format("{:<4} {}\n     declared zero: {}\n", name_of(z.component), laser::description_of(z.component),
                         z.reason);
-  text +=
-      "band: range of the readings as measured; most: largest compensation; slope:\n"
-      "taken away, per m; smth: rms that smoothing removed; n: points per table\n";
-  for (const std::string& name : b.recipe.unused) text += fmt::format("not used: {}\n", name);
-  for (const std::string& note : b.map.notes) text += fmt::format("note: {}\n", note);
-  text += squareness_text(b, arguments) + findings_text(b.findings) + verdict_text(b.findings);
-  text += arguments.output.empty() ? "nothing written: give -o map.csv to keep it\n"
-                                   : fmt::format("map written to {}\n", arguments.output);
-  if (!arguments.params_out.empty()) text += fmt::format("parameters written to {}\n", arguments.params_out);
   return text;
 }
 
-// --- as JSON
-
-Json outcomes_json(const Built& b) {
-  Json out = Json::array();
+Cell squareness_of(const Built& b, const BuildArguments& arguments) {
+  std::vector<std::pair<Component, double>> values;
   for (const laser::ComponentOutcome& one : b.map.outcomes)
-    out.push_back({{"component", name_of(one.component)},
-                   {"description", laser::description_of(one.component)},
-                   {"unit", unit_of(one.component)},
-                   {"files", files_for(b.recipe, one.component)},
-                   {"readings", one.readings},
-                   {"band", number_or_null(one.band)},
-                   {"largest", number_or_null(one.largest)},
-                   {"slope_removed_per_m", number_or_null(one.slope_um_per_m)},
-                   {"smoothed_rms", number_or_null(one.smoothed_rms)},
-                   {"points", one.points},
-                   {"notes", one.notes}});
-  return out;
+    if (is_squareness(one.component))
+      values.emplace_back(one.component, squareness_um_per_m(b.map.parameters, one.component));
+  return squareness_cell(values, "measured", arguments.params_out);
 }
 
-Json built_json(const Built& b, const BuildArguments& arguments) {
-  Json squareness = Json::object();
-  for (const Component c : b.squares())
-    squareness[fmt::format("{}_um_per_m", name_of(c))] = number_or_null(squareness_um_per_m(b.map.parameters, c));
-  Json missing = Json::array();
-  for (const laser::MapFinding& f : b.findings)
-    if (f.objection) missing.push_back(f.message);
-  return {{"map", text_or_null(arguments.output)},
-          {"params_out", text_or_null(arguments.params_out)},
-          {"recipe", text_or_null(b.recipe.file)},
-          {"complete", b.complete()},
-          {"components", outcomes_json(b)},
-          {"squareness", std::move(squareness)},
-          {"missing", std::move(missing)},
-          {"findings", findings_json(b.findings)},
-          {"unused", b.recipe.unused},
-          {"notes", b.map.notes},
-          {"header", header_json(b.map.map.header)}};
+Cell built_cell(const Built& b, const BuildArguments& arguments) {
+  return record_cell(
+      "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\n"
+      "taken away, per m; smth: rms that smoothing removed; n: points per table\n"
+      "{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
+      {{"map", written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")},
+       {"params_out", written_cell("parameters", arguments.params_out)},
+       {"recipe", text_cell(b.recipe.file)},
+       {"complete", yes_cell(b.complete(), "", "")},
+       {"components", list_cell(
+                          b.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
+                          fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit",
+                                      "band", "most", "slope", "smth", "n"))},
+       {"declared", shown_cell(declared_text(b))},
+       {"squareness", squareness_of(b, arguments)},
+       {"missing", lines_cell(objections_in(b.findings), "")},
+       {"findings", findings_cell(b.findings)},
+       {"verdict", shown_cell(verdict_text(b.findings))},
+       {"unused", lines_cell(b.recipe.unused, "not used: ")},
+       {"notes", lines_cell(b.map.notes, "note: ")},
+       {"header", {header_json(b.map.map.header), {}}}});
 }
 
 Result<void> write(const Built& b, const BuildArguments& arguments) {
   if (!arguments.output.empty())
-    if (const auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
+    if (auto done = write_file(arguments.output, laser::to_map_csv(b.map.map)); !done) return done;
   if (!arguments.params_out.empty())
     return params::write_parameters(arguments.params_out, b.map.parameters, b.identity);
   return {};
@@ -252,7 +221,7 @@ Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
                                      a.params_out, a.zero,    a.customer,     a.engineer, a.date};
   const auto map = map_from_model(context.console, arguments);
   if (!map) return tl::unexpected(map.error());
-  return Outcome{from_model_text(*map, arguments), one_line(from_model_json(*map, arguments)), kDone};
+  return outcome_of(from_model_cell(*map, arguments));
 }
 
 Result<void> enough_given(const BuildArguments& arguments) {
@@ -278,7 +247,7 @@ Result<Outcome> build(VerbContext& context, const BuildArguments& arguments) {
   if (b->map.outcomes.empty() && b->map.map.header.declared_zero.empty()) return tl::unexpected(nothing_built(*b));
   if (const auto written = write(*b, arguments); !written) return tl::unexpected(written.error());
   warn_about_header(context, *b);
-  return Outcome{built_text(*b, arguments), one_line(built_json(*b, arguments)), kDone};
+  return outcome_of(built_cell(*b, arguments));
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/maps/prepared_map.hpp"
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -40,20 +40,18 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
       send_map(unit->client(), *ready, arguments.file, arguments.other_machine, {}, progress_bar(context, "map"));
   context.console.end_progress();
   if (!sent) return tl::unexpected(sent.error());
-  const std::string check = fmt::format("{:08X}", sent->check);
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
-  const Json object{{"map", arguments.file},
-                    {"bytes", sent->report.bytes},
-                    {"seconds", number_or_null(sent->seconds)},
-                    {"check", check},
-                    {"verified", true},
-                    {"commit_sequence", sent->report.commit_sequence},
-                    {"serial_number", text_or_null(sent->identity.serial_number)},
-                    {"notes", ready->image.notes}};
-  return Outcome{
-      fmt::format("{} sent to unit {} and verified: {} bytes in {:.1f} s, block check {}, commit {}", arguments.file,
-                  sent->identity.serial_number, sent->report.bytes, sent->seconds, check, sent->report.commit_sequence),
-      one_line(object), kDone, true};
+  return finished_outcome_of(record_cell(
+      "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, commit "
+      "{commit_sequence}",
+      {{"map", word_cell(arguments.file)},
+       {"bytes", count_cell(sent->report.bytes)},
+       {"seconds", number_cell(sent->seconds, 1)},
+       {"check", word_cell(fmt::format("{:08X}", sent->check))},
+       {"verified", yes_cell(true, "", "")},
+       {"commit_sequence", count_cell(sent->report.commit_sequence)},
+       {"serial_number", text_cell(sent->identity.serial_number)},
+       {"notes", lines_cell(ready->image.notes, "")}}));
 }
 
 }  // namespace

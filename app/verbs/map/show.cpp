@@ -5,7 +5,7 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/map/map_source.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/plot/curves.hpp"
@@ -72,13 +72,10 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   Json object{{"map", found->name}, {"header", header_json(found->map.header)}, {"tables", Json::array()}};
   for (const laser::MapTable& table : tables) object["tables"].push_back(table_json(table, only->has_value()));
   std::string text = header_view(found->map.header) + "\n" + tables_text(tables);
-  object["findings"] = nullptr;
-  if (*findings) {
-    object["findings"] = findings_json(**findings);
-    text += (*findings)->empty() ? "no findings\n" : findings_text(**findings);
-  } else {
-    text += "not checked: give --params for the objections to sending it\n";
-  }
+  Cell checked = null_cell("not checked: give --params for the objections to sending it\n");
+  if (*findings) checked = findings_cell(**findings);
+  object["findings"] = checked.json;
+  text += *findings && (*findings)->empty() ? "no findings\n" : checked.text;
   if (!arguments.plot.empty()) {
     const std::string title = fmt::format("Error map of {}: compensation",
                                           found->map.header.machine.empty() ? found->name : found->map.header.machine);

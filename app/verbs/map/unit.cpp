@@ -4,12 +4,12 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/map/map_source.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "commissioning/maps/sent.hpp"
 #include "commissioning/maps/view.hpp"
+#include "commissioning/unit/parameters_view.hpp"
 #include "laser/map/csv.hpp"
-#include "params/diff.hpp"
 
 namespace ecs::app {
 namespace {
@@ -43,20 +43,39 @@ struct VerifyArguments : VerbArguments {
   const Access access = uses_link();
 };
 
-Json difference_json(const MapDifference& d) {
-  return {{"component", d.component ? Json(name_of(*d.component)) : Json(nullptr)},
-          {"approach", d.component ? Json(word_for(d.approach)) : Json(nullptr)},
-          {"position_mm", number_or_null(d.position_mm)},
-          {"expected", number_or_null(d.expected)},
-          {"found", number_or_null(d.found)},
-          {"message", d.message}};
+Cell difference_cell(const MapDifference& d) {
+  return record_cell("{message}\n", {{"component", d.component ? word_cell(name_of(*d.component)) : null_cell()},
+                                     {"approach", d.component ? word_cell(word_for(d.approach)) : null_cell()},
+                                     {"position_mm", {number_or_null(d.position_mm), {}}},
+                                     {"expected", {number_or_null(d.expected), {}}},
+                                     {"found", {number_or_null(d.found), {}}},
+                                     {"message", word_cell(d.message)}});
 }
 
-std::string differences_text(const std::vector<MapDifference>& differences) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(differences.size(), kMostShown); ++i) text += differences[i].message + "\n";
-  if (differences.size() > kMostShown) text += fmt::format("… and {} more\n", differences.size() - kMostShown);
-  return text;
+/// All in JSON, the first in the text.
+Cell places_cell(const std::vector<MapDifference>& differences) {
+  Cell list{Json::array(), {}};
+  for (const MapDifference& difference : differences) {
+    Cell one = difference_cell(difference);
+    if (list.json.size() >= kMostShown) one.text.clear();
+    list.add(one);
+  }
+  if (differences.size() > kMostShown) list.text += fmt::format("… and {} more\n", differences.size() - kMostShown);
+  return list;
+}
+
+Cell largest_cell(const std::optional<LargestDifference>& largest) {
+  if (!largest) return null_cell();
+  return record_cell(
+      "largest difference from the curves of the file: {difference} {unit} ({component} {approach} at {position_mm} "
+      "mm)\n",
+      {{"component", word_cell(name_of(largest->component))},
+       {"approach", word_cell(word_for(largest->approach))},
+       {"position_mm", {number_or_null(largest->position_mm), fmt::format("{:.6g}", largest->position_mm)}},
+       {"expected", {number_or_null(largest->expected), {}}},
+       {"found", {number_or_null(largest->found), {}}},
+       {"difference", shown_cell(fmt::format("{:.3f}", largest->difference()))},
+       {"unit", shown_cell(std::string(unit_of(largest->component)))}});
 }
 
 Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
@@ -65,29 +84,16 @@ Result<Outcome> verify(VerbContext& context, const VerifyArguments& arguments) {
   if (!found) return tl::unexpected(found.error());
   const auto verdict = verdict_on(*found, arguments.file, arguments.params);
   if (!verdict) return tl::unexpected(verdict.error());
-  const auto& differences = verdict->differences;
-  const auto& of_parameters = verdict->parameters;
-  const bool same = verdict->same();
-  Json object{{"map", arguments.file}, {"same", same}, {"differences", Json::array()}, {"parameters", Json::array()}};
-  for (const MapDifference& d : differences) object["differences"].push_back(difference_json(d));
-  for (const params::Difference& d : of_parameters)
-    object["parameters"].push_back({{"key", d.key}, {"unit", text_or_null(d.unit)}, {"expected", d.a}, {"found", d.b}});
-  std::string text = differences_text(differences) + params::to_text(of_parameters, "file", "unit");
-  object["largest_difference"] = nullptr;
-  if (const auto& largest = verdict->largest) {
-    object["largest_difference"] = {{"component", name_of(largest->component)},
-                                    {"approach", word_for(largest->approach)},
-                                    {"position_mm", largest->position_mm},
-                                    {"expected", largest->expected},
-                                    {"found", largest->found}};
-    text += fmt::format("largest difference from the curves of the file: {:.3f} {} ({} {} at {:.6g} mm)\n",
-                        largest->difference(), unit_of(largest->component), name_of(largest->component),
-                        word_for(largest->approach), largest->position_mm);
-  }
-  text += same ? fmt::format("the unit holds {}", arguments.file)
-               : fmt::format("the unit does not hold {}: {} differences", arguments.file,
-                             differences.size() + of_parameters.size());
-  return Outcome{text, one_line(object), same ? kDone : kDoesNotHold};
+  const std::size_t count = verdict->differences.size() + verdict->parameters.size();
+  return outcome_of(
+      record_cell("{differences}{parameters}{largest_difference}{same}",
+                  {{"map", word_cell(arguments.file)},
+                   {"same", yes_cell(verdict->same(), fmt::format("the unit holds {}", arguments.file),
+                                     fmt::format("the unit does not hold {}: {} differences", arguments.file, count))},
+                   {"differences", places_cell(verdict->differences)},
+                   {"parameters", differences_cell(verdict->parameters, "expected", "found", "file", "unit")},
+                   {"largest_difference", largest_cell(verdict->largest)}}),
+      verdict->same() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -63,10 +63,11 @@ Result<Outcome> compare(VerbContext& context, const CompareArguments& arguments)
   if (!a) return tl::unexpected(a.error());
   const auto b = dump_from(context, arguments.b);
   if (!b) return tl::unexpected(b.error());
-  Cell found{Json::array(), {}};
-  for (const auto& [what, in_a, in_b] : differences(*a, *b))
-    found.add(record_cell("{what}: A {a} | B {b}\n",
-                          {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}}));
+  Cell found = list_cell(differences(*a, *b), [](const auto& one) {
+    const auto& [what, in_a, in_b] = one;
+    return record_cell("{what}: A {a} | B {b}\n",
+                       {{"what", word_cell(what)}, {"a", word_cell(in_a)}, {"b", word_cell(in_b)}});
+  });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";
   const Cell damage_a = damage_cell("A", arguments.a, *a), damage_b = damage_cell("B", arguments.b, *b);

@@ -5,8 +5,8 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/numbers.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/decode.hpp"
@@ -106,8 +106,9 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteArguments& argument
   if (!unit) return tl::unexpected(unit.error());
   if (auto written = unit->client().write_memory(*address, *bytes, progress_bar(context, "memory")); !written)
     return tl::unexpected(written.error());
-  return Outcome{fmt::format("{} bytes written from {} on", bytes->size(), hex_address(*address)),
-                 one_line(Json{{"address", hex_address(*address)}, {"length", bytes->size()}}), kDone};
+  return outcome_of(
+      record_cell("{length} bytes written from {address} on",
+                  {{"address", word_cell(hex_address(*address))}, {"length", count_cell(bytes->size())}}));
 }
 
 // --- dump
@@ -125,15 +126,16 @@ Result<Outcome> dump_memory(VerbContext& context, const DumpArguments& arguments
   if (!dump) return tl::unexpected(dump.error());
   if (auto written = write_file(arguments.output, to_bytes(*dump)); !written) return tl::unexpected(written.error());
   std::size_t bytes = 0;
-  Json regions = Json::array();
-  for (const DumpRegion& region : dump->regions) {
-    bytes += region.bytes.size();
-    regions.push_back(
-        {{"name", region.name}, {"address", hex_address(region.address)}, {"bytes", region.bytes.size()}});
-  }
-  return Outcome{fmt::format("{} bytes of unit {} written to {}; `ecs memory show {}` decodes it", bytes,
-                             dump->serial_number, arguments.output, arguments.output),
-                 one_line(Json{{"file", arguments.output}, {"bytes", bytes}, {"regions", regions}}), kDone};
+  for (const DumpRegion& region : dump->regions) bytes += region.bytes.size();
+  return outcome_of(record_cell("{bytes} bytes of unit {unit} written to {file}; `ecs memory show {file}` decodes it",
+                                {{"file", word_cell(arguments.output)},
+                                 {"unit", shown_cell(dump->serial_number)},
+                                 {"bytes", count_cell(bytes)},
+                                 {"regions", list_cell(dump->regions, [](const DumpRegion& region) {
+                                    return record_cell({}, {{"name", word_cell(region.name)},
+                                                            {"address", word_cell(hex_address(region.address))},
+                                                            {"bytes", count_cell(region.bytes.size())}});
+                                  })}}));
 }
 
 // --- load
@@ -174,13 +176,12 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
       return tl::unexpected(std::move(*refused));
   const auto report = send_image(unit->client(), *image, progress_bar(context, "image"));
   if (!report) return tl::unexpected(report.error());
-  return Outcome{fmt::format("parameters and map of {} sent and verified: {} bytes, commit {}", arguments.file,
-                             report->bytes, report->commit_sequence),
-                 one_line(Json{{"file", arguments.file},
-                               {"bytes", report->bytes},
-                               {"commit_sequence", report->commit_sequence},
-                               {"verified", true}}),
-                 kDone, true};
+  return finished_outcome_of(
+      record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
+                  {{"file", word_cell(arguments.file)},
+                   {"bytes", count_cell(report->bytes)},
+                   {"commit_sequence", count_cell(report->commit_sequence)},
+                   {"verified", yes_cell(true, "", "")}}));
 }
 
 }  // namespace

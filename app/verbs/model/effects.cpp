@@ -48,8 +48,7 @@ Cell explained(std::string_view value, std::string_view begin) {
 }
 
 AnswerFields fields_of(const EffectDefinition& effect) {
-  Cell parameters{Json::array(), {}};
-  for (const ParameterDefinition& parameter : effect.parameters) parameters.add(parameter_cell(parameter));
+  Cell parameters = list_cell(effect.parameters, parameter_cell);
   const std::string_view carrier = word_for(effect.carrier);
   return {{"effect", word_cell(effect.id)},
           {"title", word_cell(effect.title)},

@@ -40,10 +40,9 @@ Cell effect_cell(const EffectFit& effect) {
 
 Cell effects_cell(const Fit& fit) {
   if (fit.effects.empty()) return {Json::array(), ""};
-  Cell list{Json::array(), fmt::format("\n{} {:>13} {:>13}  {:<13} {:>8}\n", padded("effect and parameter", 28),
-                                       "value", "sigma", "unit", "rms [um]")};
-  for (const EffectFit& effect : fit.effects) list.add(effect_cell(effect));
-  return list;
+  return list_cell(fit.effects, effect_cell,
+                   fmt::format("\n{} {:>13} {:>13}  {:<13} {:>8}\n", padded("effect and parameter", 28), "value",
+                               "sigma", "unit", "rms [um]"));
 }
 
 /// All strong correlations as JSON; the strongest as text, and how many more there are.
@@ -130,8 +129,7 @@ model::Model with_start(const ModelWork& work, const Fit& fit) {
 
 Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
   if (!arguments.output.empty())
-    if (const auto kept = keep_model(arguments.output, with_start(work, fit), arguments.common.model); !kept)
-      return kept;
+    if (auto kept = keep_model(arguments.output, with_start(work, fit), arguments.common.model); !kept) return kept;
   if (arguments.plot.empty()) return {};
   return write_plot(
       arguments.plot,

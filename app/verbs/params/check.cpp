@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
@@ -15,12 +15,14 @@ struct CheckArguments : VerbArguments {
   const std::string& machine = text("--machine", "machine file to compare with");
 };
 
-Json findings_json(const std::vector<params::Finding>& findings) {
-  Json out = Json::array();
-  for (const params::Finding& finding : findings)
-    out.push_back(
-        {{"severity", params::name_of(finding.severity)}, {"keys", finding.keys}, {"message", finding.message}});
-  return out;
+Cell findings_cell(const std::vector<params::Finding>& findings, const std::string& file) {
+  Cell list = list_cell(findings, [](const params::Finding& finding) {
+    return record_cell({}, {{"severity", word_cell(params::name_of(finding.severity))},
+                            {"keys", lines_cell(finding.keys, "")},
+                            {"message", word_cell(finding.message)}});
+  });
+  list.text = findings.empty() ? fmt::format("{}: sound", file) : params::to_text(findings);
+  return list;
 }
 
 Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments) {
@@ -36,15 +38,13 @@ Result<Outcome> check_file(VerbContext& context, const CheckArguments& arguments
   std::vector<params::Finding> findings = params::check_file(*file);
   for (params::Finding& finding : params::check(file->parameters, machine ? &*machine : nullptr))
     findings.push_back(std::move(finding));
-  const bool sound = !params::has_errors(findings);
-  Json object{{"file", arguments.file},
-              {"sound", sound},
-              {"findings", findings_json(findings)},
-              {"defaulted", file->defaulted}};
-  std::string text = params::to_text(findings);
-  if (text.empty()) text = fmt::format("{}: sound", arguments.file);
-  for (const std::string& taken : params::defaults_taken(*file)) text += "\n" + taken;
-  return Outcome{text, one_line(object), findings.empty() ? kDone : kDoesNotHold};
+  std::string taken;
+  for (const std::string& line : params::defaults_taken(*file)) taken += "\n" + line;
+  return outcome_of(record_cell("{findings}{defaulted}", {{"file", word_cell(arguments.file)},
+                                                          {"sound", yes_cell(!params::has_errors(findings), "", "")},
+                                                          {"findings", findings_cell(findings, arguments.file)},
+                                                          {"defaulted", {file->defaulted, taken}}}),
+                    findings.empty() ? kDone : kDoesNotHold);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/check.hpp"
@@ -49,17 +49,15 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   if (arguments.unit) return show_unit(context);
   const auto file = params::read_parameters(arguments.file);
   if (!file) return tl::unexpected(file.error());
-  std::string text = table_of(file->parameters);
-  if (!file->identity.machine.empty() || !file->identity.serial_number.empty())
-    text = fmt::format("machine {}, serial number {}\n\n", file->identity.machine, file->identity.serial_number) + text;
-  const Json identity{{"machine", text_or_null(file->identity.machine)},
-                      {"serial_number", text_or_null(file->identity.serial_number)}};
-  return Outcome{text,
-                 one_line(Json{{"file", arguments.file},
-                               {"identity", identity},
-                               {"parameters", json_of(file->parameters)},
-                               {"defaulted", file->defaulted}}),
-                 kDone};
+  const auto& [machine, serial_number] = file->identity;
+  const bool named = !machine.empty() || !serial_number.empty();
+  const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
+                                    {{"machine", text_cell(machine)}, {"serial_number", text_cell(serial_number)}});
+  return outcome_of(
+      record_cell("{identity}{parameters}", {{"file", word_cell(arguments.file)},
+                                             {"identity", identity},
+                                             {"parameters", {json_of(file->parameters), table_of(file->parameters)}},
+                                             {"defaulted", {file->defaulted, {}}}}));
 }
 
 // --- set
@@ -114,16 +112,14 @@ Result<Outcome> set_values(VerbContext& context, const SetArguments& arguments) 
   const std::string output = arguments.output.empty() ? arguments.file : arguments.output;
   if (auto written = params::write_parameters(output, file->parameters, file->identity); !written)
     return tl::unexpected(written.error());
-  Json changed = Json::array();
-  std::string text;
-  for (const params::Difference& difference : params::diff(before, file->parameters)) {
-    changed.push_back({{"key", difference.key}, {"from", difference.a}, {"to", difference.b}});
-    text += fmt::format("{}: {} -> {}{}{}\n", difference.key, difference.a, difference.b,
-                        difference.unit.empty() ? "" : " ", difference.unit);
-  }
-  if (changed.empty()) text = "unchanged: these values stood there already\n";
-  text += fmt::format("written to {}", output);
-  return Outcome{text, one_line(Json{{"file", output}, {"changed", changed}}), kDone};
+  Cell changed = list_cell(params::diff(before, file->parameters), [](const params::Difference& d) {
+    return record_cell("{key}: {from} -> {to}{unit}\n", {{"key", word_cell(d.key)},
+                                                         {"from", word_cell(d.a)},
+                                                         {"to", word_cell(d.b)},
+                                                         {"unit", shown_cell(d.unit.empty() ? "" : " " + d.unit)}});
+  });
+  if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
+  return outcome_of(record_cell("{changed}written to {file}", {{"file", word_cell(output)}, {"changed", changed}}));
 }
 
 // --- diff
@@ -139,14 +135,13 @@ Result<Outcome> diff_two(VerbContext& context, const DiffArguments& arguments) {
   const auto b = parameters_from(context, arguments.b);
   if (!b) return tl::unexpected(b.error());
   const auto differences = params::diff(*a, *b);
-  Json list = Json::array();
-  for (const params::Difference& difference : differences)
-    list.push_back(
-        {{"key", difference.key}, {"unit", text_or_null(difference.unit)}, {"a", difference.a}, {"b", difference.b}});
-  std::string text = params::to_text(differences, arguments.a, arguments.b);
-  if (text.empty()) text = "no difference";
-  const Json object{{"a", arguments.a}, {"b", arguments.b}, {"same", differences.empty()}, {"differences", list}};
-  return Outcome{text, one_line(object), differences.empty() ? kDone : kDoesNotHold};
+  Cell list = differences_cell(differences, "a", "b", arguments.a, arguments.b);
+  if (differences.empty()) list.text = "no difference";
+  return outcome_of(record_cell("{differences}", {{"a", word_cell(arguments.a)},
+                                                  {"b", word_cell(arguments.b)},
+                                                  {"same", yes_cell(differences.empty(), "", "")},
+                                                  {"differences", list}}),
+                    differences.empty() ? kDone : kDoesNotHold);
 }
 
 // --- new

@@ -4,7 +4,7 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "commissioning/unit/parameters_view.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -23,20 +23,16 @@ struct SendArguments : VerbArguments {
 };
 
 Outcome sent(const SendArguments& arguments, const SendReport& report, const params::ParametersFile& file) {
-  std::string text = fmt::format("parameters of {} sent and verified: {} bytes, commit {}", arguments.file,
-                                 report.bytes, report.commit_sequence);
-  if (report.map_kept) text += "\nthe map in the unit fits and stays";
-  if (report.map_dropped) text += "\nthe unit has no map now: send one with `ecs map send`";
-  return {text,
-          one_line(Json{{"file", arguments.file},
-                        {"bytes", report.bytes},
-                        {"commit_sequence", report.commit_sequence},
-                        {"verified", true},
-                        {"defaulted", file.defaulted},
-                        {"map_kept", report.map_kept},
-                        {"map_dropped", report.map_dropped},
-                        {"map_objections", report.map_objections}}),
-          kDone, true};
+  return finished_outcome_of(record_cell(
+      "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
+      {{"file", word_cell(arguments.file)},
+       {"bytes", count_cell(report.bytes)},
+       {"commit_sequence", count_cell(report.commit_sequence)},
+       {"verified", yes_cell(true, "", "")},
+       {"defaulted", lines_cell(file.defaulted, "")},
+       {"map_kept", yes_cell(report.map_kept, "\nthe map in the unit fits and stays", "")},
+       {"map_dropped", yes_cell(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", "")},
+       {"map_objections", lines_cell(report.map_objections, "")}}));
 }
 
 Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {

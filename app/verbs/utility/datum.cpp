@@ -6,9 +6,9 @@
 #include "app/cli/axis_argument.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
+#include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "commissioning/unit/datum_recording.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
@@ -19,44 +19,43 @@ using std::chrono::milliseconds;
 
 milliseconds in_ms(double seconds) { return milliseconds(static_cast<long long>(seconds * 1000.0)); }
 
-Json recording_json(const DatumRecording& recording) {
-  Json events = Json::array();
-  for (const DatumEvent& event : events_of(recording))
-    events.push_back({{"what", event.what},
-                      {"time_s", number_or_null(event.time_s)},
-                      {"position_mm", number_or_null(event.position_mm)},
-                      {"speed_mm_min", number_or_null(event.speed_mm_min)}});
-  return Json{{"axis", std::string(1, letter_of(recording.axis))},
-              {"taken", text_or_null(recording.taken)},
-              {"serial_number", text_or_null(recording.serial_number)},
-              {"samples", recording.samples.size()},
-              {"sample_period_us", number_or_null(recording.sample_period_us)},
-              {"um_per_count", number_or_null(recording.um_per_count)},
-              {"events", events}};
+Cell event_cell(const DatumEvent& event) {
+  return record_cell("{time_s:>8} {position_mm:>12} {speed_mm_min:>15}  {what}\n",
+                     {{"what", word_cell(event.what)},
+                      {"time_s", number_cell(event.time_s, 3)},
+                      {"position_mm", number_cell(event.position_mm, 4)},
+                      {"speed_mm_min", number_cell(event.speed_mm_min, 1)}});
 }
 
-/// The events, with a long row of markers cut to its first and last.
-std::string events_text(const std::vector<DatumEvent>& events) {
+/// In the text a long row of markers is cut to its first and last.
+Cell events_cell(const std::vector<DatumEvent>& events) {
   const auto is_marker = [&](std::size_t i) { return i < events.size() && events[i].what == "marker"; };
-  std::string text;
+  Cell list{Json::array(), "  time/s  position/mm  speed/(mm/min)  event\n"};
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < events.size(); ++i) {
+    const Cell event = event_cell(events[i]);
     if (i > 0 && is_marker(i - 1) && is_marker(i) && is_marker(i + 1)) {
       ++left_out;
+      list.json.push_back(event.json);
       continue;
     }
-    if (left_out > 0) text += fmt::format("{:>8} {:>12} {:>15}  {} more markers\n", "", "", "", left_out);
+    if (left_out > 0) list.text += fmt::format("{:>8} {:>12} {:>15}  {} more markers\n", "", "", "", left_out);
     left_out = 0;
-    text += fmt::format("{:>8.3f} {:>12.4f} {:>15.1f}  {}\n", events[i].time_s, events[i].position_mm,
-                        events[i].speed_mm_min, events[i].what);
+    list.add(event);
   }
-  return text;
+  return list;
 }
 
-std::string recording_text(const DatumRecording& recording) {
-  return fmt::format("axis {}, {} samples every {} us\n\n{}\n  time/s  position/mm  speed/(mm/min)  event\n{}",
-                     letter_of(recording.axis), recording.samples.size(), recording.sample_period_us,
-                     graph_of(recording), events_text(events_of(recording)));
+Cell recording_cell(const DatumRecording& recording) {
+  return record_cell("axis {axis}, {samples} samples every {sample_period_us} us\n\n{graph}\n{events}",
+                     {{"axis", word_cell(std::string(1, letter_of(recording.axis)))},
+                      {"taken", text_cell(recording.taken)},
+                      {"serial_number", text_cell(recording.serial_number)},
+                      {"samples", count_cell(recording.samples.size())},
+                      {"sample_period_us", plain_cell(recording.sample_period_us)},
+                      {"um_per_count", plain_cell(recording.um_per_count)},
+                      {"graph", shown_cell(graph_of(recording))},
+                      {"events", events_cell(events_of(recording))}});
 }
 
 // --- record
@@ -90,7 +89,7 @@ Result<Outcome> record(VerbContext& context, const RecordArguments& arguments) {
       return tl::unexpected(written.error());
     context.console.note(fmt::format("record written to {}", arguments.output));
   }
-  return Outcome{recording_text(*recording), one_line(recording_json(*recording)), kDone};
+  return outcome_of(recording_cell(*recording));
 }
 
 // --- show
@@ -101,7 +100,7 @@ struct ShowArguments : VerbArguments {
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const auto recording = read_recording_file(arguments.file);
   if (!recording) return tl::unexpected(recording.error());
-  return Outcome{recording_text(*recording), one_line(recording_json(*recording)), kDone};
+  return outcome_of(recording_cell(*recording));
 }
 
 // --- test
@@ -130,19 +129,20 @@ Result<Outcome> test(VerbContext& context, const TestArguments& arguments) {
   if (!identity) return tl::unexpected(identity.error());
   const auto axes = axes_to_test(arguments.axes, *identity);
   if (!axes) return tl::unexpected(axes.error());
-  Json list = Json::array();
-  std::string text;
+  Cell list{Json::array(), {}};
   bool all_passed = true;
   for (const Axis axis : *axes) {
-    ask_to_reference(context, *unit, fmt::format("axis {}", letter_of(axis)));
+    const std::string letter(1, letter_of(axis));
+    ask_to_reference(context, *unit, "axis " + letter);
     const auto one = test_datum_of(unit->client(), axis, in_ms(arguments.wait_s));
     if (!one) return tl::unexpected(one.error());
     all_passed = all_passed && one->passed;
-    text += fmt::format("axis {}: {}\n", letter_of(axis), one->passed ? "datum found" : one->message);
-    list.push_back(
-        {{"axis", std::string(1, letter_of(axis))}, {"passed", one->passed}, {"message", text_or_null(one->message)}});
+    list.add(record_cell("axis {axis}: {passed}\n", {{"axis", word_cell(letter)},
+                                                     {"passed", yes_cell(one->passed, "datum found", one->message)},
+                                                     {"message", text_cell(one->message)}}));
   }
-  return Outcome{text, one_line(Json{{"passed", all_passed}, {"axes", list}}), all_passed ? kDone : kDoesNotHold};
+  return outcome_of(record_cell("{axes}", {{"passed", yes_cell(all_passed, "", "")}, {"axes", list}}),
+                    all_passed ? kDone : kDoesNotHold);
 }
 
 }  // namespace
