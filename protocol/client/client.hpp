@@ -62,6 +62,8 @@ class UnitClient {
   [[nodiscard]] Result<void> set_axis_position(Axis axis, double position_mm);
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
   [[nodiscard]] Result<void> output_off();
+  /// What is written to axis memory, committed and abandoned afterwards belongs to this staging; the unit refuses it
+  /// as soon as another one has begun or ended.
   [[nodiscard]] Result<Address> begin_staging(bool copy_active);
   [[nodiscard]] Result<void> abandon_staged();
   [[nodiscard]] Result<CommandResult> test_datum(Axis axis, std::chrono::milliseconds limit,
@@ -125,6 +127,7 @@ class UnitClient {
   std::string serial_number_;   ///< of the unit that answered first: no other one is sent a map
   std::uint16_t sequence_ = 0;  ///< 0: not yet known
   std::uint16_t window_tag_ = 0;
+  std::uint32_t token_ = 0;  ///< of the staging that was begun last
 };
 
 }  // namespace ecs::protocol

@@ -168,10 +168,17 @@ Result<void> UnitClient::output_off() {
 Result<Address> UnitClient::begin_staging(bool copy_active) {
   Command command = command_of(CommandCode::begin_staging);
   command.copy_active = copy_active;
-  return run(command, kStagingLimit).map([](const CommandResult& result) { return Address{result.value}; });
+  return run(command, kStagingLimit).map([this](const CommandResult& result) {
+    token_ = result.token;
+    return Address{result.value};
+  });
 }
 
-Result<void> UnitClient::abandon_staged() { return run_plain(command_of(CommandCode::abandon_staged), kShortLimit); }
+Result<void> UnitClient::abandon_staged() {
+  Command command = command_of(CommandCode::abandon_staged);
+  command.token = token_;
+  return run_plain(command, kShortLimit);
+}
 
 Result<CommandResult> UnitClient::test_datum(Axis axis, std::chrono::milliseconds limit, const CommandCallback& busy) {
   return run(command_of(CommandCode::test_datum, axis), limit, busy);

@@ -147,6 +147,7 @@ Result<void> UnitClient::commit_staged(const UnitStatus& before, std::uint32_t l
   command.code = CommandCode::commit_staged;
   command.length = length;
   command.crc = crc;
+  command.token = token_;
   auto done = run(command, kCommitLimit);
   const bool cancelled = link_.cancelled();
   link_.heed_cancel(false);  // what follows is short and says which map is active

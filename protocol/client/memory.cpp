@@ -39,7 +39,7 @@ class Meter {
 };
 
 Registers block_registers(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> bytes) {
-  Registers registers{window.tag, number, block_check(window.tag, number, bytes)};
+  Registers registers{window.tag, number, block_check(window, number, bytes)};
   const Registers payload = packed(bytes);
   registers.insert(registers.end(), payload.begin(), payload.end());
   return registers;
@@ -85,8 +85,8 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window, bool open) {
       open ? link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck) : link_.ask(kEcho, Registers{0}, kWindowAck);
   auto ack = registers.and_then([](const Registers& block) { return window_ack_in(block); });
   if (!ack) return ack;
-  if (ack->tag != window.tag || ack->address != window.address || ack->length != window.length)
-    return problem(ProblemKind::link, "the unit has lost the transfer; it was restarted, or another host uses it");
+  const bool ours = ack->tag == window.tag && ack->address == window.address && ack->length == window.length;
+  if (!ours) ack->error = UnitError::token_expired;
   if (ack->error != UnitError::none)
     return problem(ProblemKind::refused,
                    fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address, text_of(ack->error)));
@@ -116,7 +116,8 @@ Result<void> UnitClient::write_window(Address address, std::span<const std::uint
                                       const std::function<void(std::size_t)>& sent) {
   if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
   if (++window_tag_ == 0) ++window_tag_;
-  const WindowOpen window{window_tag_, address, static_cast<std::uint32_t>(bytes.size())};
+  const WindowOpen window{window_tag_, address, static_cast<std::uint32_t>(bytes.size()),
+                          in_axis_memory(address) ? token_ : 0};
   auto ack = ask_ack(window, true);
   int fruitless = 0;
   while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks_in(window.length)) {

@@ -8,7 +8,7 @@
 namespace ecs::protocol {
 
 /// Raised when a field moves or changes its meaning; the host refuses to talk to another version.
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 
 /// A run of 16-bit registers. Numbers go high word first: 32 bits = 2 registers, 64 bits = 4. A real number is the
 /// IEEE 754 double as 64 bits, always. Text is two characters a register, the first in the high byte, zero-padded.
@@ -27,7 +27,7 @@ struct Block {
 // and reads an answer in one transaction (function 23) can tell a late reply from the one it waits for.
 inline constexpr Block kEcho{0x0000, 1};          ///< echo alone: before a plain answer block
 inline constexpr Block kReadSelect{0x0010, 4};    ///< echo, address (2), bytes
-inline constexpr Block kWindowOpen{0x0020, 6};    ///< echo, tag, address (2), bytes (2)
+inline constexpr Block kWindowOpen{0x0020, 8};    ///< echo, tag, address (2), bytes (2), token (2)
 inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 8 arguments
 inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
 
@@ -36,7 +36,7 @@ inline constexpr Block kIdentity{0x0100, 32};
 inline constexpr Block kStatus{0x0180, 58};
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
-inline constexpr Block kCommandResult{0x0300, 47};
+inline constexpr Block kCommandResult{0x0300, 49};
 inline constexpr Block kWindowAck{0x0380, 13};
 inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
 inline constexpr std::uint16_t kRegisterSpace = 0x0500;  ///< nothing lies at or above

@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "a fault of the unit prevents it; see the unit's status",
     "stopped on request",
     "the unit gave up waiting",
+    "this transfer has ended: another host has begun one or sent a map, or the unit was restarted; send the map again",
 };
 
 constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",

@@ -117,8 +117,9 @@ enum class UnitError : std::uint16_t {
   unit_fault = 12,      ///< a fault prevents it: see the status
   stopped = 13,         ///< ended by `stop`
   time_out = 14,        ///< the unit gave up waiting: see the text
+  token_expired = 15,   ///< the staging that this token named has ended
 };
-inline constexpr std::uint16_t kUnitErrorCount = 15;
+inline constexpr std::uint16_t kUnitErrorCount = 16;
 /// In plain words, with what to do.
 [[nodiscard]] std::string_view text_of(UnitError error) noexcept;
 
@@ -130,13 +131,13 @@ enum class CommandCode : std::uint16_t {
   set_axis_position = 3,    ///< axis, position_mm
   output_compensation = 4,  ///< axis, output_um, relay_on
   output_off = 5,           ///< every output 0, every relay open
-  begin_staging = 6,        ///< copy_active; result value = first address of the bank to write
-  commit_staged = 7,        ///< length, crc
-  abandon_staged = 8,
-  test_datum = 9,          ///< axis; ends when the sequence is done, failed or stopped
-  record_datum = 10,       ///< axis; result value = address of the record, read with read_memory
-  run_user_software = 11,  ///< address, argument; result value = what it returned
-  run_ram_test = 12,       ///< result value = first failing address, kUnused if none
+  begin_staging = 6,        ///< copy_active; result value = first address of the bank to write, and the token
+  commit_staged = 7,        ///< length, crc, token
+  abandon_staged = 8,       ///< token
+  test_datum = 9,           ///< axis; ends when the sequence is done, failed or stopped
+  record_datum = 10,        ///< axis; result value = address of the record, read with read_memory
+  run_user_software = 11,   ///< address, argument; result value = what it returned
+  run_ram_test = 12,        ///< result value = first failing address, kUnused if none
   clear_fault = 13,
   reset_unit = 14,    ///< answered `done` before the unit restarts
   check_memory = 15,  ///< address, length; result value = CRC-32 over that memory
@@ -157,7 +158,8 @@ struct Command {
   Address address = 0;
   std::uint32_t argument = 0;
   std::uint32_t length = 0;
-  std::uint32_t crc = 0;  ///< CRC-32 (IEEE 802.3)
+  std::uint32_t crc = 0;    ///< CRC-32 (IEEE 802.3)
+  std::uint32_t token = 0;  ///< of the staging
   friend bool operator==(const Command&, const Command&) = default;
 };
 
@@ -170,6 +172,7 @@ struct CommandResult {
   std::uint16_t per_mille = 0;  ///< how far a busy command is, if the unit knows
   std::uint32_t value = 0;      ///< see CommandCode
   std::string text;             ///< up to 80 characters, shown to the user
+  std::uint32_t token = 0;      ///< of the staging that was begun
   friend bool operator==(const CommandResult&, const CommandResult&) = default;
 };
 
@@ -178,6 +181,7 @@ struct WindowOpen {
   std::uint16_t tag = 0;  ///< 0: no window
   Address address = 0;
   std::uint32_t length = 0;  ///< 1 … kWindowBytes
+  std::uint32_t token = 0;   ///< of the staging that it belongs to; 0 outside axis memory
   friend bool operator==(const WindowOpen&, const WindowOpen&) = default;
 };
 

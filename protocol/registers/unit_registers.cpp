@@ -106,7 +106,10 @@ void arguments(Pass& pass, T& command) {
       return pass.flag(command.copy_active, "copy");
     case CommandCode::commit_staged:
       pass.number(command.length, "length");
-      return pass.number(command.crc, "CRC");
+      pass.number(command.crc, "CRC");
+      return pass.number(command.token, "token");
+    case CommandCode::abandon_staged:
+      return pass.number(command.token, "token");
     case CommandCode::test_datum:
     case CommandCode::record_datum:
       return pass.one_of(command.axis, kAxes, "axis");
@@ -136,6 +139,7 @@ void fields(Pass& pass, T& result) requires std::is_same_v<std::remove_const_t<T
   pass.one_of(result.error, kUnitErrorCount, "error");
   pass.number(result.per_mille, "progress");
   pass.number(result.value, "value");
+  pass.number(result.token, "token");
   pass.text(result.text, kResultTextBytes, "text");
 }
 
@@ -144,6 +148,7 @@ void fields(Pass& pass, T& window) requires std::is_same_v<std::remove_const_t<T
   pass.number(window.tag, "tag");
   pass.number(window.address, "address");
   pass.number(window.length, "length");
+  pass.number(window.token, "token");
 }
 
 template <class Pass, class T>

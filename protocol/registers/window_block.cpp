@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/bytes.hpp"
 #include "protocol/registers/frame_check.hpp"
 #include "protocol/registers/register_map.hpp"
 
@@ -16,9 +17,11 @@ std::size_t bytes_in_block(std::uint32_t length, std::size_t number) {
   return before >= length ? 0 : std::min(kBlockBytes, length - before);
 }
 
-std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(tag >> 8), static_cast<std::uint8_t>(tag & 0xFF),
-                                  static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number & 0xFF)};
+std::uint16_t block_check(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> payload) {
+  std::vector<std::uint8_t> bytes(8);
+  store_big(bytes, 0, window.token);
+  store_big(bytes, 4, window.tag);
+  store_big(bytes, 6, number);
   bytes.insert(bytes.end(), payload.begin(), payload.end());
   return crc16_of(bytes);
 }

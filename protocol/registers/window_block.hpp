@@ -6,13 +6,17 @@
 #include <cstdint>
 #include <span>
 
+#include "protocol/registers/unit_data.hpp"
+
 namespace ecs::protocol {
 
 /// Blocks of a window of `length` bytes.
 [[nodiscard]] std::size_t blocks_in(std::uint32_t length);
 /// Bytes that block `number` (from 0) of a window of `length` bytes carries; 0: no such block.
 [[nodiscard]] std::size_t bytes_in_block(std::uint32_t length, std::size_t number);
-/// The check of a block: CRC-16 (Modbus) over tag and number, high byte first, then the payload bytes.
-[[nodiscard]] std::uint16_t block_check(std::uint16_t tag, std::uint16_t number, std::span<const std::uint8_t> payload);
+/// The check of a block: CRC-16 (Modbus) over the window's token and tag and the block's number, high byte first, then
+/// the payload bytes. A block of another staging does not agree, though its header does not carry the token.
+[[nodiscard]] std::uint16_t block_check(const WindowOpen& window, std::uint16_t number,
+                                        std::span<const std::uint8_t> payload);
 
 }  // namespace ecs::protocol

@@ -16,13 +16,16 @@ void MemoryWindow::open(const WindowOpen& window) {
   received_ = 0;
   if (window.tag == 0 || window.length == 0 || window.length > kWindowBytes)
     error_ = UnitError::bad_argument;
+  else if (in_axis_memory(window.address) && (window.token == 0 || window.token != token_))
+    error_ = UnitError::token_expired;
   else
     error_ = unit_->may_write(window.address, window.length);
 }
 
-void MemoryWindow::close() {
+void MemoryWindow::stage_under(std::uint32_t token) {
+  token_ = token;
   received_ = 0;
-  error_ = UnitError::no_staging;
+  error_ = UnitError::token_expired;
 }
 
 bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
@@ -33,7 +36,7 @@ bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
   const auto payload = registers.subspan(kBlockHeaderRegisters);
   if (tag == 0 || tag != window_.tag || bytes == 0 || payload.size() != (bytes + 1) / 2) return false;
   const auto content = unpacked(payload, bytes);
-  if (block_check(tag, number, content) != registers[2]) return false;
+  if (block_check(window_, number, content) != registers[2]) return false;
   error_ = unit_->write_memory(static_cast<Address>(window_.address + number * kBlockBytes), content);
   if (error_ != UnitError::none) return false;
   received_ |= std::uint64_t{1} << number;

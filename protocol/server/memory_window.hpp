@@ -16,12 +16,14 @@ class MemoryWindow {
  public:
   explicit MemoryWindow(UnitPort& unit) : unit_(&unit) {}
 
-  /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written leaves the
-  /// window closed with the reason in ack().error.
-  void open(const WindowOpen& window);
+  /// From now on axis memory is written only under this token; the window that is open ends, acknowledged as
+  /// `token_expired`. 0: nothing is staged.
+  void stage_under(std::uint32_t token);
+  [[nodiscard]] std::uint32_t token() const { return token_; }
 
-  /// Nothing more is taken until a window is opened anew; acknowledged as `no_staging`.
-  void close();
+  /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written, or not under
+  /// this token, leaves the window closed with the reason in ack().error.
+  void open(const WindowOpen& window);
 
   /// One block: tag, number, check, payload. False: not taken.
   [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
@@ -32,6 +34,7 @@ class MemoryWindow {
   [[nodiscard]] std::uint64_t all_blocks() const;
 
   UnitPort* unit_;
+  std::uint32_t token_ = 0;  ///< of the staging; 0: none
   WindowOpen window_;
   UnitError error_ = UnitError::none;
   std::uint64_t received_ = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <random>
 #include <vector>
 
 #include "base/file.hpp"
@@ -29,10 +30,12 @@ std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
   return std::nullopt;
 }
 
-/// After these a window that was opened before writes into another bank, or into none.
-bool changes_staging(CommandCode code) {
-  return code == CommandCode::begin_staging || code == CommandCode::commit_staged ||
-         code == CommandCode::abandon_staged;
+/// Differs from that of the staging before, and is no token of another unit but by chance.
+std::uint32_t next_token(std::uint32_t before) {
+  std::random_device chance;
+  std::uint32_t token = before;
+  while (token == before || token == 0) token = chance();
+  return token;
 }
 
 }  // namespace
@@ -120,12 +123,25 @@ void RegisterServer::take_command(const Command& command) {
   } else if (port_busy_ && command.code != CommandCode::stop) {
     result_ = {command.sequence, CommandState::refused, UnitError::busy, 0, 0, {}};
   } else {
-    if (changes_staging(command.code)) window_.close();
-    result_ = unit_->begin(command);
+    result_ = begun(command);
     result_.sequence = command.sequence;
     port_busy_ = result_.state == CommandState::busy;
     busy_sequence_ = command.sequence;
   }
+}
+
+/// The unit's answer. A staging ends with the next one, with its commit and when it is abandoned; under another token
+/// than its own it does neither.
+CommandResult RegisterServer::begun(const Command& command) {
+  const bool begins = command.code == CommandCode::begin_staging;
+  const bool ends = command.code == CommandCode::commit_staged || command.code == CommandCode::abandon_staged;
+  if (ends && window_.token() == 0) return {0, CommandState::refused, UnitError::no_staging, 0, 0, {}};
+  if (ends && command.token != window_.token()) return {0, CommandState::refused, UnitError::token_expired, 0, 0, {}};
+  CommandResult result = unit_->begin(command);
+  if (result.state != CommandState::done && result.state != CommandState::busy) return result;
+  if (begins) result.token = next_token(window_.token());
+  if (begins || ends) window_.stage_under(result.token);
+  return result;
 }
 
 CommandResult RegisterServer::check_memory(const Command& command) {

@@ -50,6 +50,7 @@ class RegisterServer : public RegisterHandler {
   void act_on(const Block& block);
   [[nodiscard]] const CommandResult& result_now();
   void take_command(const Command& command);
+  [[nodiscard]] CommandResult begun(const Command& command);
   [[nodiscard]] CommandResult check_memory(const Command& command);
 
   UnitPort* unit_;

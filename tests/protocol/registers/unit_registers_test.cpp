@@ -122,7 +122,8 @@ TEST_CASE("typed values survive the way through registers") {
   CHECK(rc::check("command result", [] {
     const CommandResult value{
         any<std::uint16_t>(), *one_of_first<CommandState>(5), *one_of_first<UnitError>(kUnitErrorCount),
-        any<std::uint16_t>(), any<std::uint32_t>(),           printable(80)};
+        any<std::uint16_t>(), any<std::uint32_t>(),           printable(80),
+        any<std::uint32_t>()};
     RC_ASSERT(command_result_in(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("window and acknowledgement", [] {
@@ -130,7 +131,7 @@ TEST_CASE("typed values survive the way through registers") {
                         any<std::uint32_t>(), any<std::uint32_t>(),
                         any<std::uint64_t>(), any<std::uint32_t>()};
     RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
-    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>()};
+    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>()};
     RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
   }));
   CHECK(rc::check("bytes", [] {
@@ -151,6 +152,7 @@ TEST_CASE("each command carries the arguments that its code names") {
   commit.code = CommandCode::commit_staged;
   commit.length = 70'000;
   commit.crc = 0xDEADBEEF;
+  commit.token = 0x12345678;
   CHECK(command_in(registers_of(commit, 1)).value() == commit);
   Command user;
   user.code = CommandCode::run_user_software;

@@ -26,8 +26,8 @@ TEST_CASE("the bytes of all blocks are the bytes of the window") {
   }
 }
 
-TEST_CASE("the check of a block is the Modbus CRC-16 over tag, number and payload, high byte first") {
+TEST_CASE("the check of a block is the Modbus CRC-16 over token, tag, number and payload, high byte first") {
   // the catalogue of CRCs: CRC-16/MODBUS of "123456789" is 0x4B37
-  const std::vector<std::uint8_t> payload{'5', '6', '7', '8', '9'};
-  CHECK(block_check(0x3132, 0x3334, payload) == 0x4B37);
+  const std::vector<std::uint8_t> payload{'9'};
+  CHECK(block_check({0x3536, 0, 0, 0x31323334}, 0x3738, payload) == 0x4B37);
 }

@@ -14,9 +14,11 @@ using namespace ecs::protocol;
 
 namespace {
 
+constexpr std::uint32_t kToken = 0xA1B2C3D4;
+
 Registers block_of(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& image) {
   const auto part = std::span(image).subspan(number * kBlockBytes, bytes_in_block(window.length, number));
-  Registers registers{window.tag, number, block_check(window.tag, number, part)};
+  Registers registers{window.tag, number, block_check(window, number, part)};
   const auto payload = packed(part);
   registers.insert(registers.end(), payload.begin(), payload.end());
   return registers;
@@ -30,7 +32,8 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
     const auto image = noise_image(length, length);
     UnitModel model;
     MemoryWindow window(model);
-    const WindowOpen open{5, kBankA.first + 100, length};
+    window.stage_under(kToken);
+    const WindowOpen open{5, kBankA.first + 100, length, kToken};
     window.open(open);
     std::vector<std::uint16_t> order;
     for (std::uint16_t n = 0; n < blocks_in(length); ++n) order.insert(order.end(), n % 3 == 0 ? 2 : 1, n);
@@ -49,8 +52,9 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
 TEST_CASE("a block that is not intact, of another window or beyond its end is not taken") {
   UnitModel model;
   MemoryWindow window(model);
+  window.stage_under(kToken);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000};
+  const WindowOpen open{5, kBankA.first, 1000, kToken};
   window.open(open);
   auto flipped = block_of(open, 0, image);
   flipped[50] ^= 0x0100;
@@ -58,11 +62,11 @@ TEST_CASE("a block that is not intact, of another window or beyond its end is no
   auto moved = block_of(open, 0, image);
   moved[1] = 1;
   CHECK_FALSE(window.take(moved));
-  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000}, 0, image)));
+  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kToken}, 0, image)));
   auto cut = block_of(open, 0, image);
   cut.pop_back();
   CHECK_FALSE(window.take(cut));
-  Registers beyond{5, 5, block_check(5, 5, {})};
+  Registers beyond{5, 5, block_check(open, 5, {})};
   CHECK_FALSE(window.take(beyond));
   CHECK(window.ack().received == 0);
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto b) { return b == 0; }));
@@ -71,49 +75,74 @@ TEST_CASE("a block that is not intact, of another window or beyond its end is no
 TEST_CASE("the same tag again keeps what has arrived, a new tag starts afresh") {
   UnitModel model;
   MemoryWindow window(model);
+  window.stage_under(kToken);
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000};
+  const WindowOpen open{5, kBankA.first, 1000, kToken};
   window.open(open);
   CHECK(window.take(block_of(open, 2, image)));
   window.open(open);
   CHECK(window.ack().received == 0b100);
-  window.open({6, kBankA.first, 1000});
+  window.open({6, kBankA.first, 1000, kToken});
   CHECK(window.ack().received == 0);
 }
 
 TEST_CASE("a window onto memory that may not be written stays closed and says why") {
   UnitModel model;
   MemoryWindow window(model);
+  window.stage_under(kToken);
   const auto image = noise_image(1000);
   window.open({5, 0x900000, 1000});
   CHECK(window.ack().error == UnitError::address_unknown);
   CHECK_FALSE(window.take(block_of({5, 0x900000, 1000}, 0, image)));
   model.mode = UnitMode::compensating;
-  window.open({6, kBankA.first, 1000});
+  window.open({6, kBankA.first, 1000, kToken});
   CHECK(window.ack().error == UnitError::not_in_integration_mode);
   model.mode = UnitMode::integration;
-  window.open({7, kBankA.first, kWindowBytes + 1});
+  window.open({7, kBankA.first, kWindowBytes + 1, kToken});
   CHECK(window.ack().error == UnitError::bad_argument);
 }
 
-TEST_CASE("a window that was closed takes nothing more and says that nothing is staged") {
+TEST_CASE("axis memory takes a block only under the token of the staging that goes on") {
+  UnitModel model;
+  MemoryWindow window(model);
+  const auto image = noise_image(1000);
+  const WindowOpen open{5, kBankA.first, 1000, kToken};
+  window.open(open);
+  CHECK(window.ack().error == UnitError::token_expired);
+  window.stage_under(kToken);
+  window.open(open);
+  CHECK(window.take(block_of(open, 0, image)));
+  CHECK_FALSE(window.take(block_of({5, kBankA.first, 1000, kToken + 1}, 1, image)));
+  window.stage_under(kToken + 1);
+  CHECK_FALSE(window.take(block_of(open, 1, image)));
+  CHECK(window.ack().error == UnitError::token_expired);
+  CHECK(window.ack().received == 0);
+  window.open({6, kBankA.first, 1000, 0});
+  CHECK(window.ack().error == UnitError::token_expired);
+}
+
+TEST_CASE("a staging ends with the next one, with its commit and when it is abandoned, and with it its token") {
   UnitModel model;
   RegisterServer server(model);
-  const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000};
-  REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
-  REQUIRE(server.write(kBlockWrite.first, block_of(open, 0, image)).has_value());
-  Command begin;
-  begin.code = CommandCode::begin_staging;
-  begin.sequence = 9;
-  REQUIRE(server.write(kCommand.first, registers_of(begin, 2)).has_value());
-  CHECK_FALSE(server.write(kBlockWrite.first, block_of(open, 1, image)).has_value());
-  const auto ack = server.read(kWindowAck.first, kWindowAck.count).and_then([](const Registers& block) {
-    return tl::expected<WindowAck, ModbusException>(window_ack_in(block).value());
-  });
-  REQUIRE(ack.has_value());
-  CHECK(ack->error == UnitError::no_staging);
-  CHECK(ack->received == 0);
+  const auto give = [&](Command command) {
+    static std::uint16_t sequence = 0;
+    command.sequence = ++sequence;
+    REQUIRE(server.write(kCommand.first, registers_of(command, 0)).has_value());
+    return command_result_in(server.read(kCommandResult.first, kCommandResult.count).value()).value();
+  };
+  const std::uint32_t first = give({.code = CommandCode::begin_staging}).token;
+  const std::uint32_t second = give({.code = CommandCode::begin_staging}).token;
+  CHECK(first != 0);
+  CHECK(second != 0);
+  CHECK(first != second);
+  for (const CommandCode code : {CommandCode::commit_staged, CommandCode::abandon_staged}) {
+    CHECK(give({.code = code, .length = 4, .token = first}).error == UnitError::token_expired);
+    CHECK(give({.code = code, .length = 4}).error == UnitError::token_expired);
+  }
+  CHECK(model.log == std::vector{CommandCode::begin_staging, CommandCode::begin_staging});
+  CHECK(give({.code = CommandCode::commit_staged, .length = 4, .token = second}).error == UnitError::check_mismatch);
+  CHECK(give({.code = CommandCode::abandon_staged, .token = second}).state == CommandState::done);
+  CHECK(give({.code = CommandCode::commit_staged, .token = second}).error == UnitError::no_staging);
 }
 
 TEST_CASE("a command acts only as a whole block, and a late repeat of an earlier one does nothing") {

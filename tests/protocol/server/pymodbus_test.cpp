@@ -33,6 +33,6 @@ c.close()
   CHECK(contains(output.text, "write False"));
   CHECK(contains(output.text, "memory 125"));
   CHECK(contains(output.text, "input [7]"));
-  CHECK(contains(output.text, "both [99, 1]"));
+  CHECK(contains(output.text, "both [99, 2]"));
   CHECK(contains(output.text, "outside 2"));
 }
