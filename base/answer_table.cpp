@@ -1,7 +1,11 @@
 #include "base/answer_table.hpp"
 
+#include <iterator>
+
 #include <fmt/args.h>
 #include <fmt/format.h>
+
+#include "base/paragraph.hpp"
 
 namespace ecs {
 
@@ -19,11 +23,25 @@ Cell yes_cell(bool yes, std::string_view when_true, std::string_view when_false)
 }
 Cell null_cell(std::string_view shown) { return {nullptr, std::string(shown)}; }
 Cell shown_cell(std::string text) { return {Json(Json::value_t::discarded), std::move(text)}; }
+Cell written_cell(std::string_view what, std::string_view file, std::string_view otherwise) {
+  if (file.empty()) return null_cell(otherwise);
+  return {std::string(file), fmt::format("{} written to {}\n", what, file)};
+}
 
 Cell lines_cell(const std::vector<std::string>& lines, std::string_view begin) {
   Cell cell{lines, {}};
   for (const std::string& line : lines) cell.text += fmt::format("{}{}\n", begin, line);
   return cell;
+}
+
+Cell paragraphs_cell(const std::vector<std::string>& paragraphs, std::string_view begin) {
+  Cell cell{paragraphs, {}};
+  for (const std::string& one : paragraphs) cell.text += paragraph(std::string(begin) + one, 0, begin.size());
+  return cell;
+}
+
+void append(AnswerFields& fields, AnswerFields more) {
+  fields.insert(fields.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
 Json object_of(const AnswerFields& fields) {

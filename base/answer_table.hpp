@@ -42,8 +42,13 @@ struct Cell {
 [[nodiscard]] Cell null_cell(std::string_view shown = {});
 /// Shown only; JSON has no such key.
 [[nodiscard]] Cell shown_cell(std::string text);
+/// The file, null where none is written. @param otherwise  the text then; else "map written to map.csv"
+[[nodiscard]] Cell written_cell(std::string_view what, std::string_view file, std::string_view otherwise = {});
 /// A list in JSON, a line each in the text. @param begin  of each line: "note: "
 [[nodiscard]] Cell lines_cell(const std::vector<std::string>& lines, std::string_view begin);
+
+/// A list in JSON, a paragraph each in the text. @param begin  of each paragraph; its other lines begin below its end
+[[nodiscard]] Cell paragraphs_cell(const std::vector<std::string>& paragraphs, std::string_view begin);
 
 /// A cell for each item, below a heading in the text. @param make  the cell of an item
 template <class Items, class Make>
@@ -57,7 +62,8 @@ struct AnswerField {
   std::string_view key;  ///< in JSON and in the layout; empty: the keys of the cell's object take its place
   Cell cell;
 };
-using AnswerFields = std::vector<AnswerField>;
+
+void append(AnswerFields& fields, AnswerFields more);
 
 /// The writer of JSON: an object with the keys in the order of the fields.
 [[nodiscard]] Json object_of(const AnswerFields& fields);

@@ -2,6 +2,8 @@
 // JSON.
 #pragma once
 
+#include <vector>
+
 #include <nlohmann/json_fwd.hpp>
 
 namespace ecs {
@@ -9,6 +11,8 @@ namespace ecs {
 /// Keys stay in the order in which they are written.
 using Json = nlohmann::ordered_json;
 
-struct Cell;  ///< a value, record or list as JSON and as text; answer_table.hpp
+struct Cell;         ///< a value, record or list as JSON and as text; answer_table.hpp
+struct AnswerField;  ///< a cell and its key
+using AnswerFields = std::vector<AnswerField>;
 
 }  // namespace ecs

@@ -133,11 +133,4 @@ std::vector<std::string> left_from_before(const std::string& folder, const std::
   return left;
 }
 
-std::string to_text(const std::vector<WrittenFile>& files) {
-  std::string text;
-  for (const WrittenFile& file : files)
-    text += fmt::format("{}: {}\n", file.replaced ? "replaced" : "written", file.path);
-  return text;
-}
-
 }  // namespace ecs::commissioning

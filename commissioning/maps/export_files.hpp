@@ -31,7 +31,4 @@ struct WrittenFile {
                                                         const std::vector<WrittenFile>& written,
                                                         const std::function<bool(std::string_view)>& is_ours);
 
-/// "written: a.comp" or "replaced: a.comp", a line each.
-[[nodiscard]] std::string to_text(const std::vector<WrittenFile>& files);
-
 }  // namespace ecs::commissioning

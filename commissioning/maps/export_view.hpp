@@ -1,5 +1,4 @@
-// An export as text and JSON: tables, what to set, what stays behind, what is left over.
-// Only for .cpp files (heavy header).
+// An export as text and JSON: tables, what to set, what is not carried, what is left over.
 #pragma once
 
 #include <string>
@@ -21,7 +20,11 @@ struct ExportReport {
   std::string output_hint;           ///< how to have it written
 };
 
-[[nodiscard]] std::string export_text(const ExportReport& report);
-[[nodiscard]] Json json_of(const ExportReport& report);
+[[nodiscard]] Cell export_cell(const ExportReport& report);
+
+/// All paths in JSON; "written: a.comp" or "replaced: a.comp" in the text, a line each.
+[[nodiscard]] Cell written_files_cell(const std::vector<WrittenFile>& files);
+/// Paths that held something before; not shown.
+[[nodiscard]] Cell replaced_files_cell(const std::vector<WrittenFile>& files);
 
 }  // namespace ecs::commissioning

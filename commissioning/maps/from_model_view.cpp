@@ -42,13 +42,6 @@ Cell squareness_of(const MapFromModel& b, const FromModelArguments& arguments) {
   return squareness_cell(values, "of the model", arguments.params_out);
 }
 
-/// A list in JSON, a paragraph each in the text.
-Cell paragraphs_cell(const std::vector<std::string>& list, const std::string& begin) {
-  Cell cell{list, {}};
-  for (const std::string& one : list) cell.text += paragraph(begin + one, 0, begin.size());
-  return cell;
-}
-
 std::string declared_text(const MapFromModel& b) {
   std::string text;
   for (const laser::DeclaredZero& zero : b.compiled.map.header.declared_zero)
@@ -76,7 +69,7 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
        {"findings", findings_cell(b.findings)},
        {"verdict", shown_cell(verdict_text(b.findings))},
        {"notes", paragraphs_cell(b.notes, "note: ")},
-       {"header", {header_json(b.compiled.map.header), {}}}});
+       {"header", header_cell(b.compiled.map.header)}});
 }
 
 }  // namespace ecs::commissioning

@@ -32,7 +32,7 @@ Extremes extremes_of(const laser::MapTable& table) {
   return {*least, *most};
 }
 
-Cell table_cell(const laser::MapTable& table) {
+Cell table_cell(const laser::MapTable& table, bool with_values) {
   const auto& p = table.position_mm;
   const auto step_mm = increment_mm(table);
   const Extremes extremes = extremes_of(table);
@@ -45,7 +45,9 @@ Cell table_cell(const laser::MapTable& table) {
        {"increment_mm", {number_or_null(step_mm), step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"}},
        {"points", count_cell(p.size())},
        {"min", number_cell(extremes.least, 2)},
-       {"max", number_cell(extremes.most, 2)}});
+       {"max", number_cell(extremes.most, 2)},
+       {"position_mm", with_values ? Cell{p, {}} : shown_cell({})},
+       {"compensation", with_values ? Cell{table.compensation, {}} : shown_cell({})}});
 }
 
 }  // namespace
@@ -55,41 +57,34 @@ std::string_view word_for(Approach approach) {
   return approach == Approach::forward ? "forward" : "reverse";
 }
 
-std::string tables_text(const std::vector<laser::MapTable>& tables) {
-  std::string text = "     approach   start [mm] increment [mm]  points    smallest     largest unit\n";
-  for (const laser::MapTable& table : tables) text += table_cell(table).text;
-  return text;
+Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values) {
+  return list_cell(
+      tables, [&](const laser::MapTable& table) { return table_cell(table, with_values); },
+      "     approach   start [mm] increment [mm]  points    smallest     largest unit\n");
 }
 
-std::string header_view(const laser::MapHeader& header) {
+Cell header_cell(const laser::MapHeader& header) {
   const std::string text = laser::header_text(header);
-  return text.empty() ? "no header\n" : text;
-}
-
-Json table_json(const laser::MapTable& table, bool with_values) {
-  Json object = table_cell(table).json;
-  if (with_values) {
-    object["position_mm"] = table.position_mm;
-    object["compensation"] = table.compensation;
-  }
-  return object;
-}
-
-Json header_json(const laser::MapHeader& header) {
-  Json object{{"customer", text_or_null(header.customer)},
-              {"machine", text_or_null(header.machine)},
-              {"serial_number", text_or_null(header.serial_number)},
-              {"date", text_or_null(header.date)},
-              {"engineer", text_or_null(header.engineer)},
-              {"configuration", text_or_null(header.configuration)},
-              {"sources", Json::array()},
-              {"declared_zero", Json::array()},
-              {"processing", header.processing}};
-  for (const laser::SourceFile& s : header.sources)
-    object["sources"].push_back({{"component", s.component}, {"name", s.name}, {"sha256", s.sha256}});
-  for (const laser::DeclaredZero& z : header.declared_zero)
-    object["declared_zero"].push_back({{"component", name_of(z.component)}, {"reason", z.reason}});
-  return object;
+  return {object_of({{"customer", text_cell(header.customer)},
+                     {"machine", text_cell(header.machine)},
+                     {"serial_number", text_cell(header.serial_number)},
+                     {"date", text_cell(header.date)},
+                     {"engineer", text_cell(header.engineer)},
+                     {"configuration", text_cell(header.configuration)},
+                     {"sources", list_cell(header.sources,
+                                           [](const laser::SourceFile& s) {
+                                             return record_cell({}, {{"component", word_cell(s.component)},
+                                                                     {"name", word_cell(s.name)},
+                                                                     {"sha256", word_cell(s.sha256)}});
+                                           })},
+                     {"declared_zero", list_cell(header.declared_zero,
+                                                 [](const laser::DeclaredZero& z) {
+                                                   return record_cell({},
+                                                                      {{"component", word_cell(name_of(z.component))},
+                                                                       {"reason", word_cell(z.reason)}});
+                                                 })},
+                     {"processing", lines_cell(header.processing, "")}}),
+          text.empty() ? "no header\n" : text};
 }
 
 Cell findings_cell(const std::vector<laser::MapFinding>& findings) {
@@ -126,11 +121,6 @@ Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, st
                                   : fmt::format("squareness {}, in {}:\n", origin, params_out)) +
               cell.text;
   return cell;
-}
-
-Cell written_cell(std::string_view what, const std::string& file, std::string_view otherwise) {
-  if (file.empty()) return null_cell(otherwise);
-  return {file, fmt::format("{} written to {}\n", what, file)};
 }
 
 }  // namespace ecs::commissioning

@@ -13,13 +13,10 @@ namespace ecs::commissioning {
 
 [[nodiscard]] std::string_view word_for(Approach approach);  ///< "forward", "reverse", "both"
 
-/// A line per table: component, approach, start, increment ("varies"), points, smallest and largest compensation.
-[[nodiscard]] std::string tables_text(const std::vector<laser::MapTable>& tables);
-[[nodiscard]] std::string header_view(const laser::MapHeader& header);
-
-/// @param with_values  positions and values of each table as well
-[[nodiscard]] Json table_json(const laser::MapTable& table, bool with_values);
-[[nodiscard]] Json header_json(const laser::MapHeader& header);
+/// In the text a line for each table: component, approach, start, increment ("varies"), points, smallest and largest
+/// compensation. @param with_values  positions and values of each table in JSON as well
+[[nodiscard]] Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values);
+[[nodiscard]] Cell header_cell(const laser::MapHeader& header);
 /// A line each.
 [[nodiscard]] Cell findings_cell(const std::vector<laser::MapFinding>& findings);
 /// What the objections among them say.
@@ -31,7 +28,5 @@ namespace ecs::commissioning {
 /// The same below a heading. @param origin  "measured"  @param params_out  the file that holds them; empty: none
 [[nodiscard]] Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, std::string_view origin,
                                    const std::string& params_out);
-/// The file, null where none is written. @param otherwise  the text then; else "map written to map.csv"
-[[nodiscard]] Cell written_cell(std::string_view what, const std::string& file, std::string_view otherwise = {});
 
 }  // namespace ecs::commissioning

@@ -41,12 +41,6 @@ LineSummary summary_of(const laser::MeasurementSet& set, const laser::Group& gro
   return line;
 }
 
-std::string_view approaches_text(const LineSummary& line) {
-  if (line.forward && line.reverse) return "both";
-  if (line.forward) return "forward";
-  return line.reverse ? "reverse" : "unknown";
-}
-
 void take(std::vector<ConditionSummary>& all, const std::string& name, const std::optional<double>& value) {
   if (!value) return;
   auto found = std::find_if(all.begin(), all.end(), [&](const ConditionSummary& c) { return c.name == name; });
@@ -75,17 +69,6 @@ std::string parked_text(const laser::Group& group) {
 std::string_view compensated_text(const laser::Group& group) {
   if (!group.compensated) return "?";
   return *group.compensated ? "yes" : "no";
-}
-
-std::string lines_table(const std::vector<LineSummary>& lines) {
-  std::string text = fmt::format("{:<4} {:<5} {:<18} {:>9} {:>9} {:>8} {:>3} {:>4} {:<7} {}\n", "axis", "sense",
-                                 "parked [mm]", "from [mm]", "to [mm]", "step", "n", "runs", "appr.", "comp");
-  for (const LineSummary& line : lines)
-    text += fmt::format("{:<4} {:<5} {:<18} {:>9.6g} {:>9.6g} {:>8} {:>3} {:>4} {:<7} {}\n", letter_of(line.group.axis),
-                        name_of(line.group.sense), parked_text(line.group), line.first_mm, line.last_mm,
-                        line.step_mm ? fmt::format("{:.6g}", *line.step_mm) : "varies", line.targets, line.runs,
-                        approaches_text(line), compensated_text(line.group));
-  return text;
 }
 
 std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set) {

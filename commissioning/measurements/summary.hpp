@@ -1,4 +1,4 @@
-// What a measurement set holds, in numbers: for import and show, as text and as JSON. The JSON forms stand in json.hpp.
+// What a measurement set holds, in numbers. As fields of an answer: fields.hpp.
 #pragma once
 
 #include <optional>
@@ -25,13 +25,10 @@ struct LineSummary {
 
 [[nodiscard]] std::vector<LineSummary> lines_in(const laser::MeasurementSet& set);
 
-/// "Y -1400, Z 0": where the axes stand that do not move.
+/// "Y -1400, Z 0": positions of the axes that do not move.
 [[nodiscard]] std::string parked_text(const laser::Group& group);
 /// "yes", "no", "?"
 [[nodiscard]] std::string_view compensated_text(const laser::Group& group);
-
-/// A table of the lines, 80 columns.
-[[nodiscard]] std::string lines_table(const std::vector<LineSummary>& lines);
 
 /// Smallest and largest value of everything measured besides the error: sensors, air, feed, time.
 struct ConditionSummary {

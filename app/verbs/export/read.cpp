@@ -9,9 +9,9 @@
 #include "app/verbs/export/format_arguments.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/paragraph.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/export_files.hpp"
+#include "commissioning/maps/export_view.hpp"
 #include "commissioning/maps/view.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "controllers/registry.hpp"
@@ -211,40 +211,36 @@ std::vector<OutputFile> outputs_of(const ReadArguments& arguments, const Taken& 
   return files;
 }
 
-Cell squareness_of(const Taken& made) {
+Cell squareness_of(const ReadArguments& arguments, const Taken& made) {
   std::vector<std::pair<Component, double>> values;
   for (const Component square : made.read.squareness_found)
     values.emplace_back(square, made.read.squareness[index_of(square)]);
-  return squareness_cell(values);
+  Cell cell = squareness_cell(values);
+  if (!values.empty())
+    cell.text += arguments.params_out.empty()
+                     ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
+                     : fmt::format("squareness is in {}\n", arguments.params_out);
+  return cell;
 }
 
-std::string read_text(const ReadArguments& arguments, const ReadFiles& files, const Taken& made) {
-  std::string text = fmt::format("{}\n\n", files.format->id) + tables_text(made.read.map.tables);
-  text += squareness_of(made).text;
-  if (!made.read.squareness_found.empty())
-    text += arguments.params_out.empty()
-                ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
-                : fmt::format("squareness is in {}\n", arguments.params_out);
-  for (const std::string& note : made.notes) text += paragraph("note: " + note, 0, 6);
-  return text + (arguments.output.empty() ? "no map written: give -o map.csv to keep it\n" : "");
-}
-
-Json read_json(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
+Cell read_cell(const ReadArguments& arguments, const ReadFiles& files, const Taken& made,
                const std::vector<WrittenFile>& written) {
-  Json tables = Json::array(), warnings = Json::array(), replaced = Json::array();
-  for (const WrittenFile& file : written)
-    if (file.replaced) replaced.push_back(file.path);
-  for (const laser::MapTable& table : made.read.map.tables) tables.push_back(table_json(table, false));
-  for (const Problem& warning : files.tables.warnings) warnings.push_back(problem_json(warning));
-  return {{"format", files.format->id},
-          {"map", text_or_null(arguments.output)},
-          {"tables", std::move(tables)},
-          {"squareness", squareness_of(made).json},
-          {"levers_from", text_or_null(made.levers_from)},
-          {"curves_moved", made.moved},
-          {"replaced", std::move(replaced)},
-          {"warnings", std::move(warnings)},
-          {"notes", made.notes}};
+  return record_cell("{format}\n\n{tables}{squareness}{notes}{map}{written}",
+                     {{"format", word_cell(files.format->id)},
+                      {"map",
+                       {text_or_null(arguments.output),
+                        arguments.output.empty() ? "no map written: give -o map.csv to keep it\n" : ""}},
+                      {"tables", tables_cell(made.read.map.tables, false)},
+                      {"squareness", squareness_of(arguments, made)},
+                      {"levers_from", text_cell(made.levers_from)},
+                      {"curves_moved", yes_cell(made.moved, "", "")},
+                      {"written", shown_cell(written_files_cell(written).text)},
+                      {"replaced", replaced_files_cell(written)},
+                      {"warnings", list_cell(files.tables.warnings,
+                                             [](const Problem& one) {
+                                               return Cell{problem_json(one), {}};
+                                             })},
+                      {"notes", paragraphs_cell(made.notes, "note: ")}});
 }
 
 Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
@@ -266,8 +262,7 @@ Result<Outcome> read(VerbContext& context, const ReadArguments& arguments) {
   for (const Problem& warning : warnings) context.console.warn(to_text(warning));
   const auto written = write_together(outputs_of(arguments, *made));
   if (!written) return tl::unexpected(written.error());
-  return Outcome{read_text(arguments, *files, *made) + to_text(*written),
-                 one_line(read_json(arguments, *files, *made, *written)), kDone};
+  return outcome_of(read_cell(arguments, *files, *made, *written));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/export/export_arguments.hpp"
 #include "app/verbs/export/format_arguments.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "commissioning/maps/export_files.hpp"
 #include "commissioning/maps/export_view.hpp"
 #include "commissioning/measurements/files.hpp"
@@ -83,7 +83,7 @@ Result<Outcome> exported(VerbContext& context, const ExportArguments& arguments,
   if (folder && !arguments.output.empty()) note_left_from_before(*work, arguments.output, *written, format);
   const ExportReport report{std::string(format.title),       *work, *made, *residuals, std::move(*written),
                             folder ? "-o FOLDER" : "-o FILE"};
-  return Outcome{export_text(report), one_line(json_of(report)), kDone};
+  return outcome_of(export_cell(report));
 }
 
 struct WriteArguments : ExportArguments {

@@ -7,11 +7,11 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/import_profile.hpp"
-#include "commissioning/measurements/json.hpp"
 #include "laser/import/registry.hpp"
 
 namespace ecs::app {
@@ -32,40 +32,37 @@ struct FileImportArguments : VerbArguments {
   ImportOptions import{*this};
 };
 
-Json json_of_file(const std::string& file, const laser::Imported& imported) {
-  Json object{{"file", file}, {"format", imported.format->title}};
-  object.update(json_of(imported.set));
-  if (!imported.environment.empty()) object["environment_records"] = imported.environment.size();
-  return object;
-}
-
 /// A plate or a probed surface has hundreds of lines; the first of them show what was read.
-std::string shortened_table(std::vector<LineSummary> lines) {
-  constexpr std::size_t kShown = 20;
-  const std::size_t more = lines.size() - std::min(lines.size(), kShown);
-  lines.resize(lines.size() - more);
-  return lines_table(lines) + (more > 0 ? fmt::format("and {} more measurement lines\n", more) : "");
+constexpr std::size_t kLinesShown = 20;
+
+Cell file_cell(const std::string& file, const laser::Imported& imported) {
+  AnswerFields fields{{"file", word_cell(file)}, {"format", word_cell(imported.format->title)}};
+  append(fields, set_fields(imported.set, kLinesShown));
+  const Cell records = count_cell(imported.environment.size());
+  fields.push_back({"environment_records", imported.environment.empty() ? shown_cell(records.text) : records});
+  return record_cell(imported.set.readings.empty()
+                         ? "{file}: {format}\n  no readings; {environment_records} records of the environment\n{notes}"
+                         : "{file}: {format}\n{lines}{notes}",
+                     fields);
 }
 
-std::string text_of_file(const std::string& file, const laser::Imported& imported) {
-  std::string text = fmt::format("{}: {}\n", file, imported.format->title);
-  if (imported.set.readings.empty())
-    text += fmt::format("  no readings; {} records of the environment\n", imported.environment.size());
-  else
-    text += shortened_table(lines_in(imported.set));
-  for (const std::string& note : imported.set.notes) text += fmt::format("  assumed: {}\n", note);
-  return text;
-}
-
-Json whole(const std::vector<Json>& files, const laser::MeasurementSet& set, const std::string& output) {
-  Json format = files.front()["format"];
+/// null where the files differ in format.
+Cell format_cell(const Json& files) {
   for (const Json& file : files)
-    if (file["format"] != format) format = nullptr;
-  Json object{{"format", std::move(format)}};
-  object.update(json_of(set));
-  object["output"] = text_or_null(output);
-  object["files"] = files;
-  return object;
+    if (file["format"] != files.front()["format"]) return null_cell();
+  return {files.front()["format"], {}};
+}
+
+Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std::string& output,
+                 const std::string& profile) {
+  AnswerFields fields{{"format", format_cell(files.json)}};
+  append(fields, set_fields(set));
+  append(fields, {{"output", output.empty() ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                                            : Cell{output, fmt::format("{} readings written to {}\n",
+                                                                       set.readings.size(), output)}},
+                  {"files", files},
+                  {"profile", shown_cell(profile)}});
+  return record_cell("{files}{profile}{output}", fields);
 }
 
 /// The set in the form that the output's extension names; the measurement CSV for any other.
@@ -80,32 +77,28 @@ Result<Outcome> import(VerbContext&, const FileImportArguments& arguments) {
   if (const auto distinct = check_output_not_input(arguments.output, arguments.files); !distinct)
     return tl::unexpected(distinct.error());
   std::vector<laser::MeasurementSet> sets;
-  std::vector<Json> files;
-  std::string text;
+  Cell files{Json::array(), {}};
   for (const std::string& file : arguments.files) {
     auto imported = read_measurements(file, arguments.import);
     if (!imported) return tl::unexpected(imported.error());
-    text += text_of_file(file, *imported);
-    files.push_back(json_of_file(file, *imported));
+    files.add(file_cell(file, *imported));
     sets.push_back(std::move(imported->set));
   }
+  std::string profile;
   if (!arguments.save_profile.empty()) {
     const auto kept = with_profile(arguments.import);
     if (!kept) return tl::unexpected(kept.error());
     const auto saved = save_profile(arguments.save_profile, *kept);
     if (!saved) return tl::unexpected(saved.error());
-    text += fmt::format("import options kept in {}\n", saved->string());
+    profile = fmt::format("import options kept in {}\n", saved->string());
   }
   auto all = joined(sets);
   if (!all) return tl::unexpected(all.error());
-  if (arguments.output.empty()) {
-    text += "nothing written: give -o OUT.csv to keep it\n";
-  } else {
+  if (!arguments.output.empty()) {
     if (all->readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
     if (const auto written = write_set(arguments.output, *all); !written) return tl::unexpected(written.error());
-    text += fmt::format("{} readings written to {}\n", all->readings.size(), arguments.output);
   }
-  return Outcome{text, one_line(whole(files, *all, arguments.output)), kDone};
+  return outcome_of(answer_cell(files, *all, arguments.output, profile));
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/json.hpp"
-#include "commissioning/measurements/json.hpp"
 #include "laser/analysis/refraction.hpp"
 #include "laser/writers/measurement_writer.hpp"
 

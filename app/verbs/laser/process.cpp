@@ -7,9 +7,9 @@
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/numbers.hpp"
-#include "commissioning/measurements/json.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/map/recipe.hpp"
@@ -51,78 +51,82 @@ Result<Processed> processed(const laser::MeasurementSet& set, const laser::Group
   return Processed{group, std::move(*readings)};
 }
 
+// --- as text and JSON
+
 std::string_view word_for(laser::Taken taken) {
   if (taken == laser::Taken::noise) return "noise";
   return taken == laser::Taken::signal ? "signal" : "unknown";
 }
 
-// --- as text
-
-std::string smoothing_text(const laser::Smoothed& smooth, std::string_view unit) {
-  std::string text = fmt::format("  smoothing removed {:.3f} {} rms, at most {:.3f} at {:.6g} mm", smooth.removed_rms,
-                                 unit, smooth.removed_peak, smooth.removed_peak_position_mm);
-  if (smooth.taken == laser::Taken::noise) return text + ":\n  no more than the repeats explain as noise\n";
+std::string taken_text(const laser::Smoothed& smooth) {
+  if (smooth.taken == laser::Taken::noise) return ":\n  no more than the repeats explain as noise\n";
   if (smooth.taken == laser::Taken::signal)
-    return text + fmt::format(
-                      ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): the form of the curve was removed too; "
-                      "use a narrower window\n",
-                      smooth.F.value_or(0.0), smooth.F_99.value_or(0.0));
-  return text + ";\n  without repeats it is unknown whether that is noise\n";
+    return fmt::format(
+        ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): the form of the curve was removed too; use a narrower "
+        "window\n",
+        smooth.F.value_or(0.0), smooth.F_99.value_or(0.0));
+  return ";\n  without repeats it is unknown whether that is noise\n";
 }
 
-std::string processed_text(const Processed& p) {
+Cell smoothing_cell(const laser::Smoothed& smooth, double window_mm, std::string_view unit) {
+  return record_cell(
+      "  smoothing removed {removed_rms} {unit} rms, at most {removed_peak} at {removed_peak_position_mm} mm{taken}",
+      {{"window_mm", {window_mm, {}}},
+       {"removed_rms", number_cell(smooth.removed_rms, 3)},
+       {"removed_peak", number_cell(smooth.removed_peak, 3)},
+       {"removed_peak_position_mm",
+        {number_or_null(smooth.removed_peak_position_mm), fmt::format("{:.6g}", smooth.removed_peak_position_mm)}},
+       {"noise_rms", {number_or_null(smooth.noise_rms), {}}},
+       {"F", {number_or_null(smooth.F), {}}},
+       {"F_99", {number_or_null(smooth.F_99), {}}},
+       {"taken", {word_for(smooth.taken), taken_text(smooth)}},
+       {"unit", shown_cell(std::string(unit))}});
+}
+
+Cell slope_cell(const laser::Levelled& level, std::string_view unit) {
+  const auto& error = level.slope_std_error_per_m;
+  return record_cell("  slope removed ({method}): {removed_per_m} {unit} per m{std_error_per_m}\n",
+                     {{"method", word_cell(laser::name_of(level.method))},
+                      {"removed_per_m", number_cell(level.removed.slope_per_m, 3)},
+                      {"removed_offset", {number_or_null(level.removed.offset), {}}},
+                      {"std_error_per_m", {number_or_null(error), error ? fmt::format(" +- {:.3f}", *error) : ""}},
+                      {"unit", shown_cell(std::string(unit))}});
+}
+
+Cell mean_cell(const std::optional<double>& mean) { return {number_or_null(mean), cell_text(mean)}; }
+
+Cell point_cell(const laser::CurvePoint& before, const laser::CurvePoint& after) {
+  return record_cell("{position_mm:>12} {forward_before:>14} {reverse_before:>14} {forward:>14} {reverse:>14}\n",
+                     {{"position_mm", number_cell(after.position_mm, 4)},
+                      {"forward", mean_cell(after.forward)},
+                      {"reverse", mean_cell(after.reverse)},
+                      {"forward_count", count_cell(static_cast<std::size_t>(after.forward_count))},
+                      {"reverse_count", count_cell(static_cast<std::size_t>(after.reverse_count))},
+                      {"forward_before", shown_cell(cell_text(before.forward))},
+                      {"reverse_before", shown_cell(cell_text(before.reverse))}});
+}
+
+/// Processing keeps the targets, so that both curves have the same points.
+Cell points_cell(const laser::Curve& before, const laser::Curve& after) {
+  Cell points{Json::array(), fmt::format("{:>12} {:>14} {:>14} {:>14} {:>14}\n", "target [mm]", "fwd measured",
+                                         "rev measured", "fwd processed", "rev processed")};
+  for (std::size_t i = 0; i < after.points.size(); ++i) points.add(point_cell(before.points[i], after.points[i]));
+  return points;
+}
+
+Cell processed_cell(const Processed& p, double window_mm) {
   const auto unit = laser::unit_of(p.group.sense);
-  std::string text = fmt::format("{} ({} along {}), parked at {} mm\n", name_of(curve_of(p.group.sense, p.group.axis)),
-                                 name_of(p.group.sense), letter_of(p.group.axis), parked_text(p.group));
-  text += fmt::format("  slope removed ({}): {:.3f} {} per m", laser::name_of(p.readings.level.method),
-                      p.readings.level.removed.slope_per_m, unit);
-  if (const auto& s = p.readings.level.slope_std_error_per_m) text += fmt::format(" +- {:.3f}", *s);
-  text += fmt::format("\n  band {:.3f} -> {:.3f} {} ({})\n", p.readings.band_before, p.readings.band, unit,
-                      "range of all readings, slope removed");
-  if (p.readings.smooth) text += smoothing_text(*p.readings.smooth, unit);
-  text += fmt::format("{:>12} {:>14} {:>14} {:>14} {:>14}\n", "target [mm]", "fwd measured", "rev measured",
-                      "fwd processed", "rev processed");
-  const auto& before = p.readings.before_curve.points;
-  for (std::size_t i = 0; i < before.size() && i < p.curve().points.size(); ++i) {
-    const laser::CurvePoint& after = p.curve().points[i];
-    text += fmt::format("{:>12.4f} {:>14} {:>14} {:>14} {:>14}\n", before[i].position_mm, cell_text(before[i].forward),
-                        cell_text(before[i].reverse), cell_text(after.forward), cell_text(after.reverse));
-  }
-  return text;
-}
-
-// --- as JSON
-
-Json smoothing_json(const laser::Smoothed& smooth, double window_mm) {
-  return {{"window_mm", window_mm},
-          {"removed_rms", number_or_null(smooth.removed_rms)},
-          {"removed_peak", number_or_null(smooth.removed_peak)},
-          {"removed_peak_position_mm", number_or_null(smooth.removed_peak_position_mm)},
-          {"noise_rms", number_or_null(smooth.noise_rms)},
-          {"F", number_or_null(smooth.F)},
-          {"F_99", number_or_null(smooth.F_99)},
-          {"taken", word_for(smooth.taken)}};
-}
-
-Json processed_json(const Processed& p, double window_mm) {
-  Json object = json_of_line(p.group.axis, p.group.sense, p.group.parked_mm, p.group.compensated);
-  const laser::Levelled& level = p.readings.level;
-  object["slope"] = {{"method", laser::name_of(level.method)},
-                     {"removed_per_m", number_or_null(level.removed.slope_per_m)},
-                     {"removed_offset", number_or_null(level.removed.offset)},
-                     {"std_error_per_m", number_or_null(level.slope_std_error_per_m)}};
-  object["smoothing"] = p.readings.smooth ? smoothing_json(*p.readings.smooth, window_mm) : Json(nullptr);
-  object["band_before"] = number_or_null(p.readings.band_before);
-  object["band_after"] = number_or_null(p.readings.band);
-  object["points"] = Json::array();
-  for (const laser::CurvePoint& point : p.curve().points)
-    object["points"].push_back({{"position_mm", number_or_null(point.position_mm)},
-                                {"forward", number_or_null(point.forward)},
-                                {"reverse", number_or_null(point.reverse)},
-                                {"forward_count", point.forward_count},
-                                {"reverse_count", point.reverse_count}});
-  object["notes"] = p.curve().notes;
-  return object;
+  AnswerFields fields = measured_line_fields(p.group);
+  append(fields, {{"slope", slope_cell(p.readings.level, unit)},
+                  {"smoothing", p.readings.smooth ? smoothing_cell(*p.readings.smooth, window_mm, unit) : null_cell()},
+                  {"band_before", number_cell(p.readings.band_before, 3)},
+                  {"band_after", number_cell(p.readings.band, 3)},
+                  {"points", points_cell(p.readings.before_curve, p.curve())},
+                  {"notes", {p.curve().notes, {}}}});
+  return record_cell(
+      "{component} ({sense} along {axis}), parked at {parked_mm} mm\n{slope}  band {band_before} -> {band_after} "
+      "{unit} (range of all readings, slope removed)\n{smoothing}{points}",
+      fields);
 }
 
 // --- as files
@@ -178,19 +182,13 @@ Result<void> write_before_after(const std::vector<Processed>& lines, const Proce
   return write_plot(arguments.plot, figure);
 }
 
-Result<std::string> write_files(const std::vector<Processed>& lines, const laser::MeasurementSet& from,
-                                const ProcessArguments& arguments) {
-  std::string text;
-  if (!arguments.output.empty()) {
-    const auto written = laser::write_measurement_set(arguments.output, as_set(lines, from, arguments.smooth_mm));
-    if (!written) return tl::unexpected(written.error());
-    text += fmt::format("means written to {}\n", arguments.output);
-  }
-  if (!arguments.plot.empty()) {
-    if (const auto drawn = write_before_after(lines, arguments); !drawn) return tl::unexpected(drawn.error());
-    text += fmt::format("plot written to {}\n", arguments.plot);
-  }
-  return text;
+Result<void> write_files(const std::vector<Processed>& lines, const laser::MeasurementSet& from,
+                         const ProcessArguments& arguments) {
+  if (!arguments.output.empty())
+    if (auto written = laser::write_measurement_set(arguments.output, as_set(lines, from, arguments.smooth_mm));
+        !written)
+      return written;
+  return arguments.plot.empty() ? Result<void>() : write_before_after(lines, arguments);
 }
 
 /// An exclusion that matches no reading is probably a typing error.
@@ -240,21 +238,17 @@ Result<Outcome> process(VerbContext& context, const ProcessArguments& arguments)
     lines.push_back(std::move(*line));
   }
   if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", arguments.file));
-  const auto written = write_files(lines, imported->set, arguments);
-  if (!written) return tl::unexpected(written.error());
-  Json object{{"file", arguments.file}, {"lines", Json::array()}};
-  std::string text;
-  for (const Processed& line : lines) {
-    text += processed_text(line);
-    object["lines"].push_back(processed_json(line, arguments.smooth_mm));
-  }
-  object["readings"] = imported->set.readings.size();
-  object["excluded"] = imported->set.readings.size() - selection.chosen.readings.size();
-  object["output"] = text_or_null(arguments.output);
-  object["plot"] = text_or_null(arguments.plot);
-  text +=
-      fmt::format("{} of {} readings left out\n", object["excluded"].get<std::size_t>(), imported->set.readings.size());
-  return Outcome{text + *written, one_line(object), kDone};
+  if (const auto written = write_files(lines, imported->set, arguments); !written)
+    return tl::unexpected(written.error());
+  const std::size_t readings = imported->set.readings.size();
+  return outcome_of(record_cell(
+      "{lines}{excluded} of {readings} readings left out\n{output}{plot}",
+      {{"file", word_cell(arguments.file)},
+       {"lines", list_cell(lines, [&](const Processed& line) { return processed_cell(line, arguments.smooth_mm); })},
+       {"readings", count_cell(readings)},
+       {"excluded", count_cell(readings - selection.chosen.readings.size())},
+       {"output", written_cell("means", arguments.output)},
+       {"plot", written_cell("plot", arguments.plot)}}));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/measurements/json.hpp"
+#include "commissioning/measurements/fields.hpp"
 
 namespace ecs::app {
 namespace {
@@ -55,36 +55,24 @@ Cell conditions_cell(const std::vector<ConditionSummary>& conditions) {
   });
 }
 
-std::string group_title(const laser::Group& group) {
-  return fmt::format("\n{} ({} along {}), parked at {} mm, in {}\n", name_of(curve_of(group.sense, group.axis)),
-                     name_of(group.sense), letter_of(group.axis), parked_text(group), laser::unit_of(group.sense));
-}
-
-std::string heading(const laser::MeasurementSet& set, const std::string& file, std::string_view format) {
-  std::string text = fmt::format("{}: {}, {} readings\n", file, format, set.readings.size());
-  for (const laser::MetadataEntry& entry : set.metadata)
-    text += entry.key.empty() ? fmt::format("  {}\n", entry.value) : fmt::format("  {}: {}\n", entry.key, entry.value);
-  for (const std::string& note : set.notes) text += fmt::format("  assumed: {}\n", note);
-  return text;
-}
-
 Result<Outcome> show(VerbContext&, const ShowArguments& arguments) {
   const auto imported = read_measurements(arguments.file, arguments.import);
   if (!imported) return tl::unexpected(imported.error());
   const laser::MeasurementSet& set = imported->set;
-  Json object{{"file", arguments.file}, {"format", imported->format->title}};
-  object.update(json_of(set));
+  AnswerFields fields{{"file", word_cell(arguments.file)}, {"format", word_cell(imported->format->title)}};
+  append(fields, set_fields(set));
   const Cell conditions = conditions_cell(conditions_in(set));
-  std::string text = heading(set, arguments.file, imported->format->title) + conditions.text + "\n";
-  text += lines_table(lines_in(set));
+  fields.push_back({"conditions", conditions.json.empty() ? shown_cell({}) : conditions});
+  Cell answer = record_cell("{file}: {format}, {readings} readings\n{metadata}{notes}{conditions}\n{lines}", fields);
   const auto groups = laser::groups_of(set);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Cell targets = targets_cell(laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i])));
-    text += group_title(groups[i]) + targets.text;
-    object["lines"][i]["by_target"] = targets.json;
+    answer.text += laid_out("\n{component} ({sense} along {axis}), parked at {parked_mm} mm, in {unit}\n",
+                            measured_line_fields(groups[i])) +
+                   targets.text;
+    answer.json["lines"][i]["by_target"] = targets.json;
   }
-  if (!conditions.json.empty()) object["conditions"] = conditions.json;
-  return Outcome{text, one_line(object), kDone};
+  return outcome_of(answer);
 }
 
 }  // namespace

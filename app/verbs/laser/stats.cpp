@@ -5,7 +5,7 @@
 #include "app/cli/verb.hpp"
 #include "app/verbs/laser/import_arguments.hpp"
 #include "base/answer_table.hpp"
-#include "commissioning/measurements/json.hpp"
+#include "commissioning/measurements/fields.hpp"
 #include "commissioning/measurements/quantities.hpp"
 #include "laser/analysis/iso230.hpp"
 
@@ -40,25 +40,25 @@ Cell quantity_cell(std::string_view symbol, const std::optional<double>& value, 
 }
 
 Cell iso230_cell(const laser::Iso230& iso, const std::string& file) {
-  const laser::Group line{iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}};
   const auto unit = laser::unit_of(iso.sense);
-  AnswerFields fields{
-      {"file",
-       {file, fmt::format("{}: {} ({} along {}), parked at {} mm, {} targets, compensated: {}\n", file,
-                          name_of(curve_of(iso.sense, iso.axis)), name_of(iso.sense), letter_of(iso.axis),
-                          parked_text(line), iso.targets.size(), compensated_text(line))}},
-      {{}, {json_of_line(iso.axis, iso.sense, iso.parked_mm, iso.compensated), {}}}};
-  for (const LaserQuantity& q : kLaserQuantities)
+  std::string layout =
+      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
+      "{compensated}\n";
+  AnswerFields fields{{"file", word_cell(file)}};
+  append(fields, measured_line_fields({iso.axis, iso.sense, iso.parked_mm, iso.compensated, {}}));
+  for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back({q.key, quantity_cell(q.symbol, iso.*q.value, unit, q.name)});
-  fields.push_back({"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")});
-  fields.push_back({"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}});
-  fields.push_back({"targets", list_cell(iso.targets, [](const auto& target) {
-                      return Cell{target_json(target), {}};
-                    })});
-  fields.push_back({"notes", lines_cell(iso.notes, "  note: ")});
-  Cell cell{object_of(fields), {}};
-  for (const AnswerField& field : fields) cell.text += field.cell.text;
-  return cell;
+    layout += fmt::format("{{{}}}", q.key);
+  }
+  append(fields, {{"range", quantity_cell("range", iso.range, unit, "largest minus smallest reading")},
+                  {"merge_tolerance_mm", {number_or_null(iso.merge_tolerance_mm), {}}},
+                  {"targets", list_cell(iso.targets,
+                                        [](const auto& target) {
+                                          return Cell{target_json(target), {}};
+                                        })},
+                  {"count", shown_cell(fmt::format("{}", iso.targets.size()))},
+                  {"notes", lines_cell(iso.notes, "  note: ")}});
+  return record_cell(layout + "{range}{notes}", fields);
 }
 
 Result<Outcome> stats(VerbContext& context, const StatsArguments& arguments) {

@@ -185,7 +185,7 @@ Cell built_cell(const Built& b, const BuildArguments& arguments) {
        {"verdict", shown_cell(verdict_text(b.findings))},
        {"unused", lines_cell(b.recipe.unused, "not used: ")},
        {"notes", lines_cell(b.map.notes, "note: ")},
-       {"header", {header_json(b.map.map.header), {}}}});
+       {"header", header_cell(b.map.map.header)}});
 }
 
 Result<void> write(const Built& b, const BuildArguments& arguments) {

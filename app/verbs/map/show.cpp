@@ -55,6 +55,13 @@ Result<Judged> judged(const ShowArguments& arguments, const FoundMap& found) {
   return Judged(laser::findings_for(found.map, by.parameters, travels_of(machine->machine)));
 }
 
+Cell judged_cell(const Judged& findings) {
+  if (!findings) return null_cell("not checked: give --params for the objections to sending it\n");
+  Cell cell = findings_cell(*findings);
+  if (findings->empty()) cell.text = "no findings\n";
+  return cell;
+}
+
 Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
   const auto only = chosen(arguments.component);
   if (!only) return tl::unexpected(only.error());
@@ -69,22 +76,18 @@ Result<Outcome> show(VerbContext& context, const ShowArguments& arguments) {
     if (!*only || table.component == **only) tables.push_back(table);
   if (*only && tables.empty())
     return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found->name, name_of(**only)));
-  Json object{{"map", found->name}, {"header", header_json(found->map.header)}, {"tables", Json::array()}};
-  for (const laser::MapTable& table : tables) object["tables"].push_back(table_json(table, only->has_value()));
-  std::string text = header_view(found->map.header) + "\n" + tables_text(tables);
-  Cell checked = null_cell("not checked: give --params for the objections to sending it\n");
-  if (*findings) checked = findings_cell(**findings);
-  object["findings"] = checked.json;
-  text += *findings && (*findings)->empty() ? "no findings\n" : checked.text;
   if (!arguments.plot.empty()) {
     const std::string title = fmt::format("Error map of {}: compensation",
                                           found->map.header.machine.empty() ? found->name : found->map.header.machine);
     if (const auto drawn = write_plot(arguments.plot, figure_of(found->map, *only, title)); !drawn)
       return tl::unexpected(drawn.error());
-    text += fmt::format("plot written to {}\n", arguments.plot);
   }
-  object["plot"] = text_or_null(arguments.plot);
-  return Outcome{text, one_line(object), kDone};
+  return outcome_of(
+      record_cell("{header}\n{tables}{findings}{plot}", {{"map", word_cell(found->name)},
+                                                         {"header", header_cell(found->map.header)},
+                                                         {"tables", tables_cell(tables, only->has_value())},
+                                                         {"findings", judged_cell(*findings)},
+                                                         {"plot", written_cell("plot", arguments.plot)}}));
 }
 
 struct HeaderArguments : VerbArguments {
@@ -96,9 +99,8 @@ struct HeaderArguments : VerbArguments {
 Result<Outcome> header(VerbContext& context, const HeaderArguments& arguments) {
   const auto found = found_map(context, arguments.file, arguments.unit);
   if (!found) return tl::unexpected(found.error());
-  Json object{{"map", found->name}};
-  object.update(header_json(found->map.header));
-  return Outcome{header_view(found->map.header), one_line(object), kDone};
+  const Cell header = header_cell(found->map.header);
+  return outcome_of({object_of({{"map", word_cell(found->name)}, {{}, header}}), header.text});
 }
 
 }  // namespace

@@ -26,15 +26,16 @@ Result<Outcome> receive(VerbContext& context, const ReceiveArguments& arguments)
   if (!found) return tl::unexpected(found.error());
   if (found->map.tables.empty() && found->map.header.declared_zero.empty())
     return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
+  const bool to_stdout = arguments.output.empty();
   const std::string csv = laser::to_map_csv(found->map);
-  Json object{
-      {"map", text_or_null(arguments.output)}, {"header", header_json(found->map.header)}, {"tables", Json::array()}};
-  for (const laser::MapTable& table : found->map.tables)
-    object["tables"].push_back(table_json(table, arguments.output.empty()));
-  if (arguments.output.empty()) return Outcome{csv, one_line(object), kDone};
-  if (const auto written = write_file(arguments.output, csv); !written) return tl::unexpected(written.error());
-  return Outcome{fmt::format("map of the unit written to {}: {} tables", arguments.output, found->map.tables.size()),
-                 one_line(object), kDone};
+  if (!to_stdout)
+    if (const auto written = write_file(arguments.output, csv); !written) return tl::unexpected(written.error());
+  return outcome_of(record_cell(to_stdout ? "{csv}" : "map of the unit written to {map}: {count} tables",
+                                {{"map", text_cell(arguments.output)},
+                                 {"header", header_cell(found->map.header)},
+                                 {"tables", tables_cell(found->map.tables, to_stdout)},
+                                 {"count", shown_cell(fmt::format("{}", found->map.tables.size()))},
+                                 {"csv", shown_cell(csv)}}));
 }
 
 struct VerifyArguments : VerbArguments {

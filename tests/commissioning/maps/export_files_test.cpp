@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/answer_table.hpp"
+#include "commissioning/maps/export_view.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/output_files.hpp"
@@ -23,8 +25,8 @@ TEST_CASE("several files are written together, and each says whether it replaced
   CHECK(content_of(folder / "x.comp") == "new x");
   CHECK(content_of(folder / "y.comp") == "new y");
   CHECK(entries_in(folder) == 3);
-  CHECK(to_text(*written) == "written: " + (folder / "x.comp") + "\nreplaced: " + (folder / "y.comp") +
-                                 "\nwritten: " + (folder / "z.comp") + "\n");
+  CHECK(written_files_cell(*written).text == "written: " + (folder / "x.comp") + "\nreplaced: " + (folder / "y.comp") +
+                                                 "\nwritten: " + (folder / "z.comp") + "\n");
   struct stat now {};
   REQUIRE(::stat((folder / "y.comp").c_str(), &now) == 0);
   CHECK((now.st_mode & 07777) == 0640);

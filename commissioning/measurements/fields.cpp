@@ -1,0 +1,104 @@
+#include "commissioning/measurements/fields.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "base/answer_table.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+/// {"y": -1400.0, "z": 0.0}
+Cell parked_cell(const laser::Group& group) {
+  Cell parked{Json::object(), parked_text(group)};
+  for (const Axis a : kAllAxes)
+    if (a != group.axis)
+      parked.json[std::string(1, static_cast<char>(letter_of(a) - 'A' + 'a'))] =
+          number_or_null(group.parked_mm[index_of(a)]);
+  return parked;
+}
+
+Cell six_digits(double value) { return {number_or_null(value), fmt::format("{:.6g}", value)}; }
+
+std::string_view approaches_text(const LineSummary& line) {
+  if (line.forward && line.reverse) return "both";
+  if (line.forward) return "forward";
+  return line.reverse ? "reverse" : "unknown";
+}
+
+Cell line_cell(const LineSummary& line) {
+  AnswerFields fields = measured_line_fields(line.group);
+  append(fields, {{"readings", count_cell(line.readings)},
+                  {"runs", count_cell(line.runs)},
+                  {"targets", count_cell(line.targets)},
+                  {"from_mm", six_digits(line.first_mm)},
+                  {"to_mm", six_digits(line.last_mm)},
+                  {"step_mm", line.step_mm ? six_digits(*line.step_mm) : null_cell("varies")},
+                  {"forward", yes_cell(line.forward, "", "")},
+                  {"reverse", yes_cell(line.reverse, "", "")},
+                  {"approaches", shown_cell(std::string(approaches_text(line)))}});
+  return record_cell(
+      "{axis:<4} {sense:<5} {parked_mm:<18} {from_mm:>9} {to_mm:>9} {step_mm:>8} {targets:>3} {runs:>4} "
+      "{approaches:<7} {compensated}\n",
+      fields);
+}
+
+Cell table_cell(const std::vector<LineSummary>& lines, std::size_t most) {
+  Cell table{Json::array(), fmt::format("{:<4} {:<5} {:<18} {:>9} {:>9} {:>8} {:>3} {:>4} {:<7} {}\n", "axis", "sense",
+                                        "parked [mm]", "from [mm]", "to [mm]", "step", "n", "runs", "appr.", "comp")};
+  for (const LineSummary& line : lines) {
+    Cell row = line_cell(line);
+    if (table.json.size() >= most) row.text.clear();
+    table.add(row);
+  }
+  if (lines.size() > most) table.text += fmt::format("and {} more measurement lines\n", lines.size() - most);
+  return table;
+}
+
+/// The first of each key in JSON, all in the text.
+Cell metadata_cell(const laser::MeasurementSet& set) {
+  Cell cell{Json::object(), {}};
+  for (const auto& [key, value] : set.metadata) {
+    if (!key.empty() && !cell.json.contains(key)) cell.json[key] = value;
+    cell.text += key.empty() ? fmt::format("  {}\n", value) : fmt::format("  {}: {}\n", key, value);
+  }
+  return cell;
+}
+
+}  // namespace
+
+AnswerFields measured_line_fields(const laser::Group& group) {
+  return {{"axis", word_cell(std::string(1, letter_of(group.axis)))},
+          {"sense", word_cell(name_of(group.sense))},
+          {"component", word_cell(name_of(curve_of(group.sense, group.axis)))},
+          {"unit", word_cell(laser::unit_of(group.sense))},
+          {"parked_mm", parked_cell(group)},
+          {"compensated",
+           {group.compensated ? Json(*group.compensated) : Json(nullptr), std::string(compensated_text(group))}}};
+}
+
+AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines) {
+  const std::vector<LineSummary> lines = lines_in(set);
+  std::set<std::string> axes, senses;
+  std::size_t runs = 0, targets = 0;
+  for (const LineSummary& line : lines) {
+    axes.insert(std::string(1, letter_of(line.group.axis)));
+    senses.insert(std::string(name_of(line.group.sense)));
+    runs = std::max(runs, line.runs);
+    targets += line.targets;
+  }
+  return {{"readings", count_cell(set.readings.size())},
+          {"axes", {axes, {}}},
+          {"senses", {senses, {}}},
+          {"runs", count_cell(runs)},
+          {"targets", count_cell(targets)},
+          {"metadata", metadata_cell(set)},
+          {"notes", lines_cell(set.notes, "  assumed: ")},
+          {"lines", table_cell(lines, most_lines)},
+          {"sensors", {laser::sensor_names_of(set), {}}}};
+}
+
+}  // namespace ecs::commissioning
