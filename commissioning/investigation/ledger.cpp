@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
 
@@ -19,13 +19,33 @@ std::string bar_of(std::size_t members) {
 
 std::string micrometres(const std::optional<double>& um) { return um ? fmt::format("{:.3f} um", *um) : "unknown"; }
 
-std::string programme_text(const IsoProgramme& programme) {
-  return fmt::format(
-      "ISO 230-2 programme of the same {}: {} bidirectional runs over {} targets, {:g} s dwell and trigger, {:g} min "
-      "set-up a line, {:.0f} min",
-      programme.lines == 1 ? "line" : fmt::format("{} lines", programme.lines), IsoProgramme::kRuns, programme.targets,
-      programme.dwell_s, programme.set_up_minutes, programme.minutes);
+Cell programme_cell(const IsoProgramme& programme) {
+  const bool one = programme.lines == 1;
+  return record_cell(
+      "ISO 230-2 programme of the same {what}: {runs} bidirectional runs over {targets} targets, {dwell_s} s dwell and "
+      "trigger, {set_up_minutes} min set-up a line, {minutes} min",
+      {{"lines", count_cell(programme.lines)},
+       {"runs", {IsoProgramme::kRuns, fmt::format("{}", IsoProgramme::kRuns)}},
+       {"targets", count_cell(programme.targets)},
+       {"dwell_s", {number_or_null(programme.dwell_s), fmt::format("{:g}", programme.dwell_s)}},
+       {"set_up_minutes", {number_or_null(programme.set_up_minutes), fmt::format("{:g}", programme.set_up_minutes)}},
+       {"what", shown_cell(one ? "line" : fmt::format("{} lines", programme.lines))},
+       {"minutes", shown_cell(fmt::format("{:.0f}", programme.minutes))}});
 }
+
+Cell cause_cell(const InvestigatedCause& cause) {
+  Cell parameters{Json::object(), parameters_text(cause.parameters)};
+  for (const model::ParameterEstimate& one : cause.parameters) parameters.json[one.name] = number_or_null(one.value);
+  Cell cell = record_cell("{name}, probability {probability}, {rms_um} um rms: {parameters}",
+                          {{"name", word_cell(cause.name)},
+                           {"parameters", parameters},
+                           {"probability", number_cell(cause.probability, 2)},
+                           {"rms_um", number_cell(cause.rms_um, 2)}});
+  cell.text = paragraph(cell.text, 2, 4);
+  return cell;
+}
+
+Cell micrometres_cell(const std::optional<double>& um) { return {number_or_null(um), micrometres(um)}; }
 
 std::string verdict_text(const Investigation& investigation) {
   if (!investigation.verdict) return "Nothing was measured.";
@@ -65,59 +85,44 @@ std::string ledger_line(std::size_t number, const InvestigationStep& step, doubl
   return text;
 }
 
-std::string summary_text(const Investigation& investigation) {
-  std::string text = paragraph(verdict_text(investigation));
-  for (const InvestigatedCause& cause : investigation.causes)
-    text += paragraph(fmt::format("{}, probability {:.2f}, {:.2f} um rms: {}", cause.name, cause.probability,
-                                  cause.rms_um, parameters_text(cause.parameters)),
-                      2, 4);
-  if (!investigation.verdict) return text + notes_text(investigation.notes);
-  text +=
-      paragraph(fmt::format("{:.0f} min in all; {}", investigation.minutes, programme_text(investigation.programme)));
-  text += paragraph(fmt::format("error: {} rms before, {} with the new map{}", micrometres(investigation.rms_before_um),
-                                micrometres(investigation.rms_compensated_um),
-                                investigation.rms_compensated_um
-                                    ? fmt::format(" ({:.0f} min of measuring again)", investigation.compensated_minutes)
-                                    : ""));
-  return text + notes_text(investigation.notes);
+Cell step_cell(const InvestigationStep& step) {
+  return record_cell({}, {{"minutes", {number_or_null(step.minutes), {}}},
+                          {"measured", word_cell(step.measured)},
+                          {"readings", count_cell(step.readings)},
+                          {"verdict", word_cell(name_of(step.verdict))},
+                          {"set", list_cell(step.set,
+                                            [](const SetMember& member) {
+                                              return record_cell({},
+                                                                 {{"name", word_cell(member.name)},
+                                                                  {"probability", number_cell(member.probability, 2)}});
+                                            })},
+                          {"rms_um", {number_or_null(step.rms_um), {}}}});
 }
 
-Json json_of(const InvestigationStep& step) {
-  Json set = Json::array();
-  for (const SetMember& member : step.set)
-    set.push_back({{"name", member.name}, {"probability", number_or_null(member.probability)}});
-  return {
-      {"minutes", number_or_null(step.minutes)}, {"measured", step.measured}, {"readings", step.readings},
-      {"verdict", name_of(step.verdict)},        {"set", std::move(set)},     {"rms_um", number_or_null(step.rms_um)}};
+Cell investigation_cell(const Investigation& investigation) {
+  const auto& verdict = investigation.verdict;
+  const AnswerFields fields{
+      {"steps", list_cell(investigation.steps, step_cell)},
+      {"verdict", {verdict ? Json(name_of(*verdict)) : Json(nullptr), paragraph(verdict_text(investigation))}},
+      {"causes", list_cell(investigation.causes, cause_cell)},
+      {"minutes", number_cell(investigation.minutes, 0)},
+      {"programme_minutes", {number_or_null(investigation.programme.minutes), {}}},
+      {"programme", programme_cell(investigation.programme)},
+      {"rms_before_um", micrometres_cell(investigation.rms_before_um)},
+      {"rms_compensated_um", micrometres_cell(investigation.rms_compensated_um)},
+      {"compensated_minutes", number_cell(investigation.compensated_minutes, 0)},
+      {"notes", {investigation.notes, notes_text(investigation.notes)}}};
+  std::string text = laid_out("{verdict}{causes}", fields);
+  if (verdict)
+    text += paragraph(laid_out("{minutes} min in all; {programme}", fields)) +
+            paragraph(laid_out(investigation.rms_compensated_um
+                                   ? "error: {rms_before_um} rms before, {rms_compensated_um} with the new map "
+                                     "({compensated_minutes} min of measuring again)"
+                                   : "error: {rms_before_um} rms before, {rms_compensated_um} with the new map",
+                               fields));
+  return {object_of(fields), text + laid_out("{notes}", fields)};
 }
 
-Json json_of(const Investigation& investigation) {
-  Json steps = Json::array(), causes = Json::array();
-  for (const InvestigationStep& step : investigation.steps) steps.push_back(json_of(step));
-  for (const InvestigatedCause& cause : investigation.causes) {
-    Json parameters = Json::object();
-    for (const model::ParameterEstimate& one : cause.parameters) parameters[one.name] = number_or_null(one.value);
-    causes.push_back({{"name", cause.name},
-                      {"parameters", std::move(parameters)},
-                      {"probability", number_or_null(cause.probability)},
-                      {"rms_um", number_or_null(cause.rms_um)}});
-  }
-  const IsoProgramme& programme = investigation.programme;
-  return {{"steps", std::move(steps)},
-          {"verdict", investigation.verdict ? Json(name_of(*investigation.verdict)) : Json(nullptr)},
-          {"causes", std::move(causes)},
-          {"minutes", number_or_null(investigation.minutes)},
-          {"programme_minutes", number_or_null(programme.minutes)},
-          {"programme",
-           {{"lines", programme.lines},
-            {"runs", IsoProgramme::kRuns},
-            {"targets", programme.targets},
-            {"dwell_s", number_or_null(programme.dwell_s)},
-            {"set_up_minutes", number_or_null(programme.set_up_minutes)}}},
-          {"rms_before_um", number_or_null(investigation.rms_before_um)},
-          {"rms_compensated_um", number_or_null(investigation.rms_compensated_um)},
-          {"compensated_minutes", number_or_null(investigation.compensated_minutes)},
-          {"notes", investigation.notes}};
-}
+std::string summary_text(const Investigation& investigation) { return investigation_cell(investigation).text; }
 
 }  // namespace ecs::commissioning

@@ -1,5 +1,5 @@
 // What an investigation has done and found: a step for each run, the causes, minutes and errors; as text and JSON.
-// Does not live here: the work itself (investigation.hpp). JSON for .cpp files only (heavy header).
+// Does not live here: the work itself (investigation.hpp).
 #pragma once
 
 #include <cstddef>
@@ -50,12 +50,11 @@ struct Investigation {
 [[nodiscard]] std::string ledger_head();
 /// @param number  of the step, from 1 @param total_minutes  up to and with this step
 [[nodiscard]] std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes);
-/// Verdict, causes, minutes against the programme, errors before and after.
-[[nodiscard]] std::string summary_text(const Investigation& investigation);
-
-/// {"minutes", "measured", "readings", "verdict", "set", "rms_um"}
-[[nodiscard]] Json json_of(const InvestigationStep& step);
-/// The keys of `investigate` in docs/verbs.md.
-[[nodiscard]] Json json_of(const Investigation& investigation);
+/// {"minutes", "measured", "readings", "verdict", "set", "rms_um"}; no text.
+[[nodiscard]] Cell step_cell(const InvestigationStep& step);
+/// In JSON the keys of `investigate` in docs/verbs.md; in the text verdict, causes, minutes against the programme,
+/// errors before and after.
+[[nodiscard]] Cell investigation_cell(const Investigation& investigation);
+[[nodiscard]] std::string summary_text(const Investigation& investigation);  ///< the text of it
 
 }  // namespace ecs::commissioning

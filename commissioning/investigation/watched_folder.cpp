@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "model/planning/part_program.hpp"
@@ -301,7 +301,7 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
 }
 
 void WatchedFolder::keep(const InvestigationStep& step) {
-  steps_.push_back(one_line(json_of(step)));
+  steps_.push_back(one_line(step_cell(step).json));
   (void)write_ledger();  // written again with the next run; a run that cannot be kept is a problem there
 }
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/models/view.hpp"
 
@@ -44,23 +44,40 @@ std::string row_of(const char* what, const std::vector<std::optional<double>>& v
   return text + "\n";
 }
 
+/// What describes a step, as JSON has it and as a row of the text.
+struct ShapeQuantity {
+  const char* key;
+  const char* title;
+  std::optional<double> StepShape::*part;
+  double shown_in;  ///< of the unit that the title gives, in one of the key
+};
+constexpr ShapeQuantity kShapeQuantities[] = {
+    {"steady_V", "steady level [V]", &StepShape::steady, 1.0},
+    {"rise_s", "rise 10 to 90 % [ms]", &StepShape::rise_s, 1e3},
+    {"decay_start_s", "decay starts after [s]", &StepShape::decay_start_s, 1.0},
+    {"fall_s", "fall 90 to 10 % [ms]", &StepShape::fall_s, 1e3},
+};
+
+Json shape_json(const StepShape& shape) {
+  Json object = Json::object();
+  for (const ShapeQuantity& q : kShapeQuantities) object[q.key] = number_or_null(shape.*q.part);
+  return object;
+}
+
 std::string shapes_text(const DriveDiagnosis& d) {
   const bool mended = !d.candidates.empty();
-  const auto row = [&](const char* what, std::optional<double> StepShape::*part, double unit) {
-    std::vector<std::optional<double>> values;
-    for (const StepShape* shape : {&d.measured, &d.as_given, &d.mended}) {
-      const auto& value = shape->*part;
-      values.push_back(value ? std::optional(unit * *value) : std::nullopt);
-    }
-    if (!mended) values.pop_back();
-    return row_of(what, values);
-  };
+  std::vector<const StepShape*> shapes{&d.measured, &d.as_given};
+  if (mended) shapes.push_back(&d.mended);
   std::string text = "  " + padded("", 26) + fmt::format("{:>14}{:>14}", "measured", "simulated");
   text += mended ? fmt::format("{:>14}\n", "mended") : "\n";
-  text += row("steady level [V]", &StepShape::steady, 1.0);
-  text += row("rise 10 to 90 % [ms]", &StepShape::rise_s, 1e3);
-  text += row("decay starts after [s]", &StepShape::decay_start_s, 1.0);
-  text += row("fall 90 to 10 % [ms]", &StepShape::fall_s, 1e3);
+  for (const ShapeQuantity& q : kShapeQuantities) {
+    std::vector<std::optional<double>> values;
+    for (const StepShape* shape : shapes) {
+      const auto& value = shape->*q.part;
+      values.push_back(value ? std::optional(q.shown_in * *value) : std::nullopt);
+    }
+    text += row_of(q.title, values);
+  }
   std::vector<std::optional<double>> rms{std::nullopt, d.rms_V};
   if (mended) rms.emplace_back(d.candidates.front().rms_after_V);
   return text + row_of("rms of the difference [V]", rms);
@@ -129,99 +146,109 @@ std::string verdict_text(const DriveDiagnosis& d) {
   return "Neither one constant nor two explain the difference. What comes nearest:\n";
 }
 
-std::string text_of(const DriveDiagnosis& d, const model::DriveTrace& trace, const model::DriveParameters& given) {
-  std::string text = paragraph(fmt::format(
-      "step of {} mm at {} mm/min, {} samples, noise {} V, the move starts at {} s", few_digits(trace.move.distance_mm),
-      few_digits(trace.move.feed_mm_min, 4), d.observations, few_digits(d.noise_V, 2), few_digits(d.start_s, 3)));
-  text += "\n" + shapes_text(d) + "\n" + verdict_text(d);
-  std::size_t shown = 0;
-  for (const DriveCandidate& candidate : d.candidates) {
-    if (candidate.explains != d.candidates.front().explains || shown == 4) break;
-    if (shown++ > 0) text += candidate.explains ? "or\n" : "";
-    text += group_text(candidate, given) + separation_text(candidate);
-  }
-  std::vector<std::string> weaker;
-  for (const DriveCandidate& candidate : d.candidates)
-    if (!candidate.explains && d.candidates.front().explains)
-      weaker.push_back(fmt::format("{} (leaves {} V)", name_of(candidate.alternatives.front().constant),
-                                   few_digits(candidate.rms_after_V)));
-  if (!weaker.empty()) text += "\n" + paragraph(fmt::format("Not enough alone: {}.", fmt::join(weaker, ", ")));
-  if (!d.silent.empty()) text += paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)));
-  return d.notes.empty() ? text : text + "\n" + notes_text(d.notes);
-}
-
-Json json_of(const StepShape& shape) {
-  return {{"steady_V", number_or_null(shape.steady)},
-          {"rise_s", number_or_null(shape.rise_s)},
-          {"decay_start_s", number_or_null(shape.decay_start_s)},
-          {"fall_s", number_or_null(shape.fall_s)}};
-}
-
 Json names_json(const std::vector<DriveConstant>& constants) {
   Json list = Json::array();
   for (const DriveConstant c : constants) list.push_back(name_of(c));
   return list;
 }
 
-Json json_of(const DriveCandidate& candidate, double rms_V) {
-  Json parameters = Json::array(), factors = Json::object(), values = Json::object(), sigmas = Json::object(),
-       units = Json::object(), each = Json::object(), separated = Json::array(), signals = Json::array();
-  for (const DriveChange& c : candidate.alternatives) {
-    const std::string name = name_of(c.constant);
-    parameters.push_back(name);
-    factors[name] = number_or_null(c.factor);
-    values[name] = number_or_null(c.value);
-    sigmas[name] = number_or_null(c.sigma);
-    units[name] = model::info_of(c.constant).unit;
-    each[name] = number_or_null(c.rms_after);
-  }
-  for (const model::DriveSignal s : candidate.separated_by) separated.push_back(model::info_of(s).name);
-  for (const model::SignalDifference& s : candidate.signals) {
-    Json members = Json::object(), peaks = Json::object();
-    peaks[name_of(candidate.alternatives.front().constant)] = number_or_null(s.peak);
-    for (const model::MemberDifference& m : s.members) {
-      members[name_of(m.member)] = number_or_null(m.relative);
-      peaks[name_of(m.member)] = number_or_null(m.peak);
-    }
-    signals.push_back(
-        {{"signal", model::info_of(s.signal).name}, {"relative_difference", members}, {"peak_if", peaks}});
-  }
-  Json object{{"parameters", parameters},
-              {"together", candidate.together},
-              {"explains", candidate.explains},
-              {"factor", number_or_null(candidate.alternatives.front().factor)},
-              {"factors", factors},
-              {candidate.together ? "values" : "value_if_others_trusted", values},
-              {"sigma", sigmas},
-              {"unit", units},
-              {"rms_before_V", number_or_null(rms_V)},
-              {"rms_after_V", number_or_null(candidate.rms_after_V)},
-              {"rms_after_each_V", each},
-              {"separated_by", separated},
-              {"signals", signals}};
-  if (candidate.together)
-    object["instead_of"] = {{name_of(candidate.alternatives[0].constant), names_json(candidate.like_first)},
-                            {name_of(candidate.alternatives[1].constant), names_json(candidate.like_second)}};
+/// {"Kw": 1.2, "K": 3.4}: a number of each alternative.
+Json by_name(const std::vector<DriveChange>& alternatives, double DriveChange::*number) {
+  Json object = Json::object();
+  for (const DriveChange& c : alternatives) object[name_of(c.constant)] = number_or_null(c.*number);
   return object;
 }
 
-Json json_of(const DriveDiagnosis& d, const model::DriveTrace& trace) {
-  Json candidates = Json::array();
-  for (const DriveCandidate& candidate : d.candidates) candidates.push_back(json_of(candidate, d.rms_V));
-  return {{"trace", trace.source},
-          {"feed_mm_min", number_or_null(trace.move.feed_mm_min)},
-          {"distance_mm", number_or_null(trace.move.distance_mm)},
-          {"observations", d.observations},
-          {"rms_V", number_or_null(d.rms_V)},
-          {"noise_V", number_or_null(d.noise_V)},
-          {"verdict", model::name_of(d.verdict)},
-          {"move_starts_s", number_or_null(d.start_s)},
-          {"measured", json_of(d.measured)},
-          {"simulated", json_of(d.as_given)},
-          {"mended", d.candidates.empty() ? Json() : json_of(d.mended)},
-          {"candidates", candidates},
-          {"says_nothing_about", names_json(d.silent)},
-          {"notes", d.notes}};
+Json units_json(const std::vector<DriveChange>& alternatives) {
+  Json object = Json::object();
+  for (const DriveChange& c : alternatives) object[name_of(c.constant)] = model::info_of(c.constant).unit;
+  return object;
+}
+
+Json signal_json(const model::SignalDifference& signal, DriveConstant first) {
+  Json members = Json::object(), peaks = Json::object();
+  peaks[name_of(first)] = number_or_null(signal.peak);
+  for (const model::MemberDifference& m : signal.members) {
+    members[name_of(m.member)] = number_or_null(m.relative);
+    peaks[name_of(m.member)] = number_or_null(m.peak);
+  }
+  return {{"signal", model::info_of(signal.signal).name}, {"relative_difference", members}, {"peak_if", peaks}};
+}
+
+Cell drive_candidate_cell(const DriveCandidate& candidate, double rms_V, const model::DriveParameters& given) {
+  const auto& all = candidate.alternatives;
+  Json parameters = Json::array(), separated = Json::array(), signals = Json::array();
+  for (const DriveChange& c : all) parameters.push_back(name_of(c.constant));
+  for (const model::DriveSignal s : candidate.separated_by) separated.push_back(model::info_of(s).name);
+  for (const model::SignalDifference& s : candidate.signals) signals.push_back(signal_json(s, all.front().constant));
+  Json object{{"parameters", parameters},
+              {"together", candidate.together},
+              {"explains", candidate.explains},
+              {"factor", number_or_null(all.front().factor)},
+              {"factors", by_name(all, &DriveChange::factor)},
+              {candidate.together ? "values" : "value_if_others_trusted", by_name(all, &DriveChange::value)},
+              {"sigma", by_name(all, &DriveChange::sigma)},
+              {"unit", units_json(all)},
+              {"rms_before_V", number_or_null(rms_V)},
+              {"rms_after_V", number_or_null(candidate.rms_after_V)},
+              {"rms_after_each_V", by_name(all, &DriveChange::rms_after)},
+              {"separated_by", separated},
+              {"signals", signals}};
+  if (candidate.together)
+    object["instead_of"] = {{name_of(all[0].constant), names_json(candidate.like_first)},
+                            {name_of(all[1].constant), names_json(candidate.like_second)}};
+  return {object, group_text(candidate, given) + separation_text(candidate)};
+}
+
+constexpr std::size_t kCandidatesShown = 4;
+
+/// All in JSON; in the text the first of those that explain the recording, or else the first.
+Cell drive_candidates_cell(const DriveDiagnosis& d, const model::DriveParameters& given) {
+  Cell list{Json::array(), {}};
+  bool shown = true;
+  std::vector<std::string> weaker;
+  for (const DriveCandidate& candidate : d.candidates) {
+    Cell one = drive_candidate_cell(candidate, d.rms_V, given);
+    shown = shown && candidate.explains == d.candidates.front().explains && list.json.size() < kCandidatesShown;
+    if (!shown) one.text.clear();
+    if (shown && !list.json.empty() && candidate.explains) one.text.insert(0, "or\n");
+    list.add(one);
+    if (!candidate.explains && d.candidates.front().explains)
+      weaker.push_back(fmt::format("{} (leaves {} V)", name_of(candidate.alternatives.front().constant),
+                                   few_digits(candidate.rms_after_V)));
+  }
+  if (!weaker.empty()) list.text += "\n" + paragraph(fmt::format("Not enough alone: {}.", fmt::join(weaker, ", ")));
+  return list;
+}
+
+Cell few_digits_cell(double value, int digits) { return {number_or_null(value), few_digits(value, digits)}; }
+
+Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trace,
+                          const model::DriveParameters& given) {
+  const AnswerFields fields{
+      {"trace", word_cell(trace.source)},
+      {"feed_mm_min", few_digits_cell(trace.move.feed_mm_min, 4)},
+      {"distance_mm", few_digits_cell(trace.move.distance_mm, 3)},
+      {"observations", count_cell(d.observations)},
+      {"rms_V", {number_or_null(d.rms_V), {}}},
+      {"noise_V", few_digits_cell(d.noise_V, 2)},
+      {"verdict", {model::name_of(d.verdict), verdict_text(d)}},
+      {"move_starts_s", few_digits_cell(d.start_s, 3)},
+      {"measured", {shape_json(d.measured), {}}},
+      {"simulated", {shape_json(d.as_given), {}}},
+      {"mended", {d.candidates.empty() ? Json() : shape_json(d.mended), {}}},
+      {"shapes", shown_cell(shapes_text(d))},
+      {"candidates", drive_candidates_cell(d, given)},
+      {"says_nothing_about",
+       {names_json(d.silent),
+        d.silent.empty() ? "" : paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)))}},
+      {"notes", {d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)}}};
+  return {
+      object_of(fields),
+      paragraph(laid_out("step of {distance_mm} mm at {feed_mm_min} mm/min, {observations} samples, noise {noise_V} "
+                         "V, the move starts at {move_starts_s} s",
+                         fields)) +
+          laid_out("\n{shapes}\n{verdict}{candidates}{says_nothing_about}{notes}", fields)};
 }
 
 }  // namespace
@@ -257,7 +284,7 @@ Result<TraceComparison> compare_trace(const std::string& model, const std::strin
   const auto recorded = model::read_trace(trace);
   if (!recorded) return tl::unexpected(recorded.error());
   const DriveDiagnosis diagnosis = model::diagnose_drive(*drive, *recorded);
-  return TraceComparison{{text_of(diagnosis, *recorded, *drive), one_line(json_of(diagnosis, *recorded)), kDone},
+  return TraceComparison{outcome_of(drive_diagnosis_cell(diagnosis, *recorded, *drive)),
                          trace_figure(*recorded, diagnosis)};
 }
 

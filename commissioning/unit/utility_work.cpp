@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "commissioning/unit/status_view.hpp"
 #include "core/bytes.hpp"
 #include "core/fault.hpp"
@@ -43,12 +44,16 @@ Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client) {
   return kept;
 }
 
-std::string text_of(const std::vector<KeptRegister>& registers) {
-  std::string text;
-  for (std::size_t i = 0; i < registers.size(); ++i)
-    text += fmt::format("{} {:08X}{}", registers[i].name, registers[i].value,
-                        i % 4 == 3 || i + 1 == registers.size() ? "\n" : "   ");
-  return text;
+Cell registers_cell(const std::vector<KeptRegister>& registers) {
+  Cell cell;
+  for (std::size_t i = 0; i < registers.size(); ++i) {
+    cell.json[registers[i].name] = registers[i].value;
+    cell.text += fmt::format("{} {:08X}{}", registers[i].name, registers[i].value,
+                             i % 4 == 3 || i + 1 == registers.size() ? "\n" : "   ");
+  }
+  return cell;
 }
+
+std::string registers_text(const std::vector<KeptRegister>& registers) { return registers_cell(registers).text; }
 
 }  // namespace ecs::commissioning

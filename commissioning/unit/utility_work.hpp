@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/result.hpp"
 #include "core/user_memory.hpp"
 #include "protocol/client/client.hpp"
@@ -33,7 +34,8 @@ struct KeptRegister {
   std::uint32_t value = 0;
 };
 [[nodiscard]] Result<std::vector<KeptRegister>> kept_registers(protocol::UnitClient& client);
-/// Four in a row: "D0 00000000   D1 …".
-[[nodiscard]] std::string text_of(const std::vector<KeptRegister>& registers);
+/// By name in JSON; in the text four in a row: "D0 00000000   D1 …".
+[[nodiscard]] Cell registers_cell(const std::vector<KeptRegister>& registers);
+[[nodiscard]] std::string registers_text(const std::vector<KeptRegister>& registers);  ///< the text of it
 
 }  // namespace ecs::commissioning

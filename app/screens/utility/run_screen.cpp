@@ -132,7 +132,7 @@ class RunScreen final : public UtilityScreen<RunController> {
                   fmt::format("0x{:06X} returned nothing; its registers where it ended:", ended->program.address),
                   Tone::bad);
     int row = 1;
-    const std::string registers = text_of(ended->registers);
+    const std::string registers = registers_text(ended->registers);
     for (const std::string_view line : lines_of(registers)) canvas.text(area, row++, 2, line);
   }
 

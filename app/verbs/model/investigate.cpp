@@ -4,8 +4,8 @@
 
 #include "app/cli/verb.hpp"
 #include "app/verbs/model/model_arguments.hpp"
+#include "base/answer_table.hpp"
 #include "base/interrupt.hpp"
-#include "base/json.hpp"
 #include "base/paragraph.hpp"
 #include "commissioning/investigation/followed.hpp"
 #include "commissioning/investigation/investigation.hpp"
@@ -95,13 +95,12 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateArguments& ar
   const auto investigation = commissioning::investigate(*model, **machine, workshop, options);
   ledger.end(followed.progress());
   if (!investigation) return tl::unexpected(in_file(investigation.error(), arguments.model));
-  std::string text = commissioning::summary_text(*investigation);
-  if (!arguments.output.empty()) {
+  Cell answer = commissioning::investigation_cell(*investigation);
+  if (!arguments.output.empty())
     if (const auto kept = keep_model(arguments.output, investigation->model, arguments.model); !kept)
       return tl::unexpected(kept.error());
-    text += fmt::format("model written to {}\n", arguments.output);
-  }
-  return Outcome{text, one_line(commissioning::json_of(*investigation)), kDone};
+  answer.text += written_cell("model", arguments.output).text;
+  return outcome_of(answer);
 }
 
 }  // namespace

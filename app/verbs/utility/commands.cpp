@@ -6,20 +6,24 @@
 #include "app/cli/axis_argument.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
-#include "base/json.hpp"
+#include "base/answer_table.hpp"
 #include "base/numbers.hpp"
 #include "commissioning/unit/utility_work.hpp"
 
 namespace ecs::app {
 namespace {
 
-/// Opens the unit and gives one command whose success needs no more than these words.
+/// Opens the unit and gives one command whose success needs no more than this answer.
 Result<Outcome> simple(VerbContext& context, const std::function<Result<void>(protocol::UnitClient&)>& command,
-                       const std::string& text, const Json& object) {
+                       const Cell& answer) {
   auto unit = open_unit(context, Access::writes);
   if (!unit) return tl::unexpected(unit.error());
   if (const auto done = command(unit->client()); !done) return tl::unexpected(done.error());
-  return Outcome{text, one_line(object), kDone};
+  return outcome_of(answer);
+}
+
+Cell done_cell(std::string_view key, std::string text) {
+  return {object_of({{key, yes_cell(true, "", "")}}), std::move(text)};
 }
 
 struct PositionArguments : VerbArguments {
@@ -33,8 +37,8 @@ Result<Outcome> set_position(VerbContext& context, const PositionArguments& argu
   if (!axis) return tl::unexpected(axis.error());
   return simple(
       context, [&](protocol::UnitClient& client) { return client.set_axis_position(*axis, arguments.position_mm); },
-      fmt::format("axis {} now shows {} mm", arguments.axis, arguments.position_mm),
-      Json{{"axis", arguments.axis}, {"position_mm", arguments.position_mm}});
+      record_cell("axis {axis} now shows {position_mm} mm",
+                  {{"axis", word_cell(arguments.axis)}, {"position_mm", plain_cell(arguments.position_mm)}}));
 }
 
 struct OutputArguments : VerbArguments {
@@ -51,8 +55,8 @@ Result<Outcome> output_value(VerbContext& context, const OutputArguments& argume
   if (arguments.off == given) return problem(ProblemKind::usage, "utility output: give either AXIS UM or --off");
   if (arguments.off)
     return simple(
-        context, [](protocol::UnitClient& client) { return client.output_off(); }, "every output 0, every relay open",
-        Json{{"off", true}});
+        context, [](protocol::UnitClient& client) { return client.output_off(); },
+        done_cell("off", "every output 0, every relay open"));
   const auto axis = axis_named(arguments.axis);
   if (!axis) return tl::unexpected(axis.error());
   if (arguments.relay)
@@ -65,9 +69,11 @@ Result<Outcome> output_value(VerbContext& context, const OutputArguments& argume
       [&](protocol::UnitClient& client) {
         return client.output_compensation(*axis, *arguments.output_um, arguments.relay);
       },
-      fmt::format("axis {}: {} um at the D/A converter, relay {}; `ecs utility output --off` ends it", arguments.axis,
-                  *arguments.output_um, arguments.relay ? "closed" : "open"),
-      Json{{"axis", arguments.axis}, {"output_um", *arguments.output_um}, {"relay_closed", arguments.relay}});
+      record_cell(
+          "axis {axis}: {output_um} um at the D/A converter, relay {relay_closed}; `ecs utility output --off` ends it",
+          {{"axis", word_cell(arguments.axis)},
+           {"output_um", plain_cell(*arguments.output_um)},
+           {"relay_closed", yes_cell(arguments.relay, "closed", "open")}}));
 }
 
 struct RunArguments : VerbArguments {
@@ -94,14 +100,12 @@ Result<Outcome> run_program_in_unit(VerbContext& context, const RunArguments& ar
   if (!value) return tl::unexpected(value.error());
   const auto registers = kept_registers(unit->client());
   if (!registers) return tl::unexpected(registers.error());
-  Json values;
-  for (const KeptRegister& one : *registers) values[one.name] = one.value;
-  return Outcome{
-      fmt::format("the program at {} returned {} (0x{:08X})\n{}", hex_address(*address), *value, *value,
-                  text_of(*registers)),
-      one_line(Json{
-          {"address", hex_address(*address)}, {"argument", *argument}, {"returned", *value}, {"registers", values}}),
-      kDone};
+  return outcome_of(record_cell("the program at {address} returned {returned} ({hexadecimal})\n{registers}",
+                                {{"address", word_cell(hex_address(*address))},
+                                 {"argument", integer_cell(*argument)},
+                                 {"returned", integer_cell(*value)},
+                                 {"registers", registers_cell(*registers)},
+                                 {"hexadecimal", shown_cell(fmt::format("0x{:08X}", *value))}}));
 }
 
 struct UnitWriter : VerbArguments {
@@ -116,23 +120,23 @@ Result<Outcome> ram_test(VerbContext& context, const UnitWriter& arguments) {
   });
   if (!result) return tl::unexpected(result.error());
   const bool passed = result->value == protocol::kUnused;
-  return Outcome{
-      passed ? std::string("RAM test passed")
-             : fmt::format("RAM test failed at {}: replace that axis memory module", hex_address(result->value)),
-      one_line(Json{{"passed", passed}, {"address", passed ? Json(nullptr) : Json(hex_address(result->value))}}),
-      passed ? kDone : kDoesNotHold};
+  const std::string address = passed ? std::string() : hex_address(result->value);
+  return outcome_of(
+      record_cell(passed ? "RAM test passed" : "RAM test failed at {address}: replace that axis memory module",
+                  {{"passed", yes_cell(passed, "", "")}, {"address", text_cell(address)}}),
+      passed ? kDone : kDoesNotHold);
 }
 
 Result<Outcome> reset(VerbContext& context, const UnitWriter&) {
   return simple(
-      context, [](protocol::UnitClient& client) { return client.reset_unit(); }, "the unit restarts",
-      Json{{"reset", true}});
+      context, [](protocol::UnitClient& client) { return client.reset_unit(); },
+      done_cell("reset", "the unit restarts"));
 }
 
 Result<Outcome> clear(VerbContext& context, const UnitWriter&) {
   return simple(
-      context, [](protocol::UnitClient& client) { return client.clear_fault(); }, "the fault is cleared",
-      Json{{"cleared", true}});
+      context, [](protocol::UnitClient& client) { return client.clear_fault(); },
+      done_cell("cleared", "the fault is cleared"));
 }
 
 }  // namespace
