@@ -49,7 +49,7 @@ ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
   std::uint32_t values_left = view.value_count();
   for (std::uint32_t i = 0; i < view.table_count(); ++i) {
     verdict.table = i;
-    const std::uint32_t at = directory_offset() + i * kEntryBytes;
+    const std::uint32_t at = directory_offset(view.format()) + i * kEntryBytes;
     if (!known_codes(image, at) || !sound_entry(view.entry(i), view.value_count())) {
       verdict.fault = ImageFault::bad_entry;
       return verdict;
@@ -74,10 +74,10 @@ ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
 void begin_image(Bytes image, const ImagePlan& plan) noexcept {
   std::fill(image.begin(), image.end(), std::uint8_t{0});
   store_big(image, prefix_at::magic, kImageMagic);
-  store_big(image, prefix_at::format, kImageFormat);
+  store_big(image, prefix_at::format, plan.format);
   store_big(image, prefix_at::total_bytes, image_bytes(plan));
   store_big(image, prefix_at::parameters, kPrefixBytes);
-  store_big(image, prefix_at::directory, directory_offset());
+  store_big(image, prefix_at::directory, directory_offset(plan.format));
   store_big(image, prefix_at::table_count, plan.table_count);
   store_big(image, prefix_at::values, values_offset(plan));
   store_big(image, prefix_at::value_count, plan.value_count);
@@ -90,7 +90,7 @@ void write_parameters(Bytes image, const UnitParameters& parameters) noexcept {
 }
 
 void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept {
-  const std::uint32_t at = directory_offset() + index * kEntryBytes;
+  const std::uint32_t at = prefix_word(image, prefix_at::directory) + index * kEntryBytes;
   image[at] = static_cast<std::uint8_t>(entry.component);
   image[at + 1] = static_cast<std::uint8_t>(entry.approach);
   image[at + 2] = entry.declared_zero ? 1 : 0;
@@ -145,23 +145,24 @@ ImageVerdict check_image(ByteView bank) noexcept {
   };
   if (bank.size() < kPrefixBytes || prefix_word(bank, prefix_at::magic) != kImageMagic)
     return with(ImageFault::no_image);
-  if (load_big<std::uint16_t>(bank, prefix_at::format) != kImageFormat) return with(ImageFault::wrong_format);
+  const auto format = load_big<std::uint16_t>(bank, prefix_at::format);
+  if (format != kImageFormat && format != kFormatWithoutIdentity) return with(ImageFault::wrong_format);
   verdict.total_bytes = prefix_word(bank, prefix_at::total_bytes);
   verdict.check_expected = prefix_word(bank, prefix_at::check);
-  if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset())
+  if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset(format))
     return with(ImageFault::wrong_length);
   const ByteView image = bank.first(verdict.total_bytes);
   verdict.check_found = block_check(image);
   if (verdict.check_found != verdict.check_expected) return with(ImageFault::block_check);
 
   const ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
-                       prefix_word(image, prefix_at::header_bytes)};
+                       prefix_word(image, prefix_at::header_bytes), format};
   if (plan.table_count > kMostTables) return with(ImageFault::bad_directory);
   if (plan.value_count > kMostValues) return with(ImageFault::over_capacity);
   if (plan.header_bytes > verdict.total_bytes || image_bytes(plan) != verdict.total_bytes)
     return with(ImageFault::wrong_length);
   if (prefix_word(image, prefix_at::parameters) != kPrefixBytes ||
-      prefix_word(image, prefix_at::directory) != directory_offset() ||
+      prefix_word(image, prefix_at::directory) != directory_offset(format) ||
       prefix_word(image, prefix_at::values) != values_offset(plan) ||
       prefix_word(image, prefix_at::header) != header_offset(plan))
     return with(ImageFault::wrong_length);
@@ -173,11 +174,12 @@ ImageVerdict check_image(ByteView bank) noexcept {
 
 std::uint32_t ImageView::total_bytes() const noexcept { return prefix_word(image_, prefix_at::total_bytes); }
 std::uint32_t ImageView::check() const noexcept { return prefix_word(image_, prefix_at::check); }
+std::uint16_t ImageView::format() const noexcept { return load_big<std::uint16_t>(image_, prefix_at::format); }
 std::uint32_t ImageView::table_count() const noexcept { return prefix_word(image_, prefix_at::table_count); }
 std::uint32_t ImageView::value_count() const noexcept { return prefix_word(image_, prefix_at::value_count); }
 
 TableEntry ImageView::entry(std::uint32_t index) const noexcept {
-  const std::uint32_t at = directory_offset() + index * kEntryBytes;
+  const std::uint32_t at = directory_offset(format()) + index * kEntryBytes;
   return {static_cast<Component>(image_[at]),
           static_cast<Approach>(static_cast<std::int8_t>(image_[at + 1])),
           image_[at + 2] != 0,

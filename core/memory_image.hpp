@@ -1,6 +1,7 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
-// them. prefix (64) | parameters (512) | table directory (40 each) | values (int16 each) | header text (UTF-8). The
-// block check is the CRC-32 of the whole image with its own four bytes taken as zero.
+// them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | values (int16 each) | header text
+// (UTF-8). The block check is the CRC-32 of the whole image with its own four bytes taken as zero. Format 1, which is
+// read but no longer written, has no identity.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +14,11 @@
 namespace ecs {
 
 inline constexpr std::uint32_t kImageMagic = 0x45435349;  // "ECSI"
-inline constexpr std::uint16_t kImageFormat = 1;
+inline constexpr std::uint16_t kImageFormat = 2;
+inline constexpr std::uint16_t kFormatWithoutIdentity = 1;
 inline constexpr std::uint32_t kPrefixBytes = 64;
 inline constexpr std::uint32_t kParameterBytes = 512;
+inline constexpr std::uint32_t kIdentityBytes = 64;
 inline constexpr std::uint32_t kEntryBytes = 40;
 inline constexpr std::uint32_t kMostTables = 36;  ///< 18 curves, forward and reverse
 
@@ -24,6 +27,28 @@ namespace prefix_at {
 inline constexpr std::uint32_t magic = 0, format = 4, total_bytes = 8, check = 12, parameters = 16, directory = 20,
                                table_count = 24, values = 28, value_count = 32, header = 36, header_bytes = 40;
 }
+
+/// Offsets inside the identity. Texts are UTF-8, padded with zeros.
+namespace identity_at {
+inline constexpr std::uint32_t serial_number = 0, machine = 16, configuration = 56, end = 60;
+}
+inline constexpr std::size_t kMostSerialNumberBytes = identity_at::machine - identity_at::serial_number;
+inline constexpr std::size_t kMostMachineBytes = identity_at::configuration - identity_at::machine;
+
+/// Whom an image is addressed to. A unit takes no image that is addressed to another one.
+struct ImageIdentity {
+  std::string_view serial_number;   ///< of the unit, up to 16 bytes
+  std::string_view machine;         ///< its name, up to 40 bytes; empty: not stated
+  std::uint32_t configuration = 0;  ///< configuration_hash() of the machine
+  friend bool operator==(const ImageIdentity&, const ImageIdentity&) = default;
+};
+
+/// CRC-32 over the parameters that say how a map is read: configuration string, axes present, convention. A map built
+/// for others would act on other axes or with other signs.
+[[nodiscard]] std::uint32_t configuration_hash(const UnitParameters& parameters) noexcept;
+
+/// As much of a machine's name as an identity holds, cut between two characters.
+[[nodiscard]] std::string_view machine_in_identity(std::string_view name) noexcept;
 
 /// One error table in the directory. Values are compensation = value × resolution, um or um/m.
 struct TableEntry {
@@ -48,10 +73,14 @@ struct ImagePlan {
   std::uint32_t table_count = 0;
   std::uint32_t value_count = 0;
   std::uint32_t header_bytes = 0;
+  std::uint16_t format = kImageFormat;
 };
-[[nodiscard]] constexpr std::uint32_t directory_offset() noexcept { return kPrefixBytes + kParameterBytes; }
+inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
+[[nodiscard]] constexpr std::uint32_t directory_offset(std::uint16_t format = kImageFormat) noexcept {
+  return format == kFormatWithoutIdentity ? kIdentityOffset : kIdentityOffset + kIdentityBytes;
+}
 [[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
-  return directory_offset() + plan.table_count * kEntryBytes;
+  return directory_offset(plan.format) + plan.table_count * kEntryBytes;
 }
 [[nodiscard]] constexpr std::uint32_t header_offset(const ImagePlan& plan) noexcept {
   return values_offset(plan) + plan.value_count * 2;
@@ -63,6 +92,8 @@ struct ImagePlan {
 // --- writing; every function: @pre image.size() == image_bytes(plan), indices within the plan
 void begin_image(Bytes image, const ImagePlan& plan) noexcept;
 void write_parameters(Bytes image, const UnitParameters& parameters) noexcept;
+/// Longer texts are cut.
+void write_identity(Bytes image, const ImageIdentity& identity) noexcept;
 void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept;
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
 void write_header(Bytes image, std::string_view text) noexcept;
@@ -106,6 +137,9 @@ class ImageView {
   explicit ImageView(ByteView image) noexcept : image_(image) {}
   [[nodiscard]] std::uint32_t total_bytes() const noexcept;
   [[nodiscard]] std::uint32_t check() const noexcept;
+  [[nodiscard]] std::uint16_t format() const noexcept;
+  /// Views into the image; nothing in an image of format 1.
+  [[nodiscard]] std::optional<ImageIdentity> identity() const noexcept;
   [[nodiscard]] std::uint32_t table_count() const noexcept;
   [[nodiscard]] std::uint32_t value_count() const noexcept;
   [[nodiscard]] TableEntry entry(std::uint32_t index) const noexcept;
@@ -118,6 +152,20 @@ class ImageView {
  private:
   ByteView image_;
 };
+
+// --- whose image
+/// What a unit knows of itself and of its machine. It takes the name and the configuration of the machine from the map
+/// it holds; without a map it takes those of the next one.
+struct OwnIdentity {
+  ImageIdentity identity;
+  bool has_map = false;  ///< otherwise machine and configuration are not known
+};
+enum class IdentityFault : std::uint8_t { none, not_stated, other_serial_number, other_machine, other_configuration };
+[[nodiscard]] std::string_view text_of(IdentityFault fault) noexcept;
+/// Why this unit does not take the image. @pre check_image() found the image sound
+[[nodiscard]] IdentityFault identity_fault(ByteView image, const OwnIdentity& own) noexcept;
+/// The identity of a unit with this serial number. @param active  its active image, sound; empty: it has none
+[[nodiscard]] OwnIdentity own_identity(std::string_view serial_number, ByteView active) noexcept;
 
 // --- which bank is active
 /// The record that switches a new image active. Two slots: a commit is written into the one that is not in force, then

@@ -65,7 +65,7 @@ bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& repor
 
 void send(protocol::UnitClient& client, const Load& load, const protocol::ProgressCallback& progress,
           BatchReport& report) {
-  const auto sent = load.map ? send_image(client, load.map->image.bytes, progress)
+  const auto sent = load.map ? send_image(client, load.map->image.bytes, Addressee::as_stated, progress)
                              : send_parameters(client, load.parameters, load.identity, UnfitMap::refuse, progress);
   if (!sent) return fail(report, BatchState::failed, sent.error());
   report.state = BatchState::sent;

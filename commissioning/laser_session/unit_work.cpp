@@ -71,6 +71,9 @@ Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapF
     std::vector<std::string> objections = other_unit(*prepared, identity->serial_number);
     for (std::string& why : no_room_for(prepared->image.bytes, *identity)) objections.push_back(std::move(why));
     if (auto refused = refused_map(objections, files.map)) return tl::unexpected(std::move(*refused));
+    auto image = addressed(prepared->image.bytes, *identity, Addressee::as_stated);
+    if (!image) return tl::unexpected(image.error());
+    prepared->image.bytes = std::move(*image);
     const auto active = active_check(link.client());
     if (!active) return tl::unexpected(active.error());
     const std::uint32_t check = ImageView(prepared->image.bytes).check();

@@ -46,10 +46,11 @@ Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, c
   if (!check_before) return tl::unexpected(check_before.error());
   if (before) before(*check_before);
   const auto start = std::chrono::steady_clock::now();
-  const auto report = send_image(client, map.image.bytes, progress);
+  const auto report =
+      send_image(client, map.image.bytes, other_machine ? Addressee::this_unit : Addressee::as_stated, progress);
   if (!report) return tl::unexpected(report.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return SentMap{*report, *identity, ImageView(map.image.bytes).check(), *check_before, seconds};
+  return SentMap{*report, *identity, report->check, *check_before, seconds};
 }
 
 Result<MapVerdict> verdict_on(const FoundMap& found, const std::string& map_file, const std::string& params_file) {

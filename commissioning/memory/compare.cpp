@@ -31,6 +31,12 @@ void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out)
                    with_unit(difference.b, difference.unit)});
 }
 
+std::string text_of(const std::optional<DecodedIdentity>& identity) {
+  if (!identity) return "none";
+  return fmt::format("unit {}, machine {}, configuration {:08X}", identity->serial_number, identity->machine,
+                     identity->configuration);
+}
+
 std::string shape_of(const DecodedTable& table) {
   if (table.entry.declared_zero) return "declared zero";
   return fmt::format("{} values from {} mm every {} mm", table.entry.count, table.entry.start_mm,
@@ -144,6 +150,8 @@ std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump&
   List out;
   if (image_a != nullptr && image_b != nullptr) {
     compare_parameters(*image_a, *image_b, out);
+    if (image_a->identity != image_b->identity)
+      out.push_back({"identity", text_of(image_a->identity), text_of(image_b->identity)});
     compare_tables(*image_a, *image_b, out);
     compare_headers(*image_a, *image_b, out);
   } else if (image_a != image_b) {

@@ -55,7 +55,7 @@ std::string fault_of(const DecodedTable& table, bool within) {
 DecodedTable decode_table(ByteView image, Address address, std::uint32_t number) {
   DecodedTable table;
   table.number = number;
-  const std::uint32_t at = directory_offset() + number * kEntryBytes;
+  const std::uint32_t at = directory_offset(ImageView(image).format()) + number * kEntryBytes;
   const auto approach = static_cast<std::int8_t>(image[at + 1]);
   table.entry_address = address + at;
   table.known_codes = image[at] < kCurves && approach >= -1 && approach <= 1;
@@ -79,12 +79,13 @@ DecodedTable decode_table(ByteView image, Address address, std::uint32_t number)
 
 void decode_tables(ByteView image, DecodedImage& out) {
   std::uint32_t count = word(image, prefix_at::table_count);
+  const std::uint32_t directory = directory_offset(ImageView(image).format());
   if (count > kMostTables) {
     out.faults.push_back(fmt::format("the prefix announces {} tables, an image holds at most {}", count, kMostTables));
     count = 0;
   }
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (directory_offset() + (i + 1) * kEntryBytes > image.size()) {
+    if (directory + (i + 1) * kEntryBytes > image.size()) {
       out.faults.push_back(fmt::format("the table directory is cut off after {} of {} tables", i, count));
       return;
     }
@@ -105,6 +106,13 @@ void decode_header(ByteView image, DecodedImage& out) {
   out.header.assign(text.begin(), text.end());
 }
 
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  return shown;
+}
+
 std::string words_for(const DecodedImage& image) {
   std::string text = fmt::format("the image {}", ecs::text_of(image.verdict.fault));
   if (image.verdict.fault == ImageFault::block_check)
@@ -122,7 +130,11 @@ DecodedImage decode_image(const DumpRegion& region) {
   out.bytes = word(bank, prefix_at::total_bytes);
   if (out.verdict.fault != ImageFault::none) out.faults.push_back(words_for(out));
   const ByteView image = bank.first(std::min<std::size_t>(bank.size(), out.bytes));
-  if (image.size() < directory_offset()) return out;
+  out.format = load_big<std::uint16_t>(bank, prefix_at::format);
+  if (image.size() < directory_offset(out.format)) return out;
+  if (const auto identity = ImageView(image).identity())
+    out.identity =
+        DecodedIdentity{printable(identity->serial_number), printable(identity->machine), identity->configuration};
   out.parameters = decode_parameters(image.subspan(kPrefixBytes, kParameterBytes));
   if (!out.parameters) out.faults.push_back("the parameters hold a word or number that cannot be");
   decode_tables(image, out);

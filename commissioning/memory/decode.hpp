@@ -38,11 +38,21 @@ struct DecodedTable {
   }
 };
 
+/// Whom an image is addressed to.
+struct DecodedIdentity {
+  std::string serial_number;
+  std::string machine;
+  std::uint32_t configuration = 0;
+  friend bool operator==(const DecodedIdentity&, const DecodedIdentity&) = default;
+};
+
 struct DecodedImage {
   std::string region;
   Address address = 0;
   std::uint32_t bytes = 0;  ///< that the prefix announces; 0: none
   bool active = false;      ///< the active commit record names it
+  std::uint16_t format = 0;
+  std::optional<DecodedIdentity> identity;  ///< nothing in format 1
   ImageVerdict verdict;
   std::optional<UnitParameters> parameters;
   std::vector<DecodedTable> tables;

@@ -99,6 +99,16 @@ void add_parameters(const DecodedImage& image, const DumpRegion& region, std::ve
   }
 }
 
+void add_identity(const DecodedImage& image, const DumpRegion& region, std::vector<ByteField>& out) {
+  if (!image.identity) return;
+  const auto add = [&](std::uint32_t at, std::uint32_t bytes, const char* name, std::string value) {
+    out.push_back({region.address + kIdentityOffset + at, bytes, fmt::format("identity.{}", name), std::move(value)});
+  };
+  add(identity_at::serial_number, kMostSerialNumberBytes, "serial_number", image.identity->serial_number);
+  add(identity_at::machine, kMostMachineBytes, "machine", image.identity->machine);
+  add(identity_at::configuration, 4, "configuration", fmt::format("{:08X}", image.identity->configuration));
+}
+
 void add_table(const DecodedTable& table, std::vector<ByteField>& out) {
   const Address at = table.entry_address;
   const TableEntry& e = table.entry;
@@ -129,6 +139,7 @@ std::vector<ByteField> fields_of(const DecodedImage& image, const DumpRegion& re
   std::vector<ByteField> out;
   add_prefix(region, out);
   add_parameters(image, region, out);
+  add_identity(image, region, out);
   for (const DecodedTable& table : image.tables) add_table(table, out);
   std::stable_sort(out.begin(), out.end(),
                    [](const ByteField& a, const ByteField& b) { return a.address < b.address; });

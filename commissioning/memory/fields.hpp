@@ -15,7 +15,7 @@ struct ByteField {
   std::string value;  ///< with its unit
 };
 
-/// Prefix, parameters and table directory of an image, by address. Where the bytes end, the list ends.
+/// Prefix, parameters, identity and table directory of an image, by address. Where the bytes end, the list ends.
 /// @param region  the bytes it was decoded from
 [[nodiscard]] std::vector<ByteField> fields_of(const DecodedImage& image, const DumpRegion& region);
 

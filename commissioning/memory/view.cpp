@@ -96,6 +96,15 @@ std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
   return text;
 }
 
+Cell identity_cell(const DecodedImage& image) {
+  if (!image.identity)
+    return null_cell(image.format == kFormatWithoutIdentity ? "for no particular unit (format 1)\n" : "");
+  return record_cell("for unit {serial_number}, machine {machine}, configuration {configuration}\n",
+                     {{"serial_number", text_cell(image.identity->serial_number)},
+                      {"machine", text_cell(image.identity->machine)},
+                      {"configuration", hex_cell(image.identity->configuration)}});
+}
+
 Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
   const ImageVerdict& verdict = image.verdict;
   const Cell block_check =
@@ -104,13 +113,16 @@ Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_byt
                    {"computed", hex_cell(verdict.check_found)},
                    {"agrees", yes_cell(verdict.check_expected == verdict.check_found, "they agree", "they differ")}});
   return record_cell(
-      "\n== {region} at {address}, {bytes} bytes{active}\n{block_check}{faults}{fields}{parameters}\n{tables}{header}",
+      "\n== {region} at {address}, {bytes} "
+      "bytes{active}\n{identity}{block_check}{faults}{fields}{parameters}\n{tables}{header}",
       {{"region", word_cell(image.region)},
        {"address", word_cell(hex_address(image.address))},
        {"active", yes_cell(image.active, ", active", "")},
        {"bytes", count_cell(image.bytes)},
        {"sound", yes_cell(image.faults.empty(), "", "")},
        {"faults", lines_cell(image.faults, "FAULT: ")},
+       {"format", count_cell(image.format)},
+       {"identity", identity_cell(image)},
        {"block_check", block_check},
        {"fields", shown_cell(with_bytes ? "\n" + bytes_text(image, dump) : "")},
        {"parameters",

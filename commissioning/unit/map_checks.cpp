@@ -16,15 +16,15 @@ struct Stated {
   const std::string& value;
 };
 
-constexpr std::string_view kTakeTheRightOne =
-    "take the right file; if this is meant, map send, params send, memory load and export take it with --other-machine";
-
 void take_difference(std::vector<std::string>& objections, const Stated& ours, const std::string& other,
                      std::string_view where, std::string_view advice = kTakeTheRightOne) {
   if (ours.value.empty() || other.empty() || ours.value == other) return;
   objections.push_back(fmt::format("{} \"{}\", {} says \"{}\": {}", ours.origin, ours.value, where, other, advice));
 }
 
+constexpr std::string_view kWhoseMap =
+    "nobody can check whose map it is; `ecs map build` writes these lines. If it is meant for this unit, give "
+    "--other-machine";
 constexpr std::string_view kMapSerial = "the map was made for serial number";
 constexpr std::string_view kOfParameters = "[identity] of the parameters";
 
@@ -67,6 +67,10 @@ std::vector<std::string> made_for_two_machines(const laser::MapHeader& header, c
 
 std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number) {
   std::vector<std::string> objections;
+  if (header.machine.empty() && header.serial_number.empty())
+    objections.push_back(fmt::format("its header names neither machine nor serial number: {}", kWhoseMap));
+  if (header.configuration.empty())
+    objections.push_back(fmt::format("its header names no configuration: {}", kWhoseMap));
   take_difference(objections, {kMapSerial, header.serial_number}, serial_number, "the unit");
   return objections;
 }

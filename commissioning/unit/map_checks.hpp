@@ -14,6 +14,10 @@
 
 namespace ecs::commissioning {
 
+/// What to do about a file that is for another machine.
+inline constexpr std::string_view kTakeTheRightOne =
+    "take the right file; if this is meant, map send, params send, memory load and export take it with --other-machine";
+
 /// Every objection of findings_for(), and each squareness that the map's header says was measured while the parameters
 /// hold 0 (the value lives in the parameters: `map build --params-out` writes it there).
 [[nodiscard]] std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const UnitParameters& parameters);

@@ -19,6 +19,7 @@ using protocol::Block;
 using protocol::Registers;
 
 constexpr int kFormat = 1;
+constexpr std::size_t kIdentityOfProtocol1 = 32;  ///< registers; what was added behind them reads as not known
 
 Result<void> decode(StatusSnapshot& snapshot) {
   const auto identity = protocol::identity_in(snapshot.identity_registers);
@@ -35,7 +36,8 @@ std::optional<SelectedValue> value_at(protocol::UnitClient& client, ByteView hea
                                       Address address) {
   const ImageView image(head);
   const std::uint32_t tables = std::min(image.table_count(), kMostTables);
-  for (std::uint32_t i = 0; i < tables && directory_offset() + (i + 1) * kEntryBytes <= head.size(); ++i) {
+  for (std::uint32_t i = 0; i < tables && directory_offset(image.format()) + (i + 1) * kEntryBytes <= head.size();
+       ++i) {
     const TableEntry entry = image.entry(i);
     if (index_of(entry.component) != curve || entry.declared_zero) continue;
     const Address first = bank + image.value_offset(entry.first_value);
@@ -51,7 +53,9 @@ std::optional<SelectedValue> value_at(protocol::UnitClient& client, ByteView hea
 void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
   const protocol::UnitStatus& status = snapshot.status;
   constexpr std::uint32_t kHeadBytes = directory_offset() + kMostTables * kEntryBytes;
-  if (status.active_bank == protocol::Bank::none || status.image_length_bytes < directory_offset()) return;
+  if (status.active_bank == protocol::Bank::none ||
+      status.image_length_bytes < directory_offset(kFormatWithoutIdentity))
+    return;
   const Address bank = address_of(status.active_bank);
   std::optional<std::vector<std::uint8_t>> head;
   for (std::size_t curve = 0; curve < kCurves; ++curve) {
@@ -68,14 +72,19 @@ void read_selected(protocol::UnitClient& client, StatusSnapshot& snapshot) {
 
 Result<Registers> registers_at(const Json& raw, const char* key, const Block& block, const std::string& name) {
   const auto found = raw.find(key);
-  const bool is_list = found != raw.end() && found->is_array() && found->size() == block.count;
+  const bool is_list =
+      found != raw.end() && found->is_array() &&
+      (found->size() == block.count || (block == protocol::kIdentity && found->size() == kIdentityOfProtocol1));
   Registers registers;
   for (std::size_t i = 0; is_list && i < found->size(); ++i) {
     const Json& word = (*found)[i];
     if (word.is_number_unsigned() && word.get<std::uint64_t>() <= 0xFFFF)
       registers.push_back(word.get<std::uint16_t>());
   }
-  if (registers.size() == block.count) return registers;
+  if (is_list && registers.size() == found->size()) {
+    registers.resize(block.count, 0);
+    return registers;
+  }
   return problem_at(name, 0, 0, fmt::format("raw.{}: expected {} registers of 0 to 65535", key, block.count));
 }
 

@@ -123,14 +123,18 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
   std::string axes;
   for (const Axis axis : kAllAxes)
     if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
-  return record_cell("unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s)\n",
-                     {{"serial_number", text_cell(id.serial_number)},
-                      {"name", text_cell(id.unit_name)},
-                      {"firmware", word_cell(fmt::format("{}.{}", id.firmware_major, id.firmware_minor))},
-                      {"protocol_version", count_cell(id.protocol_version)},
-                      {"axes", word_cell(axes)},
-                      {"memory_modules", count_cell(id.memory_modules)},
-                      {"capacity_values", count_cell(id.capacity_values)}});
+  return record_cell(
+      "unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s){of_machine}\n",
+      {{"serial_number", text_cell(id.serial_number)},
+       {"name", text_cell(id.unit_name)},
+       {"firmware", word_cell(fmt::format("{}.{}", id.firmware_major, id.firmware_minor))},
+       {"protocol_version", count_cell(id.protocol_version)},
+       {"axes", word_cell(axes)},
+       {"memory_modules", count_cell(id.memory_modules)},
+       {"capacity_values", count_cell(id.capacity_values)},
+       {"of_machine", shown_cell(id.machine.empty() ? "" : ", of machine " + id.machine)},
+       {"machine", text_cell(id.machine)},
+       {"configuration", id.configuration == 0 ? null_cell() : word_cell(fmt::format("{:08X}", id.configuration))}});
 }
 
 }  // namespace

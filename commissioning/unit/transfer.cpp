@@ -44,12 +44,12 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   return kept;
 }
 
-/// The image fits the unit; asked before anything is sent.
-Result<void> has_room(protocol::UnitClient& client, std::span<const std::uint8_t> image) {
+/// The image as this unit takes it, if it fits; asked before anything is sent.
+Result<Image> fitting(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee) {
   const auto identity = client.identity();
   if (!identity) return tl::unexpected(identity.error());
   if (auto refused = refused_map(no_room_for(image, *identity), {})) return tl::unexpected(std::move(*refused));
-  return {};
+  return addressed(image, *identity, addressee);
 }
 
 /// What goes wrong once the unit has switched must not sound as if it had not.
@@ -60,10 +60,13 @@ tl::unexpected<Problem> after_commit(Problem why) {
 
 /// Prefix and parameters alone travel: the unit copies its active bank, and its CRC over the whole must agree.
 Result<SendReport> send_head(protocol::UnitClient& client, Image image, const UnitParameters& parameters) {
-  const auto changed = laser::with_parameters(std::move(image), parameters);
+  const bool same_layout = ImageView(image).format() == kImageFormat;
+  const auto with = laser::with_parameters(std::move(image), parameters);
+  if (!with) return tl::unexpected(with.error());
+  const auto changed = fitting(client, *with, Addressee::this_unit);
   if (!changed) return tl::unexpected(changed.error());
-  if (const auto room = has_room(client, *changed); !room) return tl::unexpected(room.error());
-  if (const auto sent = client.upload_image(*changed, {true, false, kPrefixBytes + kParameterBytes}); !sent)
+  const protocol::UploadOptions head{true, false, directory_offset()};
+  if (const auto sent = client.upload_image(*changed, same_layout ? head : protocol::UploadOptions{}); !sent)
     return tl::unexpected(sent.error());
   const auto held = receive_parameters(client);
   if (!held) return after_commit(held.error());
@@ -73,7 +76,7 @@ Result<SendReport> send_head(protocol::UnitClient& client, Image image, const Un
                    "unit's memory fails (`ecs utility ramtest`); read its status");
   const auto status = client.status();
   if (!status) return after_commit(status.error());
-  return SendReport{changed->size(), status->commit_sequence, false, false, {}};
+  return SendReport{changed->size(), ImageView(*changed).check(), status->commit_sequence, false, false, {}};
 }
 
 tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
@@ -140,13 +143,52 @@ std::optional<Problem> objections_to(const params::ParametersFile& file, const s
   return folded(std::move(problems));
 }
 
-Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
+std::vector<std::string> other_identity(std::span<const std::uint8_t> image, const protocol::Identity& unit) {
+  const laser::StatedIdentity stated = laser::stated_identity(image);
+  std::vector<std::string> objections;
+  const auto object = [&](std::string_view what, std::string_view its, std::string_view of_unit) {
+    objections.push_back(
+        fmt::format("the image is for {} \"{}\", the unit's is \"{}\": {}", what, its, of_unit, kTakeTheRightOne));
+  };
+  const auto differs = [](std::string_view its, std::string_view of_unit) {
+    return !its.empty() && !of_unit.empty() && its != of_unit;
+  };
+  if (differs(stated.serial_number, unit.serial_number))
+    object("serial number", stated.serial_number, unit.serial_number);
+  if (differs(machine_in_identity(stated.machine), unit.machine)) object("machine", stated.machine, unit.machine);
+  const auto parameters = ImageView(image).parameters();
+  if (parameters && unit.configuration != 0 && configuration_hash(*parameters) != unit.configuration)
+    objections.push_back(fmt::format(
+        "the parameters are of configuration {:08X} ({}), the map in the unit is of {:08X}: configuration, "
+        "axes present or convention differ; {}",
+        configuration_hash(*parameters), configuration_of(*parameters), unit.configuration, kTakeTheRightOne));
+  return objections;
+}
+
+Result<Image> addressed(std::span<const std::uint8_t> image, const protocol::Identity& unit, Addressee addressee) {
+  if (const ImageVerdict verdict = check_image(image); verdict.fault != ImageFault::none)
+    return problem(ProblemKind::refused, fmt::format("the memory image {}", text_of(verdict.fault)));
+  const bool as_stated = addressee == Addressee::as_stated;
+  if (as_stated)
+    if (auto refused = refused_map(other_identity(image, unit), {})) return tl::unexpected(std::move(*refused));
+  const laser::StatedIdentity stated = laser::stated_identity(image);
+  const auto parameters = ImageView(image).parameters();
+  const std::uint32_t of_image = parameters ? configuration_hash(*parameters) : 0;
+  const bool unit_has = unit.configuration != 0;
+  return laser::with_identity({image.begin(), image.end()},
+                              {unit.serial_number, unit.machine.empty() ? stated.machine : unit.machine,
+                               unit_has ? unit.configuration : of_image});
+}
+
+Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> bytes, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
-  if (const auto room = has_room(client, image); !room) return tl::unexpected(room.error());
-  if (const auto sent = client.upload_image(image, {false, true}, progress); !sent) return tl::unexpected(sent.error());
+  const auto image = fitting(client, bytes, addressee);
+  if (!image) return tl::unexpected(image.error());
+  if (const auto sent = client.upload_image(*image, {false, true}, progress); !sent)
+    return tl::unexpected(sent.error());
   const auto status = client.status();
   if (!status) return after_commit(status.error());
-  return SendReport{image.size(), status->commit_sequence, false, false, {}};
+  return SendReport{image->size(), ImageView(*image).check(), status->commit_sequence, false, false, {}};
 }
 
 Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
@@ -157,7 +199,7 @@ Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParam
   KeptMap kept = map_to_keep(*active, parameters, owner);
   if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
   auto report = kept.image ? send_head(client, std::move(*kept.image), parameters)
-                           : send_image(client, laser::image_of(parameters), progress);
+                           : send_image(client, laser::image_of(parameters), Addressee::this_unit, progress);
   if (!report) return report;
   report->map_kept = kept.had_one && kept.objections.empty();
   report->map_dropped = kept.had_one && !report->map_kept;

@@ -31,6 +31,7 @@ enum class UnfitMap {
 
 struct SendReport {
   std::size_t bytes = 0;                    ///< of the image that is now active
+  std::uint32_t check = 0;                  ///< its block check
   std::uint32_t commit_sequence = 0;        ///< of the unit, afterwards
   bool map_kept = false;                    ///< the unit's map stays, with the new parameters
   bool map_dropped = false;                 ///< the unit had a map that is gone
@@ -52,9 +53,25 @@ enum class Incomplete { refuse, accept };
                                                  const params::Identity& owner, UnfitMap unfit = UnfitMap::refuse,
                                                  const protocol::ProgressCallback& progress = {});
 
+/// Whom an image is addressed to when it is sent.
+enum class Addressee {
+  as_stated,  ///< whom it states; what it leaves open is filled in from the unit
+  this_unit,  ///< the unit that answers, with the machine and configuration that it has now (`--other-machine`)
+};
+
+/// Why this unit would not take the image, by serial number, machine and configuration. @param image  sound
+[[nodiscard]] std::vector<std::string> other_identity(std::span<const std::uint8_t> image,
+                                                      const protocol::Identity& unit);
+
+/// The image addressed to this unit. Refused if it is not sound, or `as_stated` where it states another unit, machine
+/// or configuration.
+[[nodiscard]] Result<std::vector<std::uint8_t>> addressed(std::span<const std::uint8_t> image,
+                                                          const protocol::Identity& unit, Addressee addressee);
+
 /// Makes an image active, all or nothing, then reads back and compares. Refused, before anything is sent, if the unit
-/// has too little axis memory for it.
+/// is another one or has too little axis memory for it.
 [[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
+                                            Addressee addressee = Addressee::as_stated,
                                             const protocol::ProgressCallback& progress = {});
 
 }  // namespace ecs::commissioning

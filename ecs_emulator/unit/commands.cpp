@@ -185,6 +185,10 @@ protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint32_t
   if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
   if (verdict.total_bytes != length)
     return refused(UnitError::image_refused, fmt::format("the image has {} bytes", verdict.total_bytes));
+  const IdentityFault identity =
+      identity_fault(memory_.view(bank, length), own_identity_of(memory_, settings_.serial_number));
+  if (identity != IdentityFault::none)
+    return refused(UnitError::other_machine, fmt::format("the image {}", text_of(identity)));
   const auto parameters = ImageView(memory_.view(bank, length)).parameters();
   if (!parameters || parameters->memory_modules > memory_.modules())
     return refused(UnitError::image_refused, fmt::format("this rack has {} memory module(s)", memory_.modules()));

@@ -35,6 +35,13 @@ std::optional<Address> damaged_record(const UnitMemory& memory) {
   return kCommitRecords.first + *slot * kCommitSlotBytes;
 }
 
+OwnIdentity own_identity_of(const UnitMemory& memory, std::string_view serial_number) {
+  const auto active = active_image(memory);
+  if (!active) return own_identity(serial_number, {});
+  const ByteView image = memory.view(active->first, active->commit.image_bytes);
+  return own_identity(serial_number, check_image(image).fault == ImageFault::none ? image : ByteView());
+}
+
 Address inactive_bank(const UnitMemory& memory) {
   const auto active = active_image(memory);
   return active && active->first == kBankA.first ? kBankB.first : kBankA.first;

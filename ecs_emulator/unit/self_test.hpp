@@ -31,6 +31,8 @@ struct ActiveImage {
 [[nodiscard]] std::optional<ActiveImage> active_image(const UnitMemory& memory);
 /// The first byte of a commit record that is neither erased nor sound.
 [[nodiscard]] std::optional<Address> damaged_record(const UnitMemory& memory);
+/// What the unit knows of itself and, by the active image if it is sound, of its machine.
+[[nodiscard]] OwnIdentity own_identity_of(const UnitMemory& memory, std::string_view serial_number);
 /// The bank that holds no active image.
 [[nodiscard]] Address inactive_bank(const UnitMemory& memory);
 /// The address lies in the bank of the active image, which nothing but the unit's own tests may write.

@@ -12,6 +12,9 @@ protocol::Identity Unit::identity() {
   identity.memory_modules = memory_.modules();
   for (std::size_t a = 0; a < kAxes; ++a) identity.axis_present[a] = settings_.axis_modules[a].has_value();
   identity.capacity_values = static_cast<std::uint32_t>(memory_.modules() * kValuesPerModule);
+  const OwnIdentity own = own_identity_of(memory_, settings_.serial_number);
+  identity.machine = own.identity.machine;
+  if (own.has_map) identity.configuration = own.identity.configuration;
   return identity;
 }
 

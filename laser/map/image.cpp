@@ -88,12 +88,14 @@ std::vector<TableEntry> zero_entries(const MapHeader& header) {
 }
 
 std::vector<std::uint8_t> assemble(const UnitParameters& parameters, const std::vector<TableEntry>& entries,
-                                   const std::vector<std::int16_t>& counts, const std::string& header) {
+                                   const std::vector<std::int16_t>& counts, const MapHeader& of_map) {
+  const std::string header = header_text(of_map);
   const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), static_cast<std::uint32_t>(counts.size()),
                        static_cast<std::uint32_t>(header.size())};
   std::vector<std::uint8_t> bytes(image_bytes(plan));
   begin_image(bytes, plan);
   write_parameters(bytes, parameters);
+  write_identity(bytes, {of_map.serial_number, of_map.machine, configuration_hash(parameters)});
   for (std::uint32_t i = 0; i < plan.table_count; ++i) write_entry(bytes, i, entries[i]);
   for (std::uint32_t i = 0; i < plan.value_count; ++i) write_value(bytes, i, counts[i]);
   write_header(bytes, header);
@@ -114,6 +116,27 @@ Result<void> within_capacity(std::size_t values, std::size_t bytes, const UnitPa
                                "the header (fewer source files or shorter notes)",
                                bytes, parameters.memory_modules, bank_bytes(parameters.memory_modules)));
   return {};
+}
+
+/// As long as it says, if check_image() finds no fault.
+Result<std::vector<std::uint8_t>> sound_bytes(std::vector<std::uint8_t> image) {
+  const ImageVerdict verdict = check_image(image);
+  if (verdict.fault != ImageFault::none)
+    return problem(ProblemKind::refused, fmt::format("the memory image {}", text_of(verdict.fault)));
+  image.resize(verdict.total_bytes);
+  return image;
+}
+
+/// An image of format 1 with room for an identity.
+std::vector<std::uint8_t> in_todays_format(const std::vector<std::uint8_t>& old) {
+  const ImageView view(old);
+  const ImagePlan plan{view.table_count(), view.value_count(), static_cast<std::uint32_t>(view.header().size())};
+  std::vector<std::uint8_t> image(image_bytes(plan));
+  begin_image(image, plan);
+  std::copy_n(old.begin() + kPrefixBytes, kParameterBytes, image.begin() + kPrefixBytes);
+  const auto rest = static_cast<std::ptrdiff_t>(directory_offset(view.format()));
+  std::copy(old.begin() + rest, old.end(), image.begin() + directory_offset());
+  return image;
 }
 
 }  // namespace
@@ -150,7 +173,7 @@ Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters)
                        static_cast<std::uint32_t>(grid.values.size()), grid.start_mm, grid.increment_mm, resolution});
     for (const double value : grid.values) counts.push_back(static_cast<std::int16_t>(std::lround(value / resolution)));
   }
-  image.bytes = assemble(parameters, entries, counts, header_text(map.header));
+  image.bytes = assemble(parameters, entries, counts, map.header);
   const auto fits = within_capacity(counts.size(), image.bytes.size(), parameters);
   if (!fits) return tl::unexpected(fits.error());
   return image;
@@ -185,14 +208,28 @@ Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
   return content;
 }
 
+StatedIdentity stated_identity(std::span<const std::uint8_t> image) {
+  const ImageView view(image);
+  if (const auto stated = view.identity()) return {std::string(stated->serial_number), std::string(stated->machine)};
+  const auto header = parse_header(view.header(), "map header");
+  return header ? StatedIdentity{header->serial_number, header->machine} : StatedIdentity{};
+}
+
+Result<std::vector<std::uint8_t>> with_identity(std::vector<std::uint8_t> image, const ImageIdentity& identity) {
+  auto sound = sound_bytes(std::move(image));
+  if (!sound) return sound;
+  if (ImageView(*sound).format() == kFormatWithoutIdentity) *sound = in_todays_format(*sound);
+  write_identity(*sound, identity);
+  seal_image(*sound);
+  return sound;
+}
+
 Result<std::vector<std::uint8_t>> with_parameters(std::vector<std::uint8_t> image, const UnitParameters& parameters) {
-  const ImageVerdict verdict = check_image(image);
-  if (verdict.fault != ImageFault::none)
-    return problem(ProblemKind::refused, fmt::format("the memory image {}", text_of(verdict.fault)));
-  image.resize(verdict.total_bytes);
-  write_parameters(image, parameters);
-  seal_image(image);
-  return image;
+  auto sound = sound_bytes(std::move(image));
+  if (!sound) return sound;
+  write_parameters(*sound, parameters);
+  seal_image(*sound);
+  return sound;
 }
 
 }  // namespace ecs::laser

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/memory_image.hpp"
 #include "laser/map/error_map.hpp"
 
 namespace ecs::laser {
@@ -16,17 +17,29 @@ struct MapImage {
   std::vector<std::string> changed;  ///< of these, the tables that it changes by more than their resolution
 };
 
-/// Parameters and map as one image, block check included. Refused (with every reason) if findings_for() objects, if the
-/// values or the bytes exceed the axis memory modules, or if a table needs more points than a uniform grid can give.
-/// Values are rounded to 0.01 um (0.01 um/m); a table beyond ±327 um to 0.1, beyond ±3.2 mm to 1.
-/// Tables whose points are not evenly spaced are resampled at their smallest spacing.
+/// Parameters and map as one image, block check and the identity that the header states included. Refused (with every
+/// reason) if findings_for() objects, if the values or the bytes exceed the axis memory modules, or if a table needs
+/// more points than a uniform grid can give. Values are rounded to 0.01 um (0.01 um/m); a table beyond ±327 um to 0.1,
+/// beyond ±3.2 mm to 1. Tables whose points are not evenly spaced are resampled at their smallest spacing.
 [[nodiscard]] Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters);
 
 /// Of a table with these values, um or um/m: 0.01, 0.1 or 1.
 [[nodiscard]] double resolution_for(const std::vector<double>& values);
 
-/// Parameters alone: an image without tables, for a unit that has no map yet.
+/// Parameters alone: an image without tables, for a unit that has no map yet. It is addressed to nobody.
 [[nodiscard]] std::vector<std::uint8_t> image_of(const UnitParameters& parameters);
+
+/// Whom an image says it is for: its identity, or the header of its map in one of format 1.
+struct StatedIdentity {
+  std::string serial_number;  ///< empty: not stated
+  std::string machine;        ///< empty: not stated
+};
+/// @param image  sound
+[[nodiscard]] StatedIdentity stated_identity(std::span<const std::uint8_t> image);
+
+/// The image addressed to a unit, in the format of today, sealed again. Refused if check_image() finds fault.
+[[nodiscard]] Result<std::vector<std::uint8_t>> with_identity(std::vector<std::uint8_t> image,
+                                                              const ImageIdentity& identity);
 
 /// What an image holds. Refused, saying why, if check_image() finds fault.
 struct ImageContent {
@@ -35,7 +48,7 @@ struct ImageContent {
 };
 [[nodiscard]] Result<ImageContent> content_of(std::span<const std::uint8_t> image);
 
-/// The image with its parameters replaced, sealed again.
+/// The image with its parameters replaced, sealed again. Its identity stays.
 [[nodiscard]] Result<std::vector<std::uint8_t>> with_parameters(std::vector<std::uint8_t> image,
                                                                 const UnitParameters& parameters);
 

@@ -34,13 +34,14 @@ Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOpt
   auto link = Link::open(address, options);
   if (!link) return tl::unexpected(link.error());
   UnitClient client(std::move(*link));
-  const auto identity = client.identity();
-  if (!identity) return tl::unexpected(identity.error());
-  if (identity->protocol_version != kProtocolVersion)
+  const auto version = client.link_.ask(kEcho, kEchoOnly, kVersion);
+  if (!version) return tl::unexpected(version.error());
+  if ((*version)[1] != kProtocolVersion)
     return problem(
         ProblemKind::link,
         fmt::format("{}: the unit speaks protocol version {}, this program version {}; use matching versions",
-                    to_text(address), identity->protocol_version, kProtocolVersion));
+                    to_text(address), (*version)[1], kProtocolVersion));
+  if (const auto identity = client.identity(); !identity) return tl::unexpected(identity.error());
   return client;
 }
 

@@ -32,7 +32,8 @@ inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 
 inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
 
 // Answer blocks: read only; the first register is the echo.
-inline constexpr Block kIdentity{0x0100, 32};
+inline constexpr Block kIdentity{0x0100, 54};
+inline constexpr Block kVersion{0x0100, 2};  ///< its beginning, which every version has: echo, protocol version
 inline constexpr Block kStatus{0x0180, 58};
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
@@ -52,6 +53,7 @@ inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRe
 inline constexpr std::size_t kResultTextBytes = 80;
 inline constexpr std::size_t kSerialNumberBytes = 16;
 inline constexpr std::size_t kUnitNameBytes = 32;
+inline constexpr std::size_t kMachineBytes = 40;
 
 // What one Modbus request can carry (MODBUS Application Protocol V1.1b3, 6.3, 6.12, 6.17).
 inline constexpr std::size_t kMostRead = 125;

@@ -24,6 +24,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "stopped on request",
     "the unit gave up waiting",
     "this transfer has ended: another host has begun one or sent a map, or the unit was restarted; send the map again",
+    "the image is not for this unit and its machine",
 };
 
 constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",

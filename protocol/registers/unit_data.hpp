@@ -26,6 +26,8 @@ struct Identity {
   std::uint16_t memory_modules = 0;  ///< 1 … 5
   PerAxis<bool> axis_present{};
   std::uint32_t capacity_values = 0;  ///< error values that one map may hold
+  std::string machine;                ///< that the active map names, up to 40 bytes; empty: no map, or it names none
+  std::uint32_t configuration = 0;    ///< configuration_hash() of the active map; 0: the unit holds no map
   [[nodiscard]] std::size_t axis_count() const;
   friend bool operator==(const Identity&, const Identity&) = default;
 };
@@ -118,8 +120,9 @@ enum class UnitError : std::uint16_t {
   stopped = 13,         ///< ended by `stop`
   time_out = 14,        ///< the unit gave up waiting: see the text
   token_expired = 15,   ///< the staging that this token named has ended
+  other_machine = 16,   ///< an image that is addressed to another unit, machine or configuration: see the text
 };
-inline constexpr std::uint16_t kUnitErrorCount = 16;
+inline constexpr std::uint16_t kUnitErrorCount = 17;
 /// In plain words, with what to do.
 [[nodiscard]] std::string_view text_of(UnitError error) noexcept;
 

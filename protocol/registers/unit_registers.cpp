@@ -17,6 +17,8 @@ void fields(Pass& pass, T& identity) requires std::is_same_v<std::remove_const_t
   pass.number(identity.memory_modules, "memory modules");
   pass.axes(identity.axis_present);
   pass.number(identity.capacity_values, "capacity");
+  pass.text(identity.machine, kMachineBytes, "machine");
+  pass.number(identity.configuration, "configuration");
 }
 
 /// The faulty axis travels as 0 none, 1 X, 2 Y, 3 Z.

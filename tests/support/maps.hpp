@@ -32,6 +32,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
+  write_identity(image, {"EMULATOR-1", machine.name, configuration_hash(parameters)});
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     const TableEntry& entry = entries[i];
     write_entry(image, i, entry);

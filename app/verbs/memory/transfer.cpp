@@ -174,7 +174,9 @@ Result<Outcome> load(VerbContext& context, const LoadArguments& arguments) {
   if (!arguments.other_machine)
     if (auto refused = refused_map(other_unit(dump->serial_number, *image, identity->serial_number), arguments.file))
       return tl::unexpected(std::move(*refused));
-  const auto report = send_image(unit->client(), *image, progress_bar(context, "image"));
+  const auto report =
+      send_image(unit->client(), *image, arguments.other_machine ? Addressee::this_unit : Addressee::as_stated,
+                 progress_bar(context, "image"));
   if (!report) return tl::unexpected(report.error());
   return finished_outcome_of(
       record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
