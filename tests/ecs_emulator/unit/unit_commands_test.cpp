@@ -150,6 +150,28 @@ TEST_CASE("an image that is not what was announced, or no image, is refused and 
   CHECK(bench.tell(Command{.code = CommandCode::commit_staged, .length = 10}).error == UnitError::no_staging);
 }
 
+TEST_CASE("an image for another unit, machine or configuration is refused by name, and the old map stays") {
+  Bench bench;
+  const auto image = bench.image([](Component, double, Approach) { return 1.0; });
+  REQUIRE(bench.stage_and_commit(image).value == 1);
+  const auto own = *ImageView(image).identity();
+  const auto addressed_to = [&](const ImageIdentity& identity) {
+    auto other = image;
+    write_identity(other, identity);
+    seal_image(other);
+    return bench.stage_and_commit(other);
+  };
+  CHECK(addressed_to({"OTHER-2", own.machine, own.configuration}).error == UnitError::other_machine);
+  CHECK(addressed_to({own.serial_number, "another", own.configuration}).error == UnitError::other_machine);
+  const auto refused = addressed_to({own.serial_number, own.machine, own.configuration + 1});
+  CHECK(refused.error == UnitError::other_machine);
+  CHECK(refused.text == "the image is for another configuration than the active map");
+  CHECK(bench.unit.status().commit_sequence == 1);
+  CHECK(bench.unit.identity().machine == own.machine);
+  CHECK(bench.unit.identity().configuration == own.configuration);
+  CHECK(addressed_to(own).value == 2);
+}
+
 TEST_CASE("power lost at any byte of a transfer leaves the complete old map or the new one") {
   Bench bench;
   const auto old_image = bench.image([](Component, double, Approach) { return 1.0; });

@@ -36,6 +36,8 @@ Identity any_identity() {
           printable(32),
           any<std::uint16_t>(),
           {any<bool>(), any<bool>(), any<bool>()},
+          any<std::uint32_t>(),
+          printable(40),
           any<std::uint32_t>()};
 }
 UnitStatus any_status() {
@@ -173,6 +175,7 @@ TEST_CASE("numbers go high word first and doubles as the 64 bits of IEEE 754") {
   CHECK(identity[29] == 0b101);
   CHECK(identity[30] == 0x0001);
   CHECK(identity[31] == 0x2345);
+  CHECK(identity.size() == 54);
   UnitStatus status;
   status.loop_period_us = 1000.0;  // 0x408F400000000000
   const auto registers = registers_of(status, 0);
