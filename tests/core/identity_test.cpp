@@ -11,7 +11,7 @@ using namespace ecs::test;
 
 namespace {
 
-using Image = std::vector<std::uint8_t>;
+using IdentifiedImage = std::vector<std::uint8_t>;
 
 UnitParameters machine_of(const char* chain) {
   UnitParameters parameters;
@@ -19,8 +19,8 @@ UnitParameters machine_of(const char* chain) {
   return parameters;
 }
 
-Image image_for(const ImageIdentity& identity, const UnitParameters& parameters) {
-  Image image = image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 10.0, 0.01, {1, 2, 3}}});
+IdentifiedImage image_for(const ImageIdentity& identity, const UnitParameters& parameters) {
+  IdentifiedImage image = image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 10.0, 0.01, {1, 2, 3}}});
   write_identity(image, identity);
   seal_image(image);
   return image;
@@ -29,14 +29,14 @@ Image image_for(const ImageIdentity& identity, const UnitParameters& parameters)
 const UnitParameters kMill = machine_of("TXYZ");
 const std::uint32_t kOfMill = configuration_hash(kMill);
 
-IdentityFault fault_of(const Image& image, const Image& active = {}) {
+IdentityFault taken(const IdentifiedImage& image, const IdentifiedImage& active = {}) {
   return identity_fault(image, own_identity("M-1", active));
 }
 
 }  // namespace
 
 TEST_CASE("an identity comes back from the image as it went in") {
-  const Image image = image_for({"M-1", "moving column mill", 0x12345678}, kMill);
+  const IdentifiedImage image = image_for({"M-1", "moving column mill", 0x12345678}, kMill);
   CHECK(check_image(image).fault == ImageFault::none);
   CHECK(ImageView(image).identity() == ImageIdentity{"M-1", "moving column mill", 0x12345678});
 }
@@ -45,37 +45,36 @@ TEST_CASE("a long name of a machine is cut between two characters") {
   const std::string name(39, 'x');
   CHECK(machine_in_identity(name + "y") == name + "y");
   CHECK(machine_in_identity(name + "ü") == name);
-  const Image image = image_for({"0123456789ABCDEFG", name + "ü", 0}, kMill);
+  const IdentifiedImage image = image_for({"0123456789ABCDEFG", name + "ü", 0}, kMill);
   CHECK(ImageView(image).identity() == ImageIdentity{"0123456789ABCDEF", name, 0});
 }
 
 TEST_CASE("a unit without a map takes what is addressed to its serial number") {
-  CHECK(fault_of(image_for({"M-1", "mill", kOfMill}, kMill)) == IdentityFault::none);
-  CHECK(fault_of(image_for({"M-1", "", kOfMill}, kMill)) == IdentityFault::none);
-  CHECK(fault_of(image_for({"M-2", "mill", kOfMill}, kMill)) == IdentityFault::other_serial_number);
-  CHECK(fault_of(image_for({"", "mill", kOfMill}, kMill)) == IdentityFault::not_stated);
-  CHECK(fault_of(image_for({"M\x1b", "mill", kOfMill}, kMill)) == IdentityFault::not_stated);
-  CHECK(fault_of(image_for({"M-1", "mill", kOfMill + 1}, kMill)) == IdentityFault::other_configuration);
+  CHECK(taken(image_for({"M-1", "mill", kOfMill}, kMill)) == IdentityFault::none);
+  CHECK(taken(image_for({"M-1", "", kOfMill}, kMill)) == IdentityFault::none);
+  CHECK(taken(image_for({"M-2", "mill", kOfMill}, kMill)) == IdentityFault::other_serial_number);
+  CHECK(taken(image_for({"", "mill", kOfMill}, kMill)) == IdentityFault::not_stated);
+  CHECK(taken(image_for({"M\x1b", "mill", kOfMill}, kMill)) == IdentityFault::not_stated);
+  CHECK(taken(image_for({"M-1", "mill", kOfMill + 1}, kMill)) == IdentityFault::other_configuration);
 }
 
 TEST_CASE("a unit keeps to the machine and the configuration of the map it holds") {
-  const Image active = image_for({"M-1", "mill", kOfMill}, kMill);
+  const IdentifiedImage active = image_for({"M-1", "mill", kOfMill}, kMill);
   const UnitParameters other = machine_of("XTYZ");
-  CHECK(fault_of(image_for({"M-1", "mill", kOfMill}, kMill), active) == IdentityFault::none);
-  CHECK(fault_of(image_for({"M-1", "lathe", kOfMill}, kMill), active) == IdentityFault::other_machine);
-  CHECK(fault_of(image_for({"M-1", "", kOfMill}, kMill), active) == IdentityFault::other_machine);
-  CHECK(fault_of(image_for({"M-1", "mill", configuration_hash(other)}, other), active) ==
+  CHECK(taken(image_for({"M-1", "mill", kOfMill}, kMill), active) == IdentityFault::none);
+  CHECK(taken(image_for({"M-1", "lathe", kOfMill}, kMill), active) == IdentityFault::other_machine);
+  CHECK(taken(image_for({"M-1", "", kOfMill}, kMill), active) == IdentityFault::other_machine);
+  CHECK(taken(image_for({"M-1", "mill", configuration_hash(other)}, other), active) ==
         IdentityFault::other_configuration);
-  CHECK(fault_of(image_for({"M-1", "mill", kOfMill}, other), active) == IdentityFault::none);  // addressed on purpose
+  CHECK(taken(image_for({"M-1", "mill", kOfMill}, other), active) == IdentityFault::none);  // addressed on purpose
 }
 
 TEST_CASE("parameters alone bind a unit to no machine") {
-  Image parameters_alone = image_of(kMill, {});
+  IdentifiedImage parameters_alone = image_of(kMill, {});
   write_identity(parameters_alone, {"M-1", "mill", kOfMill});
   seal_image(parameters_alone);
   const UnitParameters other = machine_of("XTYZ");
-  CHECK(fault_of(image_for({"M-1", "lathe", configuration_hash(other)}, other), parameters_alone) ==
-        IdentityFault::none);
+  CHECK(taken(image_for({"M-1", "lathe", configuration_hash(other)}, other), parameters_alone) == IdentityFault::none);
 }
 
 TEST_CASE("configuration, axes and convention make another hash, polarity and limits do not") {
@@ -95,7 +94,7 @@ TEST_CASE("configuration, axes and convention make another hash, polarity and li
 TEST_CASE("an image of format 1 is sound and read, and names nobody") {
   const UnitParameters parameters = kMill;
   const ImagePlan plan{1, 2, 4, kFormatWithoutIdentity};
-  Image image(image_bytes(plan));
+  IdentifiedImage image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
   write_entry(image, 0, {Component::EXX, Approach::unknown, false, 0, 2, 0.0, 10.0, 0.01});

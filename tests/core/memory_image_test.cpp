@@ -170,17 +170,17 @@ TEST_CASE("an image gives back its parameters, tables, values and header") {
 
 TEST_CASE("the bytes of an image are where the layout says, big-endian") {
   const Image image = small_image();
-  CHECK(std::memcmp(image.data(), "ECSI\0\1", 6) == 0);
+  CHECK(std::memcmp(image.data(), "ECSI\0\2", 6) == 0);
   CHECK(load_big<std::uint32_t>(image, 8) == image.size());
   CHECK(std::memcmp(image.data() + 64, "TX\0\0\0", 5) == 0);  // parameters
   CHECK(image[576] == 0);                                     // EXX
-  CHECK(image[577] == 1);                                     // forward
-  CHECK(image[576 + 40 + 1] == 0xFF);                         // reverse
-  CHECK(load_double(image, 576 + 16) == -100.0);
-  CHECK(load_big<std::uint16_t>(image, 576 + 80 + 4) == 700);     // third value
-  CHECK(load_big<std::uint16_t>(image, 576 + 80 + 2) == 0xFFFA);  // −6
+  CHECK(image[641] == 1);                                     // forward
+  CHECK(image[640 + 40 + 1] == 0xFF);                         // reverse
+  CHECK(load_double(image, 640 + 16) == -100.0);
+  CHECK(load_big<std::uint16_t>(image, 640 + 80 + 4) == 700);     // third value
+  CHECK(load_big<std::uint16_t>(image, 640 + 80 + 2) == 0xFFFA);  // −6
   CHECK(std::string(image.end() - 17, image.end()) == "customer: Müller");
-  CHECK(ImageView(image).value_offset(2) == 576 + 80 + 4);
+  CHECK(ImageView(image).value_offset(2) == 640 + 80 + 4);
 }
 
 TEST_CASE("the block check is the CRC-32 of the whole image with its own four bytes zero") {

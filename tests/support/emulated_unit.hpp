@@ -51,7 +51,7 @@ struct Bench {
   }
 
   std::vector<std::uint8_t> image(const CurveFunction& compensation) {
-    return image_of(parameters, simulation.description().machine, compensation);
+    return image_of(parameters, simulation.description().machine, compensation, unit.settings().serial_number);
   }
 
   /// Map in, compensation mode, machine referenced.

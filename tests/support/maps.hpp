@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "core/memory_image.hpp"
@@ -12,9 +13,11 @@ namespace ecs::emulator::test {
 /// What the map adds at a position: compensation, um or um/m.
 using CurveFunction = std::function<double(Component, double position_mm, Approach)>;
 
-/// An image with both approaches of every needed curve, 10 mm apart over the travel of its axis, 0.01 um a count.
+/// An image for the unit of that serial number with both approaches of every needed curve, 10 mm apart over the travel
+/// of its axis, 0.01 um a count.
 inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, const params::Machine& machine,
-                                          const CurveFunction& compensation) {
+                                          const CurveFunction& compensation,
+                                          std::string_view serial_number = "EMULATOR-1") {
   const ComponentSet needed = components_needed(parameters);
   std::vector<TableEntry> entries;
   std::uint32_t values = 0;
@@ -32,7 +35,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
-  write_identity(image, {"EMULATOR-1", machine.name, configuration_hash(parameters)});
+  write_identity(image, {serial_number, machine.name, configuration_hash(parameters)});
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     const TableEntry& entry = entries[i];
     write_entry(image, i, entry);

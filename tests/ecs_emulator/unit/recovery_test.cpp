@@ -93,7 +93,7 @@ const std::vector<Case> kCases{
      [](Bench& b) {
        UnitParameters linear = b.parameters;
        linear.scope = Scope::linear;
-       auto image = image_of(linear, b.simulation.description().machine, asked_um);
+       auto image = image_of(linear, b.simulation.description().machine, asked_um, b.unit.settings().serial_number);
        write_parameters(image, b.parameters);
        seal_image(image);
        compensate_with(b, image);

@@ -115,8 +115,9 @@ TEST_CASE("a map that lacks a component of its scope is a fault of its own") {
   Bench bench;
   UnitParameters linear = bench.parameters;
   linear.scope = Scope::linear;
-  auto image =
-      image_of(linear, bench.simulation.description().machine, [](Component, double, Approach) { return 0.0; });
+  auto image = image_of(
+      linear, bench.simulation.description().machine, [](Component, double, Approach) { return 0.0; },
+      bench.unit.settings().serial_number);
   write_parameters(image, bench.parameters);  // volumetric
   seal_image(image);
   REQUIRE(bench.stage_and_commit(image).state == CommandState::done);
