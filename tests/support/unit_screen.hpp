@@ -21,9 +21,11 @@ inline void give_map(UnitConnection& unit, const StateFolder& one) {
       one.with("p.toml",
                "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
                "[axis.X]\ntransducer = \"encoder\"\n[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n");
-  const std::string map = one.with("map.csv",
-                                   "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
-                                   "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");
+  const std::string map =
+      one.with("map.csv",
+               "# machine: moving column mill\n# configuration: "
+               "TXYZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+               "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");
   REQUIRE(ran_on(unit, {"map", "send", map, "--params", params}) == 0);
 }
 

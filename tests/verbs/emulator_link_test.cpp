@@ -24,7 +24,8 @@ struct EmulatorWorkspace {
                   "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
                   "[axis.X]\ntransducer = \"encoder\"\n[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n");
   std::string map = folder.with("map.csv",
-                                "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                                "# machine: moving column mill\n# configuration: "
+                                "TXYZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                                 "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n");
 };
 
@@ -119,6 +120,31 @@ TEST_CASE("a dump of another unit, or with the map of another machine, is loaded
   REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
   CHECK(ran({"memory", "load", file, "--yes"}).code == 1);
   CHECK(ran({"memory", "load", file, "--yes", "--other-machine"}).code == 0);
+}
+
+TEST_CASE(
+    "a map without a header, or for another configuration, goes only with --other-machine, and then for this unit") {
+  const EmulatorWorkspace workspace;
+  const std::string content = content_of(workspace.map);
+  const std::string bare = workspace.folder.with("bare.csv", content.substr(content.find("axis,")));
+  const Ran refused = ran({"map", "send", bare, "--params", workspace.params, "--json"});
+  CHECK(refused.code == 1);
+  CHECK(refused.out.find("names neither machine nor serial number") != std::string::npos);
+  REQUIRE(ran({"map", "send", workspace.map, "--params", workspace.params}).code == 0);
+  std::string turned = content_of(workspace.params);
+  turned = "[configuration]\nchain = \"XTYZ\"\n" + turned;
+  const std::string params = workspace.folder.with("turned.toml", turned);
+  const std::string map = workspace.folder.with(
+      "turned.csv", "# serial_number: MCM-0107\n# configuration: XTYZ\n" + content.substr(content.find("axis,")));
+  const Ran other = ran({"map", "send", map, "--params", params, "--json"});
+  CHECK(other.code == 1);
+  CHECK(other.out.find("configuration") != std::string::npos);
+  REQUIRE(ran({"map", "send", map, "--params", params, "--other-machine"}).code == 0);
+  const std::string file = workspace.folder / "unit.ecsdump";
+  REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
+  const auto identity = ran({"memory", "show", file, "--json"}).json()["images"][0]["identity"];
+  CHECK(identity["serial_number"] == "MCM-0107");
+  CHECK(identity["machine"] == "moving column mill");
 }
 
 TEST_CASE("parameters without the squareness that the unit's map was measured with are refused") {

@@ -93,7 +93,8 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
   const ParametersCase one;
   REQUIRE(ran({"params", "send", one.file()}).code == 0);
   REQUIRE(write_file(one.file("map.csv"),
-                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                     "# machine: moving column mill\n# configuration: "
+                     "TXYZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}).code == 0);
   auto line = std::make_shared<UnitConnection>("emulator");
@@ -123,7 +124,8 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
 TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
   const ParametersCase one;
   REQUIRE(write_file(one.file("map.csv"),
-                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
+                     "# machine: moving column mill\n# configuration: "
+                     "TXYZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\n"
                      "Y,EY,0,0,2\nZ,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   REQUIRE(ran({"map", "send", one.file("map.csv"), "--params", one.file()}).code == 0);
   auto line = std::make_shared<UnitConnection>("emulator");

@@ -59,7 +59,8 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
                      "[compensation]\nscope = \"linear\"\n[axis.Y.datum]\napproach_direction = \"reverse\"\n"
                      "[axis.X]\ntransducer = \"encoder\"\n[axis.Z]\ntransducer = \"encoder\"\n# end of parameters\n"));
   REQUIRE(write_file(map,
-                     "axis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\nY,EY,0,0,2\n"
+                     "# machine: moving column mill\n# configuration: "
+                     "TXYZ\naxis,sense,approach,p_mm,value_um\nX,EX,0,-4100,1\nX,EX,0,0,5\nY,EY,0,-1400,1\nY,EY,0,0,2\n"
                      "Z,EZ,0,-1000,1\nZ,EZ,0,0,3\n"));
   {
     const auto lent = bench.controller->lend();

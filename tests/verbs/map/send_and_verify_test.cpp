@@ -194,6 +194,7 @@ TEST_CASE("show lists each table with start, increment, points, smallest and lar
 TEST_CASE("a map of another machine or serial number is refused; what is not stated is not judged") {
   laser::MapHeader header;
   header.machine = "mill";
+  header.configuration = "TXYZ";
   CHECK(other_machine(header, {"mill", "7"}).empty());
   CHECK(other_machine(header, {"", ""}).empty());
   CHECK(other_machine(header, {"lathe", ""}).size() == 1);
@@ -202,6 +203,15 @@ TEST_CASE("a map of another machine or serial number is refused; what is not sta
   CHECK(other_machine(header, {"lathe", "8"}).size() == 2);
   CHECK(other_unit(header, "7").empty());
   CHECK(other_unit(header, "8").size() == 1);
+}
+
+TEST_CASE("a map whose header names neither machine nor serial number, or no configuration, is for nobody") {
+  laser::MapHeader header;
+  CHECK(other_unit(header, "8").size() == 2);
+  header.serial_number = "8";
+  CHECK(other_unit(header, "8").size() == 1);
+  header.configuration = "TXYZ";
+  CHECK(other_unit(header, "8").empty());
 }
 
 TEST_CASE("build warns of readings from another machine than the parameters, in words of a verb that sends nothing") {
