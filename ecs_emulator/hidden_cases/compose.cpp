@@ -16,8 +16,10 @@ namespace {
 
 constexpr double kForeign = 0.6;  ///< of the size of foreign structure that the library's best three must leave
 constexpr int kLibrarySteps = 3;
-constexpr int kLeastRuns = 5;        ///< in which a zero that moves from run to run shows
-constexpr double kHallSensor = 0.3;  ///< how often a free base comes with a sensor that coincides with runs
+constexpr double kOfRuns = 0.1;       ///< of the mean square of an effect that offsets of runs leave: no more is theirs
+constexpr Eigen::Index kFewRuns = 4;  ///< below, a condition that changes from run to run only is an offset of each
+constexpr int kLeastRuns = 5;         ///< in which a zero that moves from run to run shows
+constexpr double kHallSensor = 0.3;   ///< how often a free base comes with a sensor that coincides with runs
 
 /// What a design needs beyond what the hidden effect asks for: it shall not give the effect away.
 Needs distractions(Random& random, const Needs& needs) {
@@ -49,10 +51,58 @@ std::optional<PlacedEffect> draw_effect(Random& random, const Scene& scene, cons
   return with_shape(random, scene, ground, one(random, places));
 }
 
+/// Columns of 1, the position and both with the sign of the approach, for every sense and moving axis: a zero, a slope,
+/// lost motion and its slope belong to any model.
+Eigen::MatrixXd lines_either_way(const Scene& scene) {
+  std::map<std::pair<Sense, Axis>, Eigen::Index> first;
+  for (const Stop& stop : scene.stops)
+    first.try_emplace({stop.sense, stop.axis}, 4 * static_cast<Eigen::Index>(first.size()));
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scene.stops.size()), 4 * static_cast<Eigen::Index>(first.size()));
+  for (std::size_t k = 0; k < scene.stops.size(); ++k) {
+    const Stop& stop = scene.stops[k];
+    const double p_m = 1e-3 * scene.p_mm(stop, stop.axis);
+    columns.block<1, 4>(static_cast<Eigen::Index>(k), first.at({stop.sense, stop.axis})) << 1.0, p_m, stop.approach,
+        stop.approach * p_m;
+  }
+  return columns;
+}
+
+/// The offset of each run (readings × runs).
+Eigen::MatrixXd offsets_of_runs(const Scene& scene) {
+  std::map<int, Eigen::Index> number;
+  for (const Stop& stop : scene.stops) number.try_emplace(stop.run, static_cast<Eigen::Index>(number.size()));
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scene.stops.size()), static_cast<Eigen::Index>(number.size()));
+  for (std::size_t k = 0; k < scene.stops.size(); ++k)
+    columns(static_cast<Eigen::Index>(k), number.at(scene.stops[k].run)) = 1.0;
+  return columns;
+}
+
+/// Whether a condition that nobody sets acts like the offset of one run, or of each of few runs: a bad run, by
+/// docs/physics.md, limits of effects.
+bool is_offset_of_runs(const Scene& scene, const Absorbed& absorbed, const PlacedEffect& effect) {
+  const Needs& needs = effect.kind->needs;
+  if (!needs.temperature && !needs.air && !needs.time) return false;
+  const Eigen::VectorXd own = vector_of(contribution(scene, effect));
+  const double alone = absorbed.left_of(own).squaredNorm();
+  const auto explain = [&](const Eigen::MatrixXd& offsets) {
+    Absorbed with = absorbed;
+    with.add(offsets);
+    return with.left_of(own).squaredNorm() < kOfRuns * alone;
+  };
+  const Eigen::MatrixXd offsets = offsets_of_runs(scene);
+  if (offsets.cols() < kFewRuns && explain(offsets)) return true;
+  for (Eigen::Index run = 0; run < offsets.cols(); ++run)
+    if (explain(offsets.col(run))) return true;
+  return false;
+}
+
 /// What is left of foreign structure after the library's best: forward selection, curves and periods too.
 bool is_foreign(const Scene& scene, const Ground& ground, const Absorbed& absorbed, const std::vector<double>& value) {
   const Eigen::VectorXd structure = vector_of(value);
   Absorbed used = absorbed;
+  used.add(lines_either_way(scene));
   const double size = used.left_of(structure).norm();
   if (size < std::sqrt(kLeastShare) * structure.norm()) return false;
   for (int step = 0; step < kLibrarySteps; ++step) {
@@ -130,6 +180,7 @@ std::optional<HiddenCase> compose(Random& random, const Wanted& wanted) {
     const Eigen::VectorXd own = vector_of(contribution(c.scene, hidden));
     if (!(absorbed.left_of(own).squaredNorm() >= kLeastShare * own.squaredNorm()) || own.norm() == 0.0)
       return std::nullopt;
+    if (is_offset_of_runs(c.scene, absorbed, hidden)) return std::nullopt;
   }
   if (!c.structure.value.empty() && !is_foreign(c.scene, *ground, absorbed, c.structure.value)) return std::nullopt;
   if (wanted.in_base != nullptr && std::none_of(c.base.begin(), c.base.end(), [&](const PlacedEffect& effect) {

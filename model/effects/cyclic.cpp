@@ -20,8 +20,10 @@ constexpr double kRestOfStep = 1e-3;
 constexpr double kLeastStep = 0.02;
 /// Targets from which a period is looked for: a wave has three parameters, the model at least an offset and a slope.
 constexpr std::size_t kFewestTargets = 6;
-/// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice.
-constexpr double kHighestTurns = 5.0;
+/// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice. A wave that the
+/// user knows of is sought further, as far as so many shapes over all targets go.
+constexpr double kHighestTurns = 5.0, kHighestTurnsOfModel = 25.0;
+constexpr std::size_t kShapesOfModel = 400'000;
 /// Fewer turns over the travel are a slope or a curve, not a period.
 constexpr double kFewestTurns = 2.0;
 /// A fit moves a frequency by at most so many turns over the travel: further away is another peak, for the search to
@@ -68,23 +70,26 @@ std::vector<double> pitches(const Observations& data, Axis axis, double travel_m
   return facts;
 }
 
-TriedValues periods(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t most) {
+TriedValues periods(const Observations& data, const EffectInstance& effect, const Acting& acting,
+                    const SearchExtent& extent) {
   TriedValues tried;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   if (p.size() < kFewestTargets) return tried;
   const double travel = p.back() - p.front();
   const double mean_step = travel / static_cast<double>(p.size() - 1);
   const double step = common_step(p, kLeastStep * mean_step);
-  double highest = step > 0.0 ? 0.5 / step : kHighestTurns / mean_step;
-  highest = std::min(highest, kHighestTurns / mean_step);
+  double highest = (extent.is_of_model ? kHighestTurnsOfModel : kHighestTurns) / mean_step;
+  if (step > 0.0) highest = std::min(highest, 0.5 / step);
   const double lowest = kFewestTurns / travel;
   const auto wanted = static_cast<std::size_t>(std::max(1.0, kOversampling * travel * (highest - lowest)));
-  const std::size_t count = std::min(wanted, most);
+  const std::size_t count =
+      std::min(wanted, extent.is_of_model ? std::max(extent.most, kShapesOfModel / p.size()) : extent.most);
   for (std::size_t i = 0; i <= count; ++i) {
     const double frequency = lowest + static_cast<double>(i) / (kOversampling * travel);
     if (step > 0.0 && frequency > highest * kRounding) break;
     tried.values.push_back(1.0 / frequency);
   }
+  tried.far = mean_step / kHighestTurns;
   tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()) / kOversampling);
   tried.facts = pitches(data, *effect.axis, travel);
   return tried;

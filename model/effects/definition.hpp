@@ -152,13 +152,19 @@ struct TriedValues {
   std::vector<double> values;
   std::vector<double> facts{};  ///< suggested by the machine
   double independent = 1.0;     ///< about how many of the values are different trials
+  double far = 0.0;             ///< values below are far from likely: only where nothing else makes the model fit
+};
+
+/// How far a search goes.
+struct SearchExtent {
+  std::size_t most = 0;      ///< values at the utmost
+  bool is_of_model = false;  ///< a term of the user's model: it is there, however unlikely its value
 };
 
 /// Where the single nonlinear parameter of an effect is sought.
 struct SearchDefinition {
-  /// @param most  values at the utmost
   TriedValues (*tried)(const Observations& data, const EffectInstance& effect, const Acting& acting,
-                       std::size_t most) = nullptr;
+                       const SearchExtent& extent) = nullptr;
   /// Value to plan with where neither the model nor a fit gives one. @param plan  readings still to be taken
   double (*assumed)(const Observations& plan, const EffectInstance& effect, const Acting& acting) = nullptr;
   /// Range in which a search or a fit that begins at `start` keeps it; beyond, the effect is another one

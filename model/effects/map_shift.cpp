@@ -8,11 +8,11 @@
 namespace ecs::model::effects {
 namespace {
 
-/// Shifts: half an increment each, no finer than so many over the map's range, up to a quarter of the range; below half
+/// Shifts: half an increment each, no finer than so many over the map's range, up to half of the range; below half
 /// an increment by a factor, from this part of the range on.
-constexpr double kMostShifts = 240.0, kLargestShift = 0.25, kFinestShifts = 2000.0, kShiftFactor = 1.3;
+constexpr double kMostShifts = 240.0, kLargestShift = 0.5, kFinestShifts = 2000.0, kShiftFactor = 1.3;
 
-TriedValues shifts(const Observations& data, const EffectInstance& effect, const Acting&, std::size_t) {
+TriedValues shifts(const Observations& data, const EffectInstance& effect, const Acting&, const SearchExtent&) {
   TriedValues tried;
   double widest = 0.0, increment = 1e300;
   for (const laser::MapTable& table : data.map->tables) {

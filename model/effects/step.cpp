@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kBesides = 3;
 
 /// Halfway between neighbouring targets; no more than a choice of processor time allows.
-TriedValues places(const Observations& data, const EffectInstance& effect, const Acting& acting, std::size_t) {
+TriedValues places(const Observations& data, const EffectInstance& effect, const Acting& acting, const SearchExtent&) {
   constexpr std::size_t kMost = 200;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   const std::size_t stride = std::max<std::size_t>(1, p.size() / kMost);

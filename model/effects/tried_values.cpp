@@ -45,12 +45,12 @@ std::pair<double, double> extent_of(const Column& column, const Acting& acting) 
 }
 
 TriedValues tried_values(const Observations& data, const EffectInstance& effect, const Acting& acting,
-                         std::size_t most) {
+                         const SearchExtent& extent) {
   const EffectDefinition& definition = effect.definition();
   const auto held = effect.parameters.find(std::string(definition.searched_parameter()));
   if (held != effect.parameters.end()) return {{held->second}, {}, 1.0};
   if (definition.search.tried == nullptr) return {{0.0}, {}, 1.0};
-  return definition.search.tried(data, effect, acting, most);
+  return definition.search.tried(data, effect, acting, extent);
 }
 
 }  // namespace ecs::model

@@ -23,6 +23,6 @@ namespace ecs::model {
 /// The values at which an instance is tried: the one that it holds, else those of its definition; 0 where it has no
 /// searched parameter.
 [[nodiscard]] TriedValues tried_values(const Observations& data, const EffectInstance& effect, const Acting& acting,
-                                       std::size_t most);
+                                       const SearchExtent& extent);
 
 }  // namespace ecs::model

@@ -22,7 +22,7 @@ ValueRange time_constant_limits(const Observations& data, const EffectInstance&,
   return {last_s / kShortestTimes, last_s};
 }
 
-TriedValues time_constants(const Observations& data, const EffectInstance&, const Acting& acting, std::size_t) {
+TriedValues time_constants(const Observations& data, const EffectInstance&, const Acting& acting, const SearchExtent&) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty()) return tried;
   const double last_s = extent_of(data.time_s, acting).second;

@@ -75,7 +75,7 @@ bool Slot::is_sought(const Observations& data) const {
   constexpr std::size_t kFewValues = 16;  // enough to see that there are some
   if (formulas || nonlinear.size() != 1 || !nonlinear_free.front()) return false;
   if (!effect.parameters.empty() || effect.traits().fixed_size || acting.rows.size() < 2) return false;
-  const TriedValues tried = tried_values(data, effect, acting, kFewValues);
+  const TriedValues tried = tried_values(data, effect, acting, {kFewValues});
   return tried.values.size() + tried.facts.size() > 1;
 }
 

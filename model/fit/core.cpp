@@ -92,7 +92,7 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
 
 /// A value for a parameter that cannot be sought.
 double first_tried(const Observations& data, const Slot& slot) {
-  const TriedValues tried = tried_values(data, slot.effect, slot.acting, kFewValues);
+  const TriedValues tried = tried_values(data, slot.effect, slot.acting, {kFewValues});
   return tried.values.empty() ? kNoValue : tried.values.front();
 }
 

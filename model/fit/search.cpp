@@ -20,12 +20,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Price of a period that the targets cannot follow: it takes on any slower shape.
+/// Price of a period that the targets cannot follow: it takes on any slower shape. Beyond, all octaves are as likely as
+/// one another beforehand (Jeffreys 1946).
 constexpr double kUnseenPeriod = 8.0;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
 /// A refinement goes so far beyond the neighbours on the grid, in distances to the nearer one.
 constexpr double kBeyondNeighbour = 1.2;
+/// Beyond so many standard deviations a sum of squares is no noise.
+constexpr double kMostOfNoise = 3.0;
 /// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
 constexpr double kAtLimit = 0.005;
 /// A refinement ends at this share of its range: a period's peak is then missed by a thousandth of its height.
@@ -134,27 +137,27 @@ Search::Search(const Regressors& regressors, const Whitener& whitener, const Mat
       if (data.axis[k] == a) p.push_back(data.p_mm(k, a));
     targets_[index_of(a)] = distinct(std::move(p), 1e-4).size();
   }
-  build_families(candidates);
+  build_families(candidates, false);
   candidates_ = families_.size();
-  build_families(own);
+  build_families(own, true);
   build_bank();
   alone_ = best_alone();
 }
 
-void Search::build_families(const std::vector<EffectInstance>& candidates) {
+void Search::build_families(const std::vector<EffectInstance>& candidates, bool of_model) {
   std::size_t scans = 0;
   for (const EffectInstance& effect : candidates) scans += effect.traits().periodic ? std::size_t{1} : std::size_t{0};
-  const std::size_t most = kMostBankColumns / 2 / std::max<std::size_t>(scans, 1);
+  const std::size_t most = std::min(kMostValues, kMostBankColumns / 2 / std::max<std::size_t>(scans, 1));
   for (const EffectInstance& effect : candidates) {
     Family family;
     family.effect = effect;
     family.acting = regressors_.acting(effect);
     if (family.acting.rows.size() < 2) continue;
     const EffectDefinition& definition = effect.definition();
-    const TriedValues tried =
-        tried_values(regressors_.data(), effect, family.acting, std::min<std::size_t>(most, kMostValues));
+    const TriedValues tried = tried_values(regressors_.data(), effect, family.acting, {most, of_model});
     family.grid = tried.values;
     family.facts = tried.facts;
+    family.far = tried.far;
     if (family.grid.empty() && family.facts.empty()) continue;
     const bool searched = !definition.searched_parameter().empty();
     family.search_cost = searched ? 2.0 * std::log(std::max(2.0, tried.independent)) : 0.0;
@@ -181,7 +184,9 @@ Price Search::price_of(const Family& family, double nonlinear) const {
   bool fact = false;
   for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
   const double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
-  return {family.ln_readings, chosen + (nonlinear < family.shortest_seen ? kUnseenPeriod : 0.0)};
+  const bool is_unseen = family.shortest_seen > 0.0 && nonlinear < family.shortest_seen;
+  return {family.ln_readings,
+          chosen + (is_unseen ? kUnseenPeriod + 2.0 * std::log(family.shortest_seen / nonlinear) : 0.0)};
 }
 
 Choice Search::completed(Choice choice, std::size_t f, double nonlinear) const {
@@ -314,9 +319,10 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
   return solution;
 }
 
-Choice Search::best_own(const Space& space, std::size_t f) const {
-  const std::vector<Choice> peaks = peaks_of(space, f);
+Choice Search::best_own(const Space& space, std::size_t f, bool far) const {
+  std::vector<Choice> peaks = peaks_of(space, f);
   const Family& family = families_[f];
+  if (!far) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < family.far; });
   Choice best;
   best.family = f;
   best.nonlinear = family.grid.empty() ? family.facts.front() : family.grid.front();
@@ -328,12 +334,22 @@ Choice Search::best_own(const Space& space, std::size_t f) const {
   return best;
 }
 
-Solution Search::best_alone() const {
+Solution Search::alone_with(bool far) const {
   std::vector<Choice> own;
-  for (std::size_t f = candidates_; f < families_.size(); ++f) own.push_back(best_own(solution({}, own).space, f));
-  Solution best = own.size() > 1 ? refined({}, own) : solution({}, own);
+  for (std::size_t f = candidates_; f < families_.size(); ++f) own.push_back(best_own(solution({}, own).space, f, far));
+  Solution best = own.size() > 1 ? refined({}, own, far) : solution({}, own);
   best.chi2_before = best.space.chi2();
   return best;
+}
+
+Solution Search::best_alone() const {
+  Solution usual = alone_with(false);
+  const double freedom = static_cast<double>(usual.space.y.size() - usual.space.q.cols());
+  const double noise = freedom + kMostOfNoise * std::sqrt(2.0 * freedom);
+  if (usual.space.chi2() <= noise) return usual;
+  // what is hidden must not be taken for a wave: only one that leaves nothing but noise
+  Solution far = alone_with(true);
+  return far.space.chi2() <= noise ? far : usual;
 }
 
 namespace {
@@ -349,7 +365,7 @@ std::vector<Choice> without_one(std::vector<Choice> choices, std::size_t i) {
 
 }  // namespace
 
-Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
+Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own, bool far) const {
   Solution best = solution(chosen, own);
   const bool movable = std::any_of(chosen.begin(), chosen.end(), [&](const Choice& c) {
     const EffectDefinition& definition = families_[c.family].effect.definition();
@@ -363,7 +379,7 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     const double before = best.score();
     for (std::size_t i = 0; i < own.size(); ++i) {
       const Solution rest = solution(best.chosen, without_one(best.own, i));
-      take(solution(best.chosen, with_one(best.own, i, best_own(rest.space, best.own[i].family))));
+      take(solution(best.chosen, with_one(best.own, i, best_own(rest.space, best.own[i].family, far))));
     }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);

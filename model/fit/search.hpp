@@ -43,6 +43,7 @@ struct Family {
   double search_cost = 0.0;               ///< price of the freedom to choose among the grid
   double fact_cost = 0.0;                 ///< price of choosing among the facts
   double ln_readings = 0.0;               ///< price of one free coefficient
+  double far = 0.0;                       ///< values below are far from likely
   double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
   bool lever_varies = false;              ///< an angular error that its levers tell from other shapes of position
   std::optional<double> least, greatest;  ///< physical range of the single coefficient
@@ -98,7 +99,9 @@ class Search {
   [[nodiscard]] Solution solution(const std::vector<Choice>& chosen) const { return solution(chosen, alone_.own); }
   /// The same, nonlinear parameters refined together; periods before the last and those of the model's own terms are
   /// sought over their whole range (the last comes from such a search).
-  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const;
+  /// @param far  own terms also at values far from likely
+  [[nodiscard]] Solution refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own,
+                                 bool far = true) const;
   [[nodiscard]] Solution refined(const std::vector<Choice>& chosen) const { return refined(chosen, alone_.own); }
 
   /// Best choice of every family that gains anything beyond `space`, best score first. The `exact` best are refined.
@@ -151,7 +154,7 @@ class Search {
   void heed_cancel() const {
     if (cancelled_ != nullptr && *cancelled_) throw SearchStopped{};
   }
-  void build_families(const std::vector<EffectInstance>& candidates);
+  void build_families(const std::vector<EffectInstance>& candidates, bool of_model);
   void build_bank();
   void build_shapes(std::size_t family);
   void build_grams(std::size_t family);
@@ -175,8 +178,11 @@ class Search {
   /// A period refined, its double, its half and other peaks tried as well.
   [[nodiscard]] Choice best_period(const Space& space, const std::vector<Choice>& peaks) const;
   /// An own term at the best of all its values beside what `space` absorbs, with all its columns.
-  [[nodiscard]] Choice best_own(const Space& space, std::size_t family) const;
+  /// @param far  values far from likely as well
+  [[nodiscard]] Choice best_own(const Space& space, std::size_t family, bool far) const;
   [[nodiscard]] Solution best_alone() const;
+  /// The best of all values for each own term in turn, then of all together.
+  [[nodiscard]] Solution alone_with(bool far) const;
   /// Columns of a choice, whitened; the latest are kept, for neighbouring solutions share most of theirs.
   [[nodiscard]] const Eigen::MatrixXd& white_columns_of(const Choice& choice) const;
 
