@@ -60,6 +60,10 @@ constexpr double kRareChance = 0.1, kLost = 0.01;
 /// Tests of structure are held against so many times the replicates that are searched: they are cheap, and their limit
 /// is further out.
 constexpr std::size_t kStructureReplicates = 2;
+/// Without repeats the noise may have been taken for nearly all that the model leaves: for less than so many squares of
+/// it, what the best effect explains is held against noise of any size.
+constexpr std::size_t kMostLooks = 2;
+constexpr double kMostSquareOfAll = 2.0, kLeastFreedomBeside = 12.0;
 /// Candidates shown where nothing is found.
 constexpr std::size_t kClosest = 3;
 
@@ -150,6 +154,32 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
   const std::vector<double> scores = search.best_scores(replicates.all().rightCols(more));
   found.replicate_scores.insert(found.replicate_scores.end(), scores.begin(), scores.end());
   found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
+}
+
+/// Columns of noise, each as large as `freedom` independent values of size one.
+MatrixXf of_size_one(MatrixXf sets, double freedom) {
+  for (Index b = 0; b < sets.cols(); ++b)
+    sets.col(b) *= static_cast<float>(std::sqrt(freedom / std::max<double>(sets.col(b).squaredNorm(), kLeastDivisor)));
+  return sets;
+}
+
+/// Whether the best effect explains more of what the model leaves than any does of noise of the same size: the ratio of
+/// likelihoods where the size of the noise is not known (its logarithm is that of the F test).
+bool explains_more_than_of_noise(const Search& search, const Space& space, Replicates& replicates, const Choice& best,
+                                 double freedom, const DiagnoseOptions& options) {
+  const auto ratio = [&](double share) { return -freedom * std::log(std::max(1.0 - share, kLeastDivisor)); };
+  const double here = ratio(best.gain / space.chi2()) - best.cost;
+  std::vector<double> of_noise;
+  const auto look_at = [&](std::size_t count) {
+    replicates.draw_up_to(count);
+    const auto more = static_cast<Index>(replicates.size() - of_noise.size());
+    for (const double score : search.best_scores(of_size_one(replicates.all().rightCols(more), freedom)))
+      of_noise.push_back(ratio((score + best.cost) / freedom) - best.cost);
+  };
+  look_at(std::min(kFirstReplicates, options.noise_replicates));
+  if (loses_to_noise(here, of_noise)) return false;
+  look_at(options.noise_replicates);
+  return here > kRefinement + std::max(kLeastEntry, score_at(of_noise, options.false_naming_limit));
 }
 
 /// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
@@ -276,6 +306,25 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   }
 }
 
+/// Without repeats an effect may hide in the noise that was estimated from it: where its share cannot be noise of any
+/// size, the noise is what it leaves. @return the noise has been replaced
+bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
+                            const DiagnoseOptions& options, Found& found) {
+  const Space& space = found.solution.space;
+  const auto kept = static_cast<double>(std::count(found.left_out.begin(), found.left_out.end(), false));
+  const double freedom = kept - static_cast<double>(space.q.cols());
+  if (found.noise.pure.from_repeats || freedom < kLeastFreedomBeside || space.chi2() > kMostSquareOfAll * freedom)
+    return false;
+  const std::vector<Choice> best = search.expand(space, kClosest);
+  if (best.empty() || !explains_more_than_of_noise(search, space, replicates, best.front(), freedom, options))
+    return false;
+  std::vector<Choice> chosen = found.solution.chosen;
+  chosen.push_back(best.front());
+  const Solution with = search.solution(chosen, found.solution.own);
+  return noise_changed(search.data(), residual_of(joined(base, search, with), whitener), false, found.noise,
+                       found.left_out);
+}
+
 }  // namespace
 
 double rms_of(const VectorXd& r) {
@@ -343,6 +392,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_of(data, base.residual, smooth_columns(data), found.left_out);
+  std::size_t looks = 0;
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
@@ -353,8 +403,8 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const Space& alone = search.alone().space;
     found.before = structure.tests(alone);
     Replicates replicates(data, found.noise, found.left_out, whitener, search.base());
-    if (round == 0) find_level(search, structure, replicates, options, found);
     const double n = static_cast<double>(data.size());
+    if (round == 0) find_level(search, structure, replicates, options, found);
     found.solution = search.alone();
     if (found.entry_score < kBeyondAll)
       found.solution =
@@ -362,6 +412,12 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const VectorXd residual = residual_of(joined(base, search, found.solution), whitener);
     if (round < kMostRounds) {
       if (noise_changed(data, residual, options.plain, found.noise, found.left_out)) continue;
+    }
+    if (looks < kMostLooks && !options.plain &&
+        took_noise_beside_best(base, search, whitener, replicates, options, found)) {
+      ++looks;
+      round = -1;
+      continue;
     }
     weigh(regressors, base, search, found);
     const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
