@@ -95,7 +95,8 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   for (const Member& member : members) {
     if (!member.claimed.named) continue;
     const LinearProblem others = problem_with(alone, members, regressors, &member);
-    auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect);
+    auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect,
+                              NullHypothesis::noise_or_wander);
     if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(search.candidates(), 1));
     check_e_value(check, to_text(member.effect) + " e_value", member.claimed.e_value, e_value);
   }

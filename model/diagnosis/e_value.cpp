@@ -10,6 +10,7 @@
 #include <set>
 
 #include "model/data/curve_basis.hpp"
+#include "model/diagnosis/wander.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/statistics.hpp"
@@ -57,7 +58,7 @@ Half by_target(const Observations& data) {
 
 /// ln of the ratio of likelihoods on the readings of `judged`; nothing where a half does not show the effect.
 std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
-                               const EffectInstance& effect, const Half& judged) {
+                               const EffectInstance& effect, const std::optional<Wander>& wander, const Half& judged) {
   const Observations& data = on.regressors.data();
   std::vector<bool> hidden_judged = on.left_out, hidden_fitted = on.left_out;
   double count_judged = 0.0, count_fitted = 0.0;
@@ -93,12 +94,16 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const double freedom_judged = count_judged - static_cast<double>(model.q.cols());
   if (freedom_judged < kSpareInHalf) return std::nullopt;
   const double alone = std::max(model.chi2(), kLeastDivisor), left = (model.y - beyond).squaredNorm();
-  return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance);
+  double fall = 0.0;  // of −2 ln of the likelihood, by a wander
+  if (wander)
+    fall = std::max(0.0, deviance_of(data, on.noise, hidden_fitted, columns, target) -
+                             deviance_of(data, *wander, hidden_fitted, columns, target));
+  return 0.5 * (freedom_judged * std::log(alone / freedom_judged / variance) + freedom_judged - left / variance - fall);
 }
 
 /// The same on an even part of the readings: it costs less, and there is evidence enough.
 std::optional<double> weighed_in_part(const Evidence& all, const MatrixXd& columns, const VectorXd& target,
-                                      const EffectInstance& effect) {
+                                      const EffectInstance& effect, NullHypothesis null) {
   const Observations& data = all.regressors.data();
   std::vector<std::size_t> chosen;
   std::vector<Index> place(data.size(), -1);
@@ -124,21 +129,24 @@ std::optional<double> weighed_in_part(const Evidence& all, const MatrixXd& colum
     part_columns.row(static_cast<Index>(i)) = columns.row(static_cast<Index>(chosen[i]));
     part_target(static_cast<Index>(i)) = target(static_cast<Index>(chosen[i]));
   }
-  return e_value_of({regressors, noise, left_out}, part_columns, part_target, effect);
+  return e_value_of({regressors, noise, left_out}, part_columns, part_target, effect, null);
 }
 
 }  // namespace
 
 std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
-                                 const EffectInstance& effect) {
+                                 const EffectInstance& effect, NullHypothesis null) {
   const Observations& data = on.regressors.data();
-  if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect);
+  if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
+  std::optional<Wander> wander;
+  if (null == NullHypothesis::noise_or_wander && may_be_wander(on.noise, effect))
+    wander = likeliest_wander(data, on.noise, on.left_out, columns, target).law;
   std::vector<double> ln;
   for (const Half& half : {by_run(data), by_target(data)}) {
     Half other = half;
     other.flip();
     for (const Half& judged : {half, other})
-      if (const auto ratio = ln_ratio(on, columns, target, effect, judged)) ln.push_back(*ratio);
+      if (const auto ratio = ln_ratio(on, columns, target, effect, wander, judged)) ln.push_back(*ratio);
   }
   if (ln.empty()) return std::nullopt;
   double mean = 0.0;

@@ -17,12 +17,17 @@ struct Evidence {
   const std::vector<bool>& left_out;
 };
 
+/// What the readings may be without the effect: white noise and turbulence of seconds, or a wander as well.
+enum class NullHypothesis { noise, noise_or_wander };
+
 /// e-value of an effect: mean over splits by runs and by targets of how much likelier it makes readings that it was not
 /// fitted to than the best the model can do when fitted to these very readings, each with its own size of the noise.
 /// At most 1/α of data sets without the effect exceed α on average over them (Markov). Nothing where no split shows the
 /// effect on both sides.
+/// A wander is the likeliest of those tried on all readings, and only where it may look like the effect.
 /// @param columns,target  of the model without the effect  @param effect  its searched parameter is sought anew
 [[nodiscard]] std::optional<double> e_value_of(const Evidence& on, const Eigen::MatrixXd& columns,
-                                               const Eigen::VectorXd& target, const EffectInstance& effect);
+                                               const Eigen::VectorXd& target, const EffectInstance& effect,
+                                               NullHypothesis null);
 
 }  // namespace ecs::model

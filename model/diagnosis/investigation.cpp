@@ -225,24 +225,31 @@ std::vector<Choice> others(std::vector<Choice> chosen, std::size_t i) {
 /// Groups of the effects found, each with its e-value; those that readings they were not fitted to speak against are
 /// taken back, the worst first.
 void weigh(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
+  const auto e_value_of_group = [&](std::size_t i, NullHypothesis null) {
+    const LinearProblem without =
+        joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
+    return e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
+                      found.families[found.groups[i].member.family].effect, null);
+  };
   for (;;) {
     found.groups = groups_of(search, found.solution, found.entry_score);
     for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
     found.solution = search.refined(found.solution.chosen, found.solution.own);
     std::optional<std::size_t> worst;
     for (std::size_t i = 0; i < found.groups.size(); ++i) {
-      const LinearProblem without =
-          joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
       std::optional<double>& e_value = found.groups[i].e_value;
-      e_value = e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
-                           found.families[found.groups[i].member.family].effect);
+      e_value = e_value_of_group(i, NullHypothesis::noise);
       if (e_value && *e_value < kSpeaksAgainst && (!worst || *e_value < *found.groups[*worst].e_value)) worst = i;
     }
     if (!worst) break;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
   }
-  for (Group& group : found.groups)
-    if (group.e_value) *group.e_value /= static_cast<double>(found.candidates_tried);
+  for (std::size_t i = 0; i < found.groups.size(); ++i) {
+    std::optional<double>& e_value = found.groups[i].e_value;
+    if (may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
+      e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
+    if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
+  }
 }
 
 /// An effect is named only if it is better than a wander by the evidence that proves a cause, for having been chosen

@@ -87,30 +87,40 @@ double deviance_of(const Observations& data, const NoiseModel& noise, const std:
                        target);
 }
 
-double deviance_of_wander(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                          const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                   const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+  const Eigen::MatrixXd levels =
+      law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
+  return deviance_with(Whitener(data, law.noise, left_out), counted(left_out), columns, levels, target);
+}
+
+LikeliestWander likeliest_wander(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
   double session = static_cast<double>(data.size());  // readings
   if (noise.has_time) {
     session = 0.0;
     for (const double t : data.time_s)
       if (!std::isnan(t)) session = std::max(session, t);
   }
-  double best = kBeyondAll;
-  const auto look_at = [&](const NoiseModel& tried) {
-    best = std::min(best, deviance_of(data, tried, left_out, columns, target));
+  LikeliestWander best{{}, kBeyondAll};
+  const auto look_at = [&](Wander law) {
+    const double deviance = deviance_of(data, law, left_out, columns, target);
+    if (deviance < best.deviance) best = {std::move(law), deviance};
   };
   for (const double share : kShares) {
-    for (const double memory : kMemories) look_at(wandering(noise, share, memory * session));
+    for (const double memory : kMemories) look_at({wandering(noise, share, memory * session)});
     NoiseModel by_pass = wandering(noise, share, kForever);
     by_pass.has_time = false;
-    look_at(by_pass);
+    look_at({std::move(by_pass)});
   }
-  const Whitener whitener(data, noise, left_out);
-  const Eigen::MatrixXd levels = levels_of_runs(data);
-  for (const double level : kLevels)
-    best = std::min(best,
-                    deviance_with(whitener, counted(left_out), columns, level * noise.pure.noise_um * levels, target));
-  return best + kParameters * std::log(static_cast<double>(data.size()));
+  for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
+  return best;
+}
+
+double deviance_of_wander(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                          const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+  return likeliest_wander(data, noise, left_out, columns, target).deviance +
+         kParameters * std::log(static_cast<double>(data.size()));
 }
 
 bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {

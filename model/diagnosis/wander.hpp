@@ -12,7 +12,23 @@ namespace ecs::model {
 [[nodiscard]] double deviance_of(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                  const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
-/// The same under the best of the wanders tried beside white noise, Schwarz's price of its two parameters included.
+/// A law of noise that wanders: the groups of `noise`, or beside them a level of its own for every run and sense.
+struct Wander {
+  NoiseModel noise;
+  double level_um = 0.0;  ///< standard deviation of the levels of the runs
+};
+/// The likeliest of the wanders tried, and how well the readings agree with it, its price not included.
+struct LikeliestWander {
+  Wander law;
+  double deviance = 0.0;
+};
+[[nodiscard]] LikeliestWander likeliest_wander(const Observations& data, const NoiseModel& noise,
+                                               const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                               const Eigen::VectorXd& target);
+[[nodiscard]] double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// The deviance of the likeliest of them, Schwarz's price of its two parameters included.
 [[nodiscard]] double deviance_of_wander(const Observations& data, const NoiseModel& noise,
                                         const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
                                         const Eigen::VectorXd& target);

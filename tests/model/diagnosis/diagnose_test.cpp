@@ -51,6 +51,33 @@ TEST_CASE("each cause on a line is named first") {
                  "progressive:X:EX"));
 }
 
+TEST_CASE("a short wave is named where nothing is repeated and the noise was estimated from it") {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    CAPTURE(seed);
+    Plan plan;
+    plan.runs = 1;
+    plan.both_ways = false;
+    plan.targets = 60;
+    const auto set = measured(
+        plan, 0.3, [](const laser::Reading& r) { return 1.3 * std::sin(2.0 * std::numbers::pi * p(r) / 8.83); }, seed);
+    const Diagnosis found = diagnosed(straight(), set);
+    CHECK(found.verdict == Verdict::missing_effect);
+    REQUIRE_FALSE(found.candidates.empty());
+    CHECK(to_text(found.candidates.front().effect) == "cyclic:X:EX");
+  }
+}
+
+TEST_CASE("noise alone is adequate where nothing is repeated") {
+  Plan plan;
+  plan.runs = 1;
+  plan.both_ways = false;
+  plan.targets = 60;
+  int named = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed)
+    if (diagnosed(straight(), measured(plan, 0.3, nothing, seed)).verdict != Verdict::adequate) ++named;
+  CHECK(named <= 2);
+}
+
 TEST_CASE("lost motion that grows along the axis is one cause, a line or a curve") {
   Model model = straight();
   model.effects.push_back(effect(backlash, Axis::X, Sense::EX));

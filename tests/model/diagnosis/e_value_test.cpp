@@ -48,7 +48,7 @@ struct Weighed {
       columns.row(static_cast<Index>(k)) << 1.0, data.p_mm(k, Axis::X) / 1000.0;
   }
   [[nodiscard]] std::optional<double> e_value(const EffectInstance& effect, const VectorXd& y) const {
-    return e_value_of({regressors, noise, left_out}, columns, y, effect);
+    return e_value_of({regressors, noise, left_out}, columns, y, effect, NullHypothesis::noise);
   }
   [[nodiscard]] std::optional<double> e_value(const EffectInstance& effect) const { return e_value(effect, target); }
 };
@@ -143,4 +143,35 @@ TEST_CASE("large sets are weighed in part, with the answer that a small set of t
   CHECK(Weighed(measured(large, kSigma_um, lost_motion_of_two_um)).e_value(candidate("backlash:X:EX")).value() > 1e100);
   CHECK(Weighed(measured(large, kSigma_um, nothing)).e_value(candidate("backlash:X:EX")).value() < 100.0);
   CHECK_FALSE(Weighed(measured(large, kSigma_um, nothing)).e_value(candidate("scale:X:EX")));
+}
+
+TEST_CASE("against a random walk a drift has little evidence, however much it has against white noise") {
+  const EffectInstance drift = candidate("time_drift:X:EX");
+  const Weighed of(measured(of_targets(41, 1), kSigma_um, nothing));
+  NoiseModel noise = of.noise;
+  noise.has_time = true;
+  unsigned against_noise = 0, against_wander = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const VectorXd steps = normal_matrix(of.target.size(), 1, seed).col(0);
+    VectorXd walk = 0.1 * kSigma_um * normal_matrix(of.target.size(), 1, 100 + seed).col(0);
+    double sum = 0.0;
+    for (Index k = 0; k < walk.size(); ++k) walk(k) += sum += kSigma_um * steps(k);
+    const auto reaches = [&](NullHypothesis null) {
+      return e_value_of({of.regressors, noise, of.left_out}, of.columns, walk, drift, null).value_or(0.0) >= 100.0;
+    };
+    if (reaches(NullHypothesis::noise)) ++against_noise;
+    if (reaches(NullHypothesis::noise_or_wander)) ++against_wander;
+  }
+  CHECK(against_noise >= 10);
+  CHECK(against_wander <= 4);
+}
+
+TEST_CASE("a straight drift keeps its evidence against a wander") {
+  const Weighed of(measured(of_targets(41, 3), kSigma_um, [](const laser::Reading& r) { return 0.002 * *r.time_s; }));
+  NoiseModel noise = of.noise;
+  noise.has_time = true;
+  const auto e = e_value_of({of.regressors, noise, of.left_out}, of.columns, of.target, candidate("time_drift:X:EX"),
+                            NullHypothesis::noise_or_wander);
+  REQUIRE(e);
+  CHECK(*e >= 100.0);
 }

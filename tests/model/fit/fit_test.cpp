@@ -61,6 +61,31 @@ TEST_CASE("a period that is not given is found and has a sigma") {
   CHECK(std::abs(parameter(*found, 2, "phase_rad").value - 0.4) < 3.0 * *parameter(*found, 2, "phase_rad").sigma);
 }
 
+TEST_CASE("a period far shorter than the distance of targets is found where it leaves nothing but noise") {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  Plan plan;
+  plan.step_mm = 60.0;  // 4.5 mm: 13 turns from one target to the next
+  const Truth wave = [](const laser::Reading& r) { return 3.0 * std::sin(2.0 * std::numbers::pi * p(r) / 4.5 + 0.4); };
+  const auto found = fit(model, observations_of(measured(plan, 0.2, wave), model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 2, "period_mm").value == Approx(4.5).epsilon(0.001));
+  CHECK(found->rms_um < 0.25);
+}
+
+TEST_CASE("a wave of the model does not take a step for a period far shorter than the distance of targets") {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  Plan plan;
+  plan.step_mm = 60.0;
+  const Truth both = [](const laser::Reading& r) {
+    return std::sin(2.0 * std::numbers::pi * p(r) / 200.0) + (p(r) > 1100.0 ? 6.0 : 0.0);
+  };
+  const auto found = fit(model, observations_of(measured(plan, 0.2, both), model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 2, "period_mm").value > 12.0);  // a fifth of the step of 60 mm
+}
+
 TEST_CASE("parameters that the file gives are held") {
   Model model = straight();
   model.effects[1].parameters["um_per_m"] = 10.0;
