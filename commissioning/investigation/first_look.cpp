@@ -69,9 +69,10 @@ void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, A
 
 std::string sentence_of(const MeasurementProposal& look, const std::string& parked) {
   return fmt::format(
-      "Measure {} along {}, {}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
+      "Measure {} along {}, {}{}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
       "about {:.0f} min.",
-      name_of(look.sense), letter_of(look.axis), look.condition, look.targets_mm.size(), look.targets_mm.front(),
+      name_of(look.sense), letter_of(look.axis), look.condition,
+      look.load_kg ? fmt::format(" of {:g} kg", *look.load_kg) : "", look.targets_mm.size(), look.targets_mm.front(),
       look.targets_mm.back(), look.runs, look.runs == 1 ? "run" : "runs", look.feed_mm_min,
       look.dwell_s > 0.0 ? fmt::format("{:g} s dwell", look.dwell_s) : "readings on the fly", parked, look.minutes);
 }
@@ -147,6 +148,18 @@ MeasurementProposal look_in_motion(const MeasurementProposal& look, const model:
   moving.trigger_s = 0.0;
   moving.runs = 1;
   return again(std::move(moving), times);
+}
+
+MeasurementProposal look_with_load(const MeasurementProposal& look, const model::MeasuringTimes& times, bool is_on) {
+  MeasurementProposal loaded = look;
+  loaded.condition = kWithLoad;
+  loaded.load_kg = model::kTypicalLoad_kg;
+  loaded.runs = 1;
+  loaded = again(std::move(loaded), times);
+  if (is_on) return loaded;
+  loaded.set_up_minutes += times.load_minutes;
+  loaded.minutes += times.load_minutes;
+  return loaded;
 }
 
 IsoProgramme iso_programme(const std::vector<InvestigatedLine>& lines, const params::Machine& machine,

@@ -40,6 +40,10 @@ struct InvestigatedLine {
 /// The same line once both ways without stops: what depends on the feed shows only in motion.
 [[nodiscard]] model::MeasurementProposal look_in_motion(const model::MeasurementProposal& look,
                                                         const model::MeasuringTimes& times);
+inline constexpr const char* kWithLoad = "with a load";
+/// The same line once both ways with a load on the machine. @param is_on  the load is on already
+[[nodiscard]] model::MeasurementProposal look_with_load(const model::MeasurementProposal& look,
+                                                        const model::MeasuringTimes& times, bool is_on);
 
 /// ISO 230-2:2014, 5.3: five bidirectional runs a line; targets every 50 mm as in thesis 6.3, 25 at least.
 struct IsoProgramme {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <set>
 #include <tuple>
@@ -97,6 +98,9 @@ class Investigator {
   }
 
  private:
+  /// A line of the first look, measured in another way.
+  using Change = std::function<MeasurementProposal(const MeasurementProposal&, const model::MeasuringTimes&)>;
+
   [[nodiscard]] bool cancelled() const { return options_.cancelled != nullptr && *options_.cancelled; }
   [[nodiscard]] double minutes_left() const { return options_.minutes - result_.minutes; }
 
@@ -148,7 +152,8 @@ class Investigator {
     if (diagnosis_->verdict == Verdict::missing_effect && causes_are_single(*diagnosis_))
       if (auto between = look_not_made(look_between)) return between;
     if (seeing)
-      if (auto moving = look_not_made(look_in_motion)) return moving;
+      for (const auto& change : {Change(look_in_motion), with_load()})
+        if (auto look = look_not_made(change)) return look;
     model::MeasuringTimes times = options_.times;
     times.zeroed_each_run = true;
     const model::NextMeasurement next =
@@ -175,8 +180,7 @@ class Investigator {
 
   /// A line of the first look that was not yet measured in this way, the last one first; only lines on which something
   /// is named, where anything is.
-  template <class Change>
-  [[nodiscard]] std::optional<MeasurementProposal> look_not_made(Change change) const {
+  [[nodiscard]] std::optional<MeasurementProposal> look_not_made(const Change& change) const {
     for (auto look = looks_.rbegin(); look != looks_.rend(); ++look) {
       MeasurementProposal other = with_set_up(change(look->proposal, options_.times));
       if (!made_.contains(key_of(other)) && is_in_question(other) && other.minutes <= minutes_left()) return other;
@@ -216,6 +220,13 @@ class Investigator {
     return proposal;
   }
 
+  /// A line with a load on the machine, which stays on once it was put there.
+  [[nodiscard]] Change with_load() const {
+    return [is_on = loaded_](const MeasurementProposal& look, const model::MeasuringTimes& times) {
+      return look_with_load(look, times, is_on);
+    };
+  }
+
   /// Where nothing is missing, the axes of which the model does not speak are looked at as well.
   std::optional<MeasurementProposal> line_not_modelled() {
     if (std::exchange(others_asked_, true)) return std::nullopt;
@@ -243,6 +254,7 @@ class Investigator {
       result_.notes.push_back(fmt::format("{} could not be measured: {}", short_text(proposal), to_text(run.error())));
       return {};
     }
+    loaded_ = proposal.load_kg.value_or(loaded_ ? 1.0 : 0.0) > 0.0;
     if (first) {
       looks_.push_back({proposal, run->set});
       measured_lines_.push_back({proposal.axis, proposal.sense});
@@ -314,6 +326,7 @@ class Investigator {
       if (cancelled()) return stopped();
       MeasurementProposal again = look.proposal;
       again.condition = "with the new map";
+      if (loaded_) again.load_kg = 0.0;
       auto run = workshop_.measure({++number, again, true});
       if (!run) return tl::unexpected(run.error());
       look.set = std::move(run->set);
@@ -358,6 +371,7 @@ class Investigator {
   std::optional<MeasurementProposal> last_;
   std::optional<Diagnosis> diagnosis_;
   bool others_asked_ = false;
+  bool loaded_ = false;  ///< a load was put on the machine, and is there still
   Investigation result_;
 };
 

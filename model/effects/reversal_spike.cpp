@@ -22,7 +22,8 @@ ValueRange decay_length_limits(const Observations& data, const EffectInstance&, 
   return {std::max(kShortestOfTravel * least, kLeastOfLongest * greatest), kLongestOfTravel * greatest};
 }
 
-TriedValues decay_lengths(const Observations& data, const EffectInstance& effect, const Acting& acting, const SearchExtent&) {
+TriedValues decay_lengths(const Observations& data, const EffectInstance& effect, const Acting& acting,
+                          const SearchExtent&) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty()) return tried;
   tried.values.clear();

@@ -26,8 +26,6 @@ constexpr double kWarmer_degC = 4.0, kLeastWarmer_degC = 2.0;
 /// Another day's air [hPa], and the pressure that decides in which direction: 15 hPa are 4 um/m of refraction (Ciddor
 /// 1996), and weather does that.
 constexpr double kOtherPressure_hPa = 15.0, kMeanPressure_hPa = 1000.0;
-/// A load for a machine measured without one: a choice.
-constexpr double kTypicalLoad_kg = 100.0;
 /// Targets are micrometres apart, as a control takes them.
 constexpr double kSameTarget_mm = 1e-3;
 /// The overrun takes at most this share of the travel at either end.

@@ -12,6 +12,9 @@ namespace ecs::model {
 
 inline constexpr double kSecondsAMinute = 60.0, kMinutesAnHour = 60.0;
 
+/// A load for a machine measured without one: a choice.
+inline constexpr double kTypicalLoad_kg = 100.0;
+
 /// To a micrometre, as a control takes positions.
 [[nodiscard]] double to_micrometre(double mm);
 

@@ -48,10 +48,15 @@ class MadeWorkshop final : public commissioning::Workshop {
     asked.push_back(run);
     if (refuse && refuse(run)) return problem(ProblemKind::usage, "no load is at hand");
     seconds_ += model::kSecondsAMinute * run.proposal.minutes;
+    load_kg_ = run.proposal.load_kg.value_or(load_kg_);
     const ErrorAlongAxis left = [](double, int) { return 0.0; };
-    return commissioning::RunReadings{
-        made_readings(run.proposal, run.with_new_map ? left : error_, noise_um, seed_++, seconds_),
-        run.proposal.minutes};
+    const ErrorAlongAxis loaded = [&](double x_mm, int approach) {
+      return error_(x_mm, approach) + um_per_kg_m * load_kg_ * x_mm / 1000.0;
+    };
+    laser::MeasurementSet set =
+        made_readings(run.proposal, run.with_new_map ? left : loaded, noise_um, seed_++, seconds_);
+    for (laser::Reading& reading : set.readings) reading.load_kg = load_kg_;
+    return commissioning::RunReadings{std::move(set), run.proposal.minutes};
   }
   Result<void> activate(const model::Model& found) override {
     active = found;
@@ -60,6 +65,7 @@ class MadeWorkshop final : public commissioning::Workshop {
   void keep(const commissioning::InvestigationStep& step) override { steps.push_back(step); }
 
   double noise_um = 0.2;
+  double um_per_kg_m = 0.0;  ///< what a load does to the slope
   std::function<bool(const commissioning::RequestedRun&)> refuse;
   std::vector<commissioning::RequestedRun> asked;
   std::vector<commissioning::InvestigationStep> steps;
@@ -69,6 +75,7 @@ class MadeWorkshop final : public commissioning::Workshop {
   ErrorAlongAxis error_;
   unsigned seed_ = 1;
   double seconds_ = 0.0;
+  double load_kg_ = 0.0;
 };
 
 /// X of 1000 mm alone.

@@ -57,6 +57,24 @@ TEST_CASE("where nothing is missing nothing is named") {
   CHECK(found.steps.back().set.empty());
 }
 
+TEST_CASE("a cause that shows only under a load is found: each line is looked at with one") {
+  MadeWorkshop workshop(usual_error);
+  workshop.um_per_kg_m = 0.1;
+  const Investigation found = investigated(workshop, 60.0);
+  CHECK(found.verdict == model::Verdict::missing_effect);
+  REQUIRE(found.causes.size() == 1);
+  CHECK(found.causes.front().name == "load:X:EX");
+  CHECK(found.minutes < found.programme.minutes);
+}
+
+TEST_CASE("the load is taken off before the lines are measured with the new map") {
+  MadeWorkshop workshop(usual_error);
+  workshop.um_per_kg_m = 0.1;
+  investigated(workshop, 60.0);
+  REQUIRE(workshop.asked.back().with_new_map);
+  CHECK(workshop.asked.back().proposal.load_kg == 0.0);
+}
+
 TEST_CASE("no run begins that would take more than the minutes that remain") {
   MadeWorkshop workshop(waving_error);
   const Investigation found = investigated(workshop, 3.0);
