@@ -1,5 +1,6 @@
 // Machine and conditions: what was measured, with what, in which surroundings.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>

@@ -11,6 +11,7 @@
 
 #include "base/file.hpp"
 #include "base/plain_text.hpp"
+#include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
 
 namespace ecs::commissioning {

@@ -1,9 +1,12 @@
 #include "commissioning/memory/controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
+
+#include "base/json.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <unicorn/unicorn.h>
 
+#include "ecs_emulator/unit/self_test.hpp"
+
 namespace ecs::emulator {
 namespace {
 

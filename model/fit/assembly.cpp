@@ -1,5 +1,6 @@
 #include "model/fit/assembly.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 

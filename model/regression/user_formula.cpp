@@ -1,5 +1,6 @@
 #include "model/regression/user_formula.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

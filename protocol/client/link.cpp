@@ -2,6 +2,7 @@
 #include "protocol/client/link.hpp"
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <thread>
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/plot/gnuplot.hpp"
+#include "app/screens/utility/datum_chart.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
 #include "commissioning/utility/datum_view_controller.hpp"
