@@ -46,4 +46,29 @@ TEST_CASE("a field without a key gives the keys of its object to the record") {
         R"({"axis":"X","sense":"EX","rms_um":0.5})");
 }
 
+TEST_CASE("fields that are appended keep their order") {
+  AnswerFields fields{{"axis", word_cell("X")}};
+  append(fields, {{"sense", word_cell("EX")}, {"runs", count_cell(5)}});
+  CHECK(one_line(object_of(fields)) == R"({"axis":"X","sense":"EX","runs":5})");
+}
+
+TEST_CASE("a file that was written is named, one that was not is null") {
+  CHECK(written_cell("map", "m.csv", "nothing written\n").text == "map written to m.csv\n");
+  CHECK(written_cell("map", "m.csv").json == "m.csv");
+  CHECK(written_cell("map", "", "nothing written\n").text == "nothing written\n");
+  CHECK(written_cell("map", "").json.is_null());
+}
+
+TEST_CASE("paragraphs are a list in JSON; in the text long ones go on below the end of their beginning") {
+  const std::string word(40, 'a');
+  const Cell cell = paragraphs_cell({word + " " + word, "short"}, "note: ");
+  CHECK(cell.json.size() == 2);
+  CHECK(cell.text == "note: " + word + "\n      " + word + "\nnote: short\n");
+}
+
+TEST_CASE("the outcome of a finished write says so") {
+  CHECK(finished_outcome_of(word_cell("sent")).finished);
+  CHECK_FALSE(outcome_of(word_cell("sent")).finished);
+}
+
 }  // namespace ecs
