@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "app/verbs/registry.hpp"
+#include "base/file.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/parameters_screen.hpp"
