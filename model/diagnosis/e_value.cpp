@@ -14,6 +14,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -89,7 +90,7 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   VectorXd raw = own.fixed.size() > 0 ? own.fixed : VectorXd(VectorXd::Zero(target.size()));
   if (own.of.cols() > 0) raw += own.of * sizes.tail(own.of.cols());
   const VectorXd contribution = judge(raw);
-  const VectorXd beyond = contribution - model.q * (model.q.transpose() * contribution);
+  const VectorXd beyond = without(model.q, contribution);
   if (beyond.squaredNorm() <= kLeastShown * contribution.squaredNorm()) return std::nullopt;
   const double freedom_judged = count_judged - static_cast<double>(model.q.cols());
   if (freedom_judged < kSpareInHalf) return std::nullopt;

@@ -16,6 +16,7 @@
 #include "model/fit/outliers.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -196,11 +197,7 @@ bool changed(const NoiseModel& a, const NoiseModel& b) {
 double cross_validated_share_of(const Observations& data, const Search& search, const Whitener& whitener,
                                 const Solution& solution) {
   const Space model = search.solution({}, solution.own).space;
-  const auto beyond = [&](const MatrixXd& raw) {
-    MatrixXd white = whitener(raw);
-    white.noalias() -= model.q * (model.q.transpose() * white).eval();
-    return white;
-  };
+  const auto beyond = [&](const MatrixXd& raw) { return without(model.q, whitener(raw)); };
   LinearProblem left{MatrixXd(model.q.rows(), 0), model.y};
   for (const Choice& choice : solution.chosen) {
     const Columns columns = search.columns_of(choice);

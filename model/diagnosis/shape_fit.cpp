@@ -10,6 +10,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -95,7 +96,7 @@ class ShapeSearch {
     MatrixXd columns(y_.size(), static_cast<Index>(functions.size()));
     for (std::size_t j = 0; j < functions.size(); ++j)
       for (Index i = 0; i < y_.size(); ++i) columns(i, static_cast<Index>(j)) = functions[j](place(i)) / sigma(i);
-    const VectorXd solved = columns.colPivHouseholderQr().solve(y_);
+    const VectorXd solved = PivotedQr(columns).solve(y_);
     if (sizes != nullptr) *sizes = solved;
     return (y_ - columns * solved).squaredNorm();
   }

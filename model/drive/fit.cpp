@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -159,7 +160,7 @@ struct DriveFitter::Descent {
         Eigen::MatrixXd damped = normal;
         damped.diagonal() *= 1.0 + damping;
         damped.diagonal().array() += kRidge * normal.diagonal().maxCoeff() + kLeastDivisor;
-        const Eigen::VectorXd next = at - damped.ldlt().solve(gradient);
+        const Eigen::VectorXd next = at - SymmetricSolver(damped).solve(gradient);
         better = next.allFinite() && accept(bounded(next));
         damping *= better ? kDampingFalls : kDampingRises;
       }
@@ -189,12 +190,14 @@ struct DriveFitter::Descent {
     found.possible = now.bounded;
     Eigen::MatrixXd curvature = normal;
     curvature.diagonal().array() += kRidge * normal.diagonal().maxCoeff() + kLeastDivisor;
-    const Eigen::MatrixXd inverse = curvature.inverse(), covariance = inverse * std::pow(scale_of(residual), 2);
-    const Eigen::VectorXd counting = inverse * (weighted.transpose() * half_pulse());
+    const SymmetricSolver solver(curvature);
+    const double scale2 = std::pow(scale_of(residual), 2);
+    const Eigen::VectorXd counting = solver.solve(weighted.transpose() * half_pulse());
     for (Eigen::Index j = 0; j < constants(); ++j) {
       const DriveConstant c = free[static_cast<std::size_t>(j)];
+      const double variance = solver.solve(Eigen::VectorXd::Unit(at.size(), j))[j] * scale2;
       found.ln_factor[c] += at[j];
-      found.ln_sigma[c] = std::hypot(std::sqrt(std::max(0.0, covariance(j, j))), counting[j]);
+      found.ln_sigma[c] = std::hypot(std::sqrt(std::max(0.0, variance)), counting[j]);
     }
     return found;
   }
@@ -350,9 +353,7 @@ Eigen::MatrixXd DriveFitter::sensitivities(const DriveFit& at) const {
     moved[j] += prior_of_zero(static_cast<std::size_t>(j));
     nuisance.col(1 + j) = (residuals(now, at.start_s, moved) - here).head(rows);
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(nuisance);
-  const Eigen::MatrixXd q = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
-  return columns - q * (q.transpose() * columns);
+  return without(PivotedQr(nuisance).basis(), std::move(columns));
 }
 
 std::vector<double> DriveFitter::predicted(const DriveFit& at, std::size_t signal) const {

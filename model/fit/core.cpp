@@ -11,6 +11,7 @@
 #include "model/fit/outliers.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -59,29 +60,20 @@ Solved solved(const MatrixXd& white, const VectorXd& y, const VectorXd& unwhiten
       if (norm(j) <= 1e-12 * std::max(unwhitened_norms(j), 1e-300) || norm(j) <= 0.0) norm(j) = 0.0;
     MatrixXd scaled = white;
     for (Index j = 0; j < k; ++j) scaled.col(j) *= norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kDependent);
-    qr.compute(scaled);
+    const PivotedQr qr(scaled, kDependent);
     s.rank = qr.rank();
-    const auto r = qr.matrixR().topLeftCorner(s.rank, s.rank).template triangularView<Eigen::Upper>();
-    const VectorXd qty = (qr.householderQ().transpose() * y).head(s.rank);
-    const VectorXd first = r.solve(qty);
-    const auto& place = qr.colsPermutation().indices();
-    for (Index i = 0; i < s.rank; ++i) s.sizes(place(i)) = first(i) / norm(place(i));
-    if (s.rank > 0) {
-      const Eigen::JacobiSVD<MatrixXd> svd(
-          MatrixXd(qr.matrixR().topLeftCorner(s.rank, s.rank).template triangularView<Eigen::Upper>()));
-      s.condition = svd.singularValues()(0) / std::max(svd.singularValues()(s.rank - 1), 1e-300);
-    }
+    const VectorXd first = qr.independent_sizes(y);
+    for (Index i = 0; i < s.rank; ++i) s.sizes(qr.place(i)) = first(i) / norm(qr.place(i));
+    s.condition = qr.condition();
     for (Index i = s.rank; i < k; ++i) {
-      const auto column = static_cast<std::size_t>(place(i));
+      const auto column = static_cast<std::size_t>(qr.place(i));
       s.undetermined[column] = true;
       if (s.rank == 0) continue;
-      const VectorXd share = r.solve(VectorXd(qr.matrixR().col(i).head(s.rank)));
+      const VectorXd share = qr.share(i);
       for (Index m = 0; m < s.rank; ++m)
         if (std::abs(share(m)) > 0.05) {
-          s.collides[column].push_back(place(m));
-          s.undetermined[static_cast<std::size_t>(place(m))] = true;
+          s.collides[column].push_back(qr.place(m));
+          s.undetermined[static_cast<std::size_t>(qr.place(m))] = true;
         }
     }
     s.white_residual -= white * s.sizes;
@@ -235,10 +227,10 @@ Solved smallest(const Assembly& assembly, const Observations& data, const Matrix
   for (Index j = 0; j < norm.size(); ++j)
     if (norm(j) <= 0.0) norm(j) = 1.0;
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> seen(scaled.transpose() * scaled);
-  const VectorXd right = seen.eigenvectors().transpose() * (scaled.transpose() * y);
-  for (Index dropped = 1; dropped < norm.size() && seen.eigenvalues()(dropped - 1) < kHardlySeen; ++dropped) {
-    const VectorXd direction = seen.eigenvectors().col(dropped - 1);
+  const Spectrum seen = spectrum_of(scaled.transpose() * scaled);
+  const VectorXd right = seen.vectors.transpose() * (scaled.transpose() * y);
+  for (Index dropped = 1; dropped < norm.size() && seen.values(dropped - 1) < kHardlySeen; ++dropped) {
+    const VectorXd direction = seen.vectors.col(dropped - 1);
     for (Index j = 0; j < norm.size(); ++j) {
       if (std::abs(direction(j)) < kPartOfDirection) continue;
       now.undetermined[static_cast<std::size_t>(j)] = true;
@@ -247,9 +239,8 @@ Solved smallest(const Assembly& assembly, const Observations& data, const Matrix
           now.collides[static_cast<std::size_t>(j)].push_back(m);
     }
     const Index kept = norm.size() - dropped;
-    now.sizes =
-        norm.cwiseInverse().asDiagonal() *
-        VectorXd(seen.eigenvectors().rightCols(kept) * right.tail(kept).cwiseQuotient(seen.eigenvalues().tail(kept)));
+    now.sizes = norm.cwiseInverse().asDiagonal() *
+                VectorXd(seen.vectors.rightCols(kept) * right.tail(kept).cwiseQuotient(seen.values.tail(kept)));
     now.rank = kept;
     if (!cancels(assembly, data, now.sizes)) break;
   }
@@ -313,10 +304,9 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
     if (norm(j) <= 0.0) norm(j) = 1.0;
   const MatrixXd scaled = white * norm.cwiseInverse().asDiagonal();
   // A direction that the data do not see keeps a variance that shows it; left out, it would pass for an exact one.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> directions(scaled.transpose() * scaled);
-  const VectorXd seen = directions.eigenvalues().cwiseMax(kUnseen * std::max(1.0, directions.eigenvalues().maxCoeff()));
-  const MatrixXd inverse =
-      directions.eigenvectors() * seen.cwiseInverse().asDiagonal() * directions.eigenvectors().transpose();
+  const Spectrum directions = spectrum_of(scaled.transpose() * scaled);
+  const VectorXd seen = directions.values.cwiseMax(kUnseen * std::max(1.0, directions.values.maxCoeff()));
+  const MatrixXd inverse = directions.vectors * seen.cwiseInverse().asDiagonal() * directions.vectors.transpose();
   return norm.cwiseInverse().asDiagonal() * inverse * norm.cwiseInverse().asDiagonal();
 }
 

@@ -10,6 +10,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 
@@ -85,10 +86,7 @@ VectorXd of_least_norm(const MatrixXd& white, const VectorXd& target, double dep
   if (white.cols() == 0) return VectorXd(0);
   VectorXd norm = white.colwise().norm();
   for (Index j = 0; j < norm.size(); ++j) norm(j) = norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(dependent);
-  decomposition.compute(white * norm.asDiagonal());
-  return norm.asDiagonal() * VectorXd(decomposition.solve(target));
+  return norm.asDiagonal() * least_norm_solution(white * norm.asDiagonal(), target, dependent);
 }
 
 }  // namespace
@@ -140,13 +138,13 @@ double cross_validated_part(const Parts& parts, const MatrixXd& columns, const V
     const VectorXd scale = products.diagonal().cwiseMax(kLeastDivisor).cwiseSqrt().cwiseInverse();
     products = scale.asDiagonal() * products * scale.asDiagonal();
     products.diagonal().array() += kRidge;
-    const Eigen::LDLT<MatrixXd> solver(products);
-    const VectorXd sizes = scale.asDiagonal() * VectorXd(solver.solve(scale.asDiagonal() * right));
+    const SymmetricSolver solver(products);
+    const VectorXd sizes = scale.asDiagonal() * solver.solve(scale.asDiagonal() * right);
     for (std::size_t k = 0; k < parts.of.size(); ++k) {
       if (parts.of[k] != part) continue;
       const auto at = static_cast<Index>(k);
       const VectorXd row = scale.asDiagonal() * columns.row(at).transpose();
-      const double weight = 1.0 / (1.0 + std::max(0.0, row.dot(VectorXd(solver.solve(row)))));
+      const double weight = 1.0 / (1.0 + std::max(0.0, row.dot(solver.solve(row))));
       const double was = std::min(before(at) * before(at), most);
       const double left = target(at) - columns.row(at).dot(sizes);
       gained += weight * (was - std::min(left * left, most));

@@ -13,6 +13,7 @@
 
 #include "model/fit/noise_shapes.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -148,7 +149,7 @@ std::vector<double> deviations_from_smooth(const Eigen::VectorXd& residual, cons
   }
   double rank = 0.0;
   if (columns.cols() > 0) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const PivotedQr qr(columns);
     y -= columns * qr.solve(y);
     rank = static_cast<double>(qr.rank());
   }

@@ -7,6 +7,7 @@
 
 #include "model/effects/definition.hpp"
 #include "model/fit/search.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -86,7 +87,7 @@ class SlotProfile {
     const MatrixXd columns = beyond(own.columns);
     const VectorXd y = beside_.y - beyond(own.held);
     Fitted fitted;
-    fitted.sizes = columns.colPivHouseholderQr().solve(y);
+    fitted.sizes = PivotedQr(columns).solve(y);
     fitted.chi2 = (y - columns * fitted.sizes).squaredNorm();
     return fitted;
   }

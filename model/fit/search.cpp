@@ -12,6 +12,7 @@
 #include "model/fit/gains.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/fit/user_start.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -37,12 +38,8 @@ constexpr std::size_t kMostKept = 128;  ///< whitened columns of choices
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
-MatrixXd without(const MatrixXd& q, MatrixXd columns) {
-  if (q.cols() == 0) return columns;
-  columns.noalias() -= q * (q.transpose() * columns);
-  columns.noalias() -= q * (q.transpose() * columns);
-  return columns;
-}
+/// What is left of columns beside a basis; twice is enough for all digits (Parlett 1980, 6.9).
+MatrixXd left_beside(const MatrixXd& q, MatrixXd columns) { return without(q, without(q, std::move(columns))); }
 
 /// Seeks the greatest value of `f` in a range, to `tolerance`, from a start inside where it is known: parabolas through
 /// the best three points, golden sections where they do not serve (Brent 1973, 5.8).
@@ -104,7 +101,7 @@ double mean_step(const Observations& data, const Family& family) {
 
 void absorb(Space& space, const MatrixXd& white_columns) {
   const VectorXd before = white_columns.colwise().squaredNorm();
-  const MatrixXd left = without(space.q, white_columns);
+  const MatrixXd left = left_beside(space.q, white_columns);
   MatrixXd fresh(left.rows(), left.cols());
   Index count = 0;
   for (Index j = 0; j < left.cols(); ++j) {
@@ -204,14 +201,14 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
   Choice choice;
   if (columns.fixed.size() > 0) {
     const VectorXd white = whitener_(columns.fixed);
-    const VectorXd left = without(space.q, white);
+    const VectorXd left = left_beside(space.q, white);
     choice.gain =
         left.squaredNorm() <= kAbsorbed * white.squaredNorm() ? -1.0 : 2.0 * left.dot(space.y) - left.squaredNorm();
     choice.cost = price_of(family, nonlinear).of(0);
   } else {
     const MatrixXd white = whitener_(columns.of);
     const VectorXd original = white.colwise().squaredNorm();
-    const MatrixXd left = without(space.q, white);
+    const MatrixXd left = left_beside(space.q, white);
     const auto& variants = banks_[f].variants;
     choice = choice_of(best_gain(family, variants, left.transpose() * left, left.transpose() * space.y, original,
                                  kAbsorbed, price_of(family, nonlinear)),
@@ -305,7 +302,7 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
     const double before = solution.space.chi2();
     const Index had = solution.space.q.cols();
     if (families_[choice.family].effect.traits().fixed_size)
-      solution.space.y -= without(solution.space.q, white_columns_of(choice)).col(0);
+      solution.space.y -= left_beside(solution.space.q, white_columns_of(choice)).col(0);
     else
       absorb(solution.space, white_columns_of(choice));
     choice.gain = before - solution.space.chi2();

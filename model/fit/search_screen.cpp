@@ -8,6 +8,7 @@
 #include "model/fit/gains.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
+#include "model/linear/decompositions.hpp"
 
 namespace ecs::model {
 namespace {
@@ -96,8 +97,7 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
 bool Search::too_steep(const Space& space, const Choice& choice) const {
   const EffectInstance& effect = families_[choice.family].effect;
   if (effect.sense && is_rotation(*effect.sense)) return false;
-  MatrixXd white = white_columns_of(choice);
-  white -= space.q * (space.q.transpose() * white);
+  const MatrixXd white = without(space.q, white_columns_of(choice));
   const double amplitude_um = least_squares(white, space.y).norm();
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }

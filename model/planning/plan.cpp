@@ -12,6 +12,7 @@
 #include "model/fit/core.hpp"
 #include "model/fit/report.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/planning/next_measurement.hpp"
 
 namespace ecs::model {
@@ -41,7 +42,7 @@ std::optional<VectorXd> sizes_given(const Model& model, std::size_t s, const Slo
   const auto values = predicted(alone, plan);
   if (!values) return std::nullopt;
   const VectorXd sum = Eigen::Map<const VectorXd>(values->data(), static_cast<Index>(values->size()));
-  return VectorXd(Eigen::CompleteOrthogonalDecomposition<MatrixXd>(slot.columns).solve(sum - slot.fixed));
+  return least_norm_solution(slot.columns, sum - slot.fixed);
 }
 
 class PlanJudge {
@@ -131,31 +132,23 @@ class PlanJudge {
     const VectorXd norm = white.colwise().norm();
     MatrixXd scaled = white;
     for (Index j = 0; j < k; ++j) scaled.col(j) *= norm(j) > 0.0 ? 1.0 / norm(j) : 0.0;
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kDependent);
-    qr.compute(scaled);
-    const Index rank = core_.rank = qr.rank();
-    const auto& place = qr.colsPermutation().indices();
-    const MatrixXd r = qr.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>();
-    const MatrixXd inverse = r.template triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank, rank));
-    const MatrixXd product = inverse * inverse.transpose();
-    for (Index i = 0; i < rank; ++i)
-      for (Index j = 0; j < rank; ++j)
-        core_.covariance(place(i), place(j)) = product(i, j) / (norm(place(i)) * norm(place(j)));
-    if (rank > 0) {
-      const Eigen::JacobiSVD<MatrixXd> svd(r);
-      core_.condition = svd.singularValues()(0) / std::max(svd.singularValues()(rank - 1), kLeastDivisor);
-    }
-    for (Index i = rank; i < k; ++i) {
-      const auto column = static_cast<std::size_t>(place(i));
+    const PivotedQr qr(scaled, kDependent);
+    core_.rank = qr.rank();
+    const MatrixXd inverse = qr.inverse_gram();
+    for (Index i = 0; i < qr.rank(); ++i)
+      for (Index j = 0; j < qr.rank(); ++j)
+        core_.covariance(qr.place(i), qr.place(j)) = inverse(i, j) / (norm(qr.place(i)) * norm(qr.place(j)));
+    if (qr.rank() > 0) core_.condition = qr.condition();
+    for (Index i = qr.rank(); i < k; ++i) {
+      const auto column = static_cast<std::size_t>(qr.place(i));
       core_.undetermined[column] = true;
-      if (column < static_cast<std::size_t>(core_.sizes.size())) core_.sizes(place(i)) = 0.0;
-      if (norm(place(i)) <= 0.0) continue;
-      const VectorXd share = inverse * qr.matrixR().col(i).head(rank);
-      for (Index m = 0; m < rank; ++m)
+      if (column < static_cast<std::size_t>(core_.sizes.size())) core_.sizes(qr.place(i)) = 0.0;
+      if (norm(qr.place(i)) <= 0.0) continue;
+      const VectorXd share = qr.share(i);
+      for (Index m = 0; m < qr.rank(); ++m)
         if (std::abs(share(m)) > kTakesPart) {
-          core_.collides[column].push_back(place(m));
-          core_.undetermined[static_cast<std::size_t>(place(m))] = true;
+          core_.collides[column].push_back(qr.place(m));
+          core_.undetermined[static_cast<std::size_t>(qr.place(m))] = true;
         }
     }
   }

@@ -10,6 +10,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/search.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/planning/sentences.hpp"
 #include "model/regression/candidates.hpp"
 #include "model/regression/user_formula.hpp"
@@ -146,9 +147,8 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
       if (size <= 0.0) continue;
       one.truth = shape * (noise.pure.noise_um / size);
       one.fixed = VectorXd::Zero(one.truth.size());
-      VectorXd left = whitener(VectorXd(one.truth.head(present)));
-      left -= base.q * (base.q.transpose() * left);
-      if (left.norm() < kSeen) unseen.emplace_back(left.norm(), std::move(one));
+      const double left = without(base.q, whitener(VectorXd(one.truth.head(present)))).norm();
+      if (left < kSeen) unseen.emplace_back(left, std::move(one));
     }
   }
   std::stable_sort(unseen.begin(), unseen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

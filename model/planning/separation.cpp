@@ -9,6 +9,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/linear/decompositions.hpp"
 #include "model/regression/user_formula.hpp"
 
 namespace ecs::model {
@@ -102,7 +103,7 @@ VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const Vecto
   space.q.resize(target.size(), 0);
   absorb(space, base);
   VectorXd sizes = VectorXd::Zero(columns.cols());
-  MatrixXd left = columns - space.q * (space.q.transpose() * columns);
+  const MatrixXd left = without(space.q, columns);
   std::vector<Index> kept;
   for (Index j = 0; j < columns.cols(); ++j)
     if (left.col(j).norm() > kDependentColumn * columns.col(j).norm()) kept.push_back(j);
@@ -114,16 +115,10 @@ VectorXd sizes_beside(const MatrixXd& base, const MatrixXd& columns, const Vecto
     scale(j) = 1.0 / left.col(column).norm();
     own.col(j) = left.col(column) * scale(j);
   }
-  Eigen::ColPivHouseholderQR<MatrixXd> qr;
-  qr.setThreshold(kDependentColumn);
-  qr.compute(own);
-  const Index rank = qr.rank();
-  const VectorXd first = qr.matrixR()
-                             .topLeftCorner(rank, rank)
-                             .template triangularView<Eigen::Upper>()
-                             .solve(VectorXd((qr.householderQ().transpose() * space.y).head(rank)));
-  for (Index i = 0; i < rank; ++i) {
-    const Index j = qr.colsPermutation().indices()(i);
+  const PivotedQr qr(own, kDependentColumn);
+  const VectorXd first = qr.independent_sizes(space.y);
+  for (Index i = 0; i < qr.rank(); ++i) {
+    const Index j = qr.place(i);
     sizes(kept[static_cast<std::size_t>(j)]) = first(i) * scale(j);
   }
   return sizes;
@@ -255,10 +250,7 @@ Separations::Separations(const WithProposals& all, const std::vector<Measurement
   const MatrixXd white = Whitener(all.data, noise, left_out)(everything);
   const auto present = static_cast<Index>(all.present);
   present_ = white.topRows(present);
-  if (present > white.cols()) {
-    const Eigen::HouseholderQR<MatrixXd> qr(present_);
-    present_ = MatrixXd(qr.matrixQR().topRows(white.cols()).triangularView<Eigen::Upper>());
-  }
+  if (present > white.cols()) present_ = PivotedQr(present_).basis().transpose() * present_;
   white_ = white.bottomRows(white.rows() - present);
   for (std::size_t i = 0; i < proposals.size(); ++i)
     sigma_.push_back(noise.groups[belief.noise.groups.size() + i].sigma());
@@ -283,8 +275,7 @@ MatrixXd Separations::squares(const MatrixXd& rows, bool own_zero) const {
       const auto ii = static_cast<std::size_t>(i);
       VectorXd left = rows.col(first_[ii] + count_[ii] + 1);
       if (!alone) left -= rows.col(first_[static_cast<std::size_t>(j)] + count_[static_cast<std::size_t>(j)]);
-      left -= space.q * (space.q.transpose() * left);
-      result(i, j) = left.squaredNorm();
+      result(i, j) = without(space.q, std::move(left)).squaredNorm();
     }
   }
   return result;

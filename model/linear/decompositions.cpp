@@ -1,0 +1,76 @@
+#include "model/linear/decompositions.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace ecs::model {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+PivotedQr::PivotedQr(const MatrixXd& columns) : qr_(columns), rank_(qr_.rank()) {}
+
+PivotedQr::PivotedQr(const MatrixXd& columns, double threshold) {
+  qr_.setThreshold(threshold);
+  qr_.compute(columns);
+  rank_ = qr_.rank();
+}
+
+MatrixXd PivotedQr::r() const { return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>(); }
+
+VectorXd PivotedQr::independent_sizes(const VectorXd& y) const {
+  const VectorXd turned = (qr_.householderQ().transpose() * y).head(rank_);
+  return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>().solve(turned);
+}
+
+VectorXd PivotedQr::share(Index i) const {
+  const VectorXd column = qr_.matrixR().col(i).head(rank_);
+  return qr_.matrixR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>().solve(column);
+}
+
+VectorXd PivotedQr::solve(const VectorXd& y) const { return qr_.solve(y); }
+
+MatrixXd PivotedQr::inverse_gram() const {
+  const MatrixXd inverse = r().triangularView<Eigen::Upper>().solve(MatrixXd::Identity(rank_, rank_));
+  return inverse * inverse.transpose();
+}
+
+MatrixXd PivotedQr::basis() const { return MatrixXd(qr_.householderQ()).leftCols(rank_); }
+
+double PivotedQr::condition() const {
+  if (rank_ == 0) return 1.0;
+  const VectorXd values = Eigen::JacobiSVD<MatrixXd, Eigen::NoQRPreconditioner>(r()).singularValues();
+  return values(0) / std::max(values(rank_ - 1), std::numeric_limits<double>::min());
+}
+
+SymmetricSolver::SymmetricSolver(const MatrixXd& matrix) : ldlt_(matrix) {}
+VectorXd SymmetricSolver::solve(const VectorXd& right) const { return ldlt_.solve(right); }
+
+Spectrum spectrum_of(const MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y) {
+  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(columns).solve(y);
+}
+
+VectorXd least_norm_solution(const MatrixXd& columns, const VectorXd& y, double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(threshold);
+  decomposition.compute(columns);
+  return decomposition.solve(y);
+}
+
+MatrixXd without(const MatrixXd& q, MatrixXd columns) {
+  if (q.cols() > 0) columns.noalias() -= q * (q.transpose() * columns).eval();
+  return columns;
+}
+
+VectorXd without(const MatrixXd& q, VectorXd column) {
+  if (q.cols() > 0) column.noalias() -= q * (q.transpose() * column).eval();
+  return column;
+}
+
+}  // namespace ecs::model

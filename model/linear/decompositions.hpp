@@ -1,0 +1,66 @@
+// Decompositions of dense matrices, compiled here once for all of model/: Eigen's templates take seconds in every
+// source that calls them. Does not live here: least squares of a model (model/fit/core.hpp).
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace ecs::model {
+
+/// QR of columns with pivoting (Businger and Golub 1965): the columns that are independent come first.
+class PivotedQr {
+ public:
+  /// @param threshold  pivots below this share of the largest count as 0; Eigen's default without it
+  explicit PivotedQr(const Eigen::MatrixXd& columns);
+  PivotedQr(const Eigen::MatrixXd& columns, double threshold);
+
+  [[nodiscard]] Eigen::Index rank() const { return rank_; }
+  /// Place in the matrix of the i-th column in the order of pivots.
+  [[nodiscard]] Eigen::Index place(Eigen::Index i) const { return qr_.colsPermutation().indices()(i); }
+  /// Coefficients of the independent columns, in the order of pivots (rank).
+  [[nodiscard]] Eigen::VectorXd independent_sizes(const Eigen::VectorXd& y) const;
+  /// What the i-th column, a dependent one, is made of: coefficients of the independent ones (rank).
+  [[nodiscard]] Eigen::VectorXd share(Eigen::Index i) const;
+  /// Least-squares solution, 0 for dependent columns.
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& y) const;
+  /// (RᵀR)⁻¹ of the independent columns, in the order of pivots (rank × rank).
+  [[nodiscard]] Eigen::MatrixXd inverse_gram() const;
+  /// Orthonormal basis of the columns (rows × rank).
+  [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// Greatest singular value of the independent columns by the least; 1 where there is none.
+  [[nodiscard]] double condition() const;
+
+ private:
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr_;
+  Eigen::Index rank_ = 0;
+
+  [[nodiscard]] Eigen::MatrixXd r() const;
+};
+
+/// Solves with a symmetric matrix that is positive definite or nearly so (LDLᵀ).
+class SymmetricSolver {
+ public:
+  explicit SymmetricSolver(const Eigen::MatrixXd& matrix);
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+
+ private:
+  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
+};
+
+/// Eigenvalues of a symmetric matrix, least first, and its eigenvectors as columns.
+struct Spectrum {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+[[nodiscard]] Spectrum spectrum_of(const Eigen::MatrixXd& symmetric);
+
+/// The least-squares solution of least norm, by a complete orthogonal decomposition (Golub and Van Loan 2013, 5.5.2).
+[[nodiscard]] Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y);
+/// @param threshold  pivots below this share of the largest count as 0
+[[nodiscard]] Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                                                  double threshold);
+
+/// Columns less what an orthonormal basis spans: columns − q·qᵀ·columns.
+[[nodiscard]] Eigen::MatrixXd without(const Eigen::MatrixXd& q, Eigen::MatrixXd columns);
+[[nodiscard]] Eigen::VectorXd without(const Eigen::MatrixXd& q, Eigen::VectorXd column);
+
+}  // namespace ecs::model
