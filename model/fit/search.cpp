@@ -162,7 +162,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.data(), family);
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.rows.size())));
     if (effect.is_user())
-      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data())) *
+      family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.data()).size()) *
                            (family.ln_readings + 2.0 * std::log(kUserTrials));
     family.lever_varies = regressors_.lever_varies(effect);
     family.least = definition.least_coefficient;

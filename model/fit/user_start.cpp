@@ -29,9 +29,11 @@ double start_at(const UserParameter& parameter, std::size_t trial, std::size_t d
   return start * std::pow(5.0, 2.0 * place - 1.0);
 }
 
-/// Places of the free nonlinear parameters in effect.user.
-std::vector<std::size_t> free_places(const EffectInstance& effect, const Observations& data) {
+}  // namespace
+
+std::vector<std::size_t> nonlinear_user_parameters(const EffectInstance& effect, const Observations& data) {
   std::vector<std::size_t> places;
+  if (!effect.is_user()) return places;
   const auto formulas = UserFormulas::compile(effect, data);
   if (!formulas) return places;
   std::vector<double> start;
@@ -42,14 +44,8 @@ std::vector<std::size_t> free_places(const EffectInstance& effect, const Observa
   return places;
 }
 
-}  // namespace
-
-std::size_t nonlinear_user_parameters(const EffectInstance& effect, const Observations& data) {
-  return effect.is_user() ? free_places(effect, data).size() : 0;
-}
-
 EffectInstance with_best_start(const Model& model, const EffectInstance& candidate, const Regressors& regressors) {
-  const std::vector<std::size_t> places = free_places(candidate, regressors.data());
+  const std::vector<std::size_t> places = nonlinear_user_parameters(candidate, regressors.data());
   EffectInstance best = candidate;
   if (places.empty()) return best;
   double least = 0.0;

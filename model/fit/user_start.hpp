@@ -2,6 +2,9 @@
 // Does not live here: the fit (model/fit/core.hpp), formulas (model/regression/user_formula.hpp).
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "model/fit/model_file.hpp"
 #include "model/regression/regressors.hpp"
 
@@ -12,7 +15,8 @@ namespace ecs::model {
 [[nodiscard]] EffectInstance with_best_start(const Model& model, const EffectInstance& candidate,
                                              const Regressors& regressors);
 
-/// Free parameters in which the formulas are no straight line.
-[[nodiscard]] std::size_t nonlinear_user_parameters(const EffectInstance& effect, const Observations& data);
+/// Places in effect.user of the free parameters in which the formulas are no straight line; none of a library effect.
+[[nodiscard]] std::vector<std::size_t> nonlinear_user_parameters(const EffectInstance& effect,
+                                                                 const Observations& data);
 
 }  // namespace ecs::model

@@ -9,6 +9,7 @@
 #include "model/effects/definition.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
+#include "model/fit/user_start.hpp"
 #include "model/linear/decompositions.hpp"
 #include "model/regression/user_formula.hpp"
 
@@ -62,19 +63,6 @@ EffectInstance started_at_fit(EffectInstance effect) {
     if (const auto value = effect.fitted.find(parameter.name); value != effect.fitted.end())
       parameter.start = value->second;
   return effect;
-}
-
-/// Parameters of formulas that are fitted but no factors.
-std::vector<std::size_t> user_nonlinear(const EffectInstance& effect, const Observations& data) {
-  std::vector<std::size_t> places;
-  const auto formulas = UserFormulas::compile(effect, data);
-  if (!formulas) return places;
-  std::vector<double> start;
-  for (const UserParameter& parameter : effect.user) start.push_back(start_of(parameter));
-  const std::vector<bool> linear = formulas->linear_parameters(start);
-  for (std::size_t i = 0; i < linear.size(); ++i)
-    if (!linear[i] && !effect.user[i].value) places.push_back(i);
-  return places;
 }
 
 /// Change of a nonlinear parameter for its slope.
@@ -223,7 +211,7 @@ Explanation explained_by(const std::string& name, const EffectInstance& believed
     append(one.columns, (moved.of.leftCols(used) * sizes + moved.fixed - one.truth) / change);
   }
   if (effect.is_user())
-    for (const std::size_t i : user_nonlinear(effect, all.data)) {
+    for (const std::size_t i : nonlinear_user_parameters(effect, all.data)) {
       EffectInstance moved = effect;
       const double change = slope_step(start_of(effect.user[i]));
       moved.user[i].start = start_of(effect.user[i]) + change;
