@@ -96,7 +96,7 @@ protocol::CommandResult Unit::begin_in_integration(const Command& command) {
       isolate();
       return done();
     case CommandCode::begin_staging:
-      return begin_staging(command.copy_active);
+      return begin_staging(command.staging_from);
     case CommandCode::commit_staged:
       return commit(command.length, command.crc);
     case CommandCode::abandon_staged:
@@ -159,15 +159,15 @@ protocol::CommandResult Unit::output(const Command& command) {
   return done();
 }
 
-protocol::CommandResult Unit::begin_staging(bool copy_active) {
+protocol::CommandResult Unit::begin_staging(protocol::StagingFrom from) {
   const Address bank = inactive_bank(memory_);
   const std::uint32_t size = bank_bytes(memory_.modules());
   const auto active = active_image(memory_);
-  if (copy_active && !active) return refused(UnitError::no_staging, "no active map to copy");
-  if (copy_active) {
-    const ByteView from = memory_.view(active->first, size);
-    memory_.write(bank, std::vector<std::uint8_t>(from.begin(), from.end()));
-  } else {
+  if (from == protocol::StagingFrom::active && !active) return refused(UnitError::no_staging, "no active map to copy");
+  if (from == protocol::StagingFrom::active) {
+    const ByteView bytes = memory_.view(active->first, size);
+    memory_.write(bank, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+  } else if (from == protocol::StagingFrom::cleared) {
     memory_.write(bank, std::vector<std::uint8_t>(size, 0));
   }
   staging_ = true;

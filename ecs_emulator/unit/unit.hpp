@@ -132,7 +132,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   // commands (commands.cpp)
   [[nodiscard]] protocol::CommandResult begin_in_integration(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult begin_on_axis(const protocol::Command& command);
-  [[nodiscard]] protocol::CommandResult begin_staging(bool copy_active);
+  [[nodiscard]] protocol::CommandResult begin_staging(protocol::StagingFrom from);
   [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint32_t crc);
   [[nodiscard]] protocol::CommandResult commit_refused(std::uint32_t length, std::uint32_t crc);
   void take_over(const Commit& commit);

@@ -1,11 +1,8 @@
-// Typed reads, and a map sent whole or not at all.
+// Typed reads.
 #include "protocol/client/client.hpp"
-
-#include <algorithm>
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
 #include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::protocol {
@@ -13,20 +10,6 @@ namespace ecs::protocol {
 namespace {
 
 const Registers kEchoOnly{0};  ///< the link fills it in
-
-/// Where a map is staged while that bank is active.
-Address inactive_bank_beside(Bank active) { return active == Bank::A ? kBankB.first : kBankA.first; }
-
-Problem wrong_bank(Address named, const UnitStatus& before) {
-  return {ProblemKind::link,
-          fmt::format("the unit names 0x{:06X} to write the map to, expected 0x{:06X}, the bank beside the active one; "
-                      "another host uses the unit, or its answers are wrong; nothing was written",
-                      named, inactive_bank_beside(before.active_bank)),
-          {},
-          0,
-          0,
-          {}};
-}
 
 }  // namespace
 
@@ -62,36 +45,11 @@ Result<UnitStatus> UnitClient::status() {
   return status;
 }
 
-Result<void> UnitClient::stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
-                               const ProgressCallback& progress) {
-  const bool in_part = options.copy_active && options.changed_bytes > 0;
-  const auto travels = image.first(in_part ? std::min(options.changed_bytes, image.size()) : image.size());
-  if (auto written = write_memory(address, travels, progress); !written) return written;
-  if (!options.read_back) return {};
-  const auto held = read_memory(address, image.size(), progress);
-  if (!held) return tl::unexpected(held.error());
-  if (!std::equal(held->begin(), held->end(), image.begin(), image.end()))
-    return problem(ProblemKind::link, "what was read back from the unit is not what was sent; test its memory");
-  return {};
-}
-
-Address address_of(Bank bank) { return bank == Bank::B ? kBankB.first : kBankA.first; }
-
-Result<void> UnitClient::upload_image(std::span<const std::uint8_t> image, const UploadOptions& options,
-                                      const ProgressCallback& progress) {
-  if (serial_number_.empty())
-    if (const auto first = identity(); !first) return tl::unexpected(first.error());
-  const auto before = status();
-  if (!before) return tl::unexpected(before.error());
-  const auto address = begin_staging(options.copy_active);
-  if (!address) return tl::unexpected(given_up(address.error(), *before));
-  if (*address != inactive_bank_beside(before->active_bank))
-    return tl::unexpected(given_up(wrong_bank(*address, *before), *before));
-  if (auto staged = same_unit().and_then([&] { return stage(*address, image, options, progress); }); !staged)
-    return tl::unexpected(given_up(std::move(staged.error()), *before));
-  if (auto still = nothing_else_committed(*before); !still)
-    return tl::unexpected(given_up(std::move(still.error()), *before));
-  return commit_staged(*before, static_cast<std::uint32_t>(image.size()), crc32_of(image));
+Result<UnitStatus> UnitClient::state() {
+  return link_.ask(kEcho, kEchoOnly, kStatusHead).and_then([](Registers head) {
+    head.resize(kStatus.count, 0);
+    return status_in(head);
+  });
 }
 
 }  // namespace ecs::protocol

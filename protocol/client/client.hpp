@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "protocol/client/block_frames.hpp"
 #include "protocol/client/link.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -29,12 +30,11 @@ using CommandCallback = std::function<void(const CommandResult&)>;  ///< while a
 /// Where the bank of a map begins. @pre the unit holds one
 [[nodiscard]] Address address_of(Bank bank);
 
-struct UploadOptions {
-  bool copy_active = false;  ///< the bank to write starts as a copy of the active one, not cleared
-  bool read_back = false;    ///< besides the CRC that the unit computes over its memory, read every byte back
-  /// With copy_active: only so many bytes travel, the rest is as in the active bank; the CRC is over all. 0: all
-  /// travel.
-  std::size_t changed_bytes = 0;
+struct UploadReport {
+  std::size_t bytes = 0;              ///< of the image
+  std::size_t bytes_sent = 0;         ///< of these, what the unit did not hold yet
+  std::uint32_t commit_sequence = 0;  ///< of the map that is active now
+  bool already_held = false;          ///< the image was active before: nothing was sent or committed
 };
 
 /// Problems: kind `link` for the link, a failed command and a unit that sends nonsense; kind `refused` for what the
@@ -50,6 +50,8 @@ class UnitClient {
 
   [[nodiscard]] Result<Identity> identity();
   [[nodiscard]] Result<UnitStatus> status();  ///< two reads: state, then pointers
+  /// One short read: modes, faults and the active image; nothing of loop, axes and pointers.
+  [[nodiscard]] Result<UnitStatus> state();
   [[nodiscard]] Result<MonitorSample> monitor();
 
   /// Gives a command (its sequence number is chosen here) and waits until it is done.
@@ -64,7 +66,7 @@ class UnitClient {
   [[nodiscard]] Result<void> output_off();
   /// What is written to axis memory, committed and abandoned afterwards belongs to this staging; the unit refuses it
   /// as soon as another one has begun or ended.
-  [[nodiscard]] Result<Address> begin_staging(bool copy_active);
+  [[nodiscard]] Result<Address> begin_staging(StagingFrom from);
   [[nodiscard]] Result<void> abandon_staged();
   [[nodiscard]] Result<CommandResult> test_datum(Axis axis, std::chrono::milliseconds limit,
                                                  const CommandCallback& busy = {});
@@ -87,14 +89,27 @@ class UnitClient {
   [[nodiscard]] Result<void> write_memory(Address address, std::span<const std::uint8_t> bytes,
                                           const ProgressCallback& progress = {});
 
-  /// A map: begin staging, write, check, commit. Until the commit the old map stays active and whole; after a problem
-  /// or a cancel what was staged is abandoned, as far as the link allows. A unit that names the active bank to write
-  /// to, another unit on the link and another host's commit are found before the commit. From the commit on a cancel
-  /// waits until the unit has said which map is active; every problem names that map, or says that it is not known.
-  [[nodiscard]] Result<void> upload_image(std::span<const std::uint8_t> image, const UploadOptions& options = {},
-                                          const ProgressCallback& progress = {});
+  /// A map: compare with what the unit holds, begin staging, write what differs, commit. A map that is active already
+  /// ends at once; what an earlier transfer has brought, or the active map, is not sent again. The unit computes the
+  /// check of every window and of the whole over its memory, not over what came in: nothing is read back. Until the
+  /// commit the old map stays active and whole; after a problem or a cancel what was staged is abandoned, as far as the
+  /// link allows. A unit that names the active bank to write to, another unit on the link and another host's commit are
+  /// found before the commit. From the commit on a cancel waits until the unit has said which map is active; every
+  /// problem names that map, or says that it is not known.
+  [[nodiscard]] Result<UploadReport> upload_image(std::span<const std::uint8_t> image,
+                                                  const ProgressCallback& progress = {});
 
  private:
+  struct SentImage {
+    std::span<const std::uint8_t> bytes;
+    std::uint32_t crc = 0;
+  };
+  /// What the staged bank begins as, and which pieces of the image it holds then.
+  struct Beginning {
+    StagingFrom from = StagingFrom::kept;
+    std::vector<bool> held;
+  };
+  using FrameCallback = std::function<void(const BlockFrame&)>;
   [[nodiscard]] Result<CommandResult> result_now();
   [[nodiscard]] std::uint16_t next_sequence();
   [[nodiscard]] Result<CommandResult> exchange(const Command& command);
@@ -102,23 +117,25 @@ class UnitClient {
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
   [[nodiscard]] Result<UnitStatus> status_when_idle();
-  [[nodiscard]] Result<bool> holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] static bool names(const UnitStatus& now, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<bool> holds(const UnitStatus& now, const SentImage& sent);
   [[nodiscard]] Result<void> same_unit();
-  [[nodiscard]] Result<void> commit_staged(const UnitStatus& before, std::uint32_t length, std::uint32_t crc);
-  [[nodiscard]] Result<void> confirmed(std::uint32_t commit, std::uint32_t length, std::uint32_t crc);
-  [[nodiscard]] Result<void> settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why,
-                                     bool cancelled);
+  [[nodiscard]] Result<std::uint32_t> commit_staged(const UnitStatus& before, const SentImage& sent);
+  [[nodiscard]] Result<std::uint32_t> confirmed(std::uint32_t commit, const SentImage& sent);
+  [[nodiscard]] Result<std::uint32_t> settled(const UnitStatus& before, const SentImage& sent, Problem why,
+                                              bool cancelled);
   [[nodiscard]] Result<void> run_acting(const Command& command, std::chrono::milliseconds limit,
                                         std::string_view if_unanswered);
   [[nodiscard]] Result<void> run_plain(const Command& command, std::chrono::milliseconds limit);
   [[nodiscard]] Result<std::vector<std::uint8_t>> read_piece(Address address, std::size_t bytes);
   [[nodiscard]] Result<WindowAck> ask_ack(const WindowOpen& window, bool open);
-  [[nodiscard]] Result<void> write_window(Address address, std::span<const std::uint8_t> bytes,
-                                          const std::function<void(std::size_t)>& sent);
-  [[nodiscard]] Result<void> send_missing(const WindowOpen& window, std::span<const std::uint8_t> bytes,
-                                          std::uint64_t received, const std::function<void(std::size_t)>& sent);
-  [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const UploadOptions& options,
-                                   const ProgressCallback& progress);
+  [[nodiscard]] Result<void> write_window(const WindowFrames& frames, const FrameCallback& sent);
+  [[nodiscard]] Result<void> send_missing(const WindowOpen& window, const WindowFrames& frames, std::uint64_t received,
+                                          const FrameCallback& sent);
+  [[nodiscard]] Result<std::vector<bool>> held_at(Address bank, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<Beginning> beginning_for(const UnitStatus& before, std::span<const std::uint8_t> image);
+  [[nodiscard]] Result<void> stage(Address address, std::span<const std::uint8_t> image, const std::vector<bool>& held,
+                                   const ProgressCallback& progress, UploadReport& report);
   [[nodiscard]] Problem given_up(Problem why, const UnitStatus& before);
   [[nodiscard]] Result<UnitStatus> abandoned();
   [[nodiscard]] Result<void> nothing_else_committed(const UnitStatus& before);

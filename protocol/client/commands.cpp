@@ -165,9 +165,9 @@ Result<void> UnitClient::output_off() {
                     fmt::format("if it was not, a relay that was closed still is; {}", kOpensByItself));
 }
 
-Result<Address> UnitClient::begin_staging(bool copy_active) {
+Result<Address> UnitClient::begin_staging(StagingFrom from) {
   Command command = command_of(CommandCode::begin_staging);
-  command.copy_active = copy_active;
+  command.staging_from = from;
   return run(command, kStagingLimit).map([this](const CommandResult& result) {
     token_ = result.token;
     return Address{result.value};

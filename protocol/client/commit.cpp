@@ -1,7 +1,9 @@
 // The commit of a map: given once, and afterwards the unit itself says which map is active.
 #include <fmt/format.h>
 
+#include "core/memory_image.hpp"
 #include "protocol/client/client.hpp"
+#include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::protocol {
 
@@ -50,15 +52,29 @@ Result<UnitStatus> UnitClient::status_when_idle() {
   }
 }
 
-/// Whether the active map is of that length and CRC: its sequence alone does not tell whose it is.
-Result<bool> UnitClient::holds(const UnitStatus& now, std::uint32_t length, std::uint32_t crc) {
-  if (now.active_bank == Bank::none || now.image_length_bytes != length) return false;
-  return check_memory(address_of(now.active_bank), length).map([&](std::uint32_t found) { return found == crc; });
+/// The status says that the active image is this one: by length, and by the block check that the unit computes over it.
+/// An image that is not sound has none that could tell.
+bool UnitClient::names(const UnitStatus& now, std::span<const std::uint8_t> image) {
+  if (now.active_bank == Bank::none || now.image_length_bytes != image.size()) return false;
+  const ImageVerdict verdict = check_image(image);
+  return verdict.fault == ImageFault::none && verdict.total_bytes == image.size() &&
+         now.block_check_expected == verdict.check_found && now.block_check_found == verdict.check_found;
+}
+
+/// Whether the active map is the one sent: its sequence alone does not tell whose it is.
+Result<bool> UnitClient::holds(const UnitStatus& now, const SentImage& sent) {
+  if (names(now, sent.bytes)) return true;
+  if (now.active_bank == Bank::none || now.image_length_bytes != sent.bytes.size()) return false;
+  return check_memory(address_of(now.active_bank), static_cast<std::uint32_t>(sent.bytes.size()))
+      .map([&](std::uint32_t found) { return found == sent.crc; });
 }
 
 /// The unit that answered first still answers.
 Result<void> UnitClient::same_unit() {
-  const auto now = identity();
+  const auto now = link_.ask(kEcho, Registers{0}, kIdentityHead).and_then([](Registers head) {
+    head.resize(kIdentity.count, 0);
+    return identity_in(head);
+  });
   if (!now) return tl::unexpected(now.error());
   if (now->serial_number == serial_number_) return {};
   return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
@@ -66,12 +82,12 @@ Result<void> UnitClient::same_unit() {
 }
 
 /// A commit was given and it was not answered with `done`: the unit itself says what became of it.
-Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length, std::uint32_t crc, Problem why,
-                                 bool cancelled) {
+Result<std::uint32_t> UnitClient::settled(const UnitStatus& before, const SentImage& sent, Problem why,
+                                          bool cancelled) {
   const auto now = status_when_idle();
   const auto same = now ? same_unit() : Result<void>();
   const bool changed = now && now->commit_sequence != before.commit_sequence;
-  const auto ours = changed ? holds(*now, length, crc) : Result<bool>(false);
+  const auto ours = changed ? holds(*now, sent) : Result<bool>(false);
   if (now && same && !changed) static_cast<void>(abandon_staged());
   if (!now || !same || !ours)
     why.message += (same ? std::string() : "; " + same.error().message) + unknown_after(before);
@@ -85,32 +101,32 @@ Result<void> UnitClient::settled(const UnitStatus& before, std::uint32_t length,
   else if (why.kind == ProblemKind::refused)
     why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
   else
-    return {};
+    return now->commit_sequence;
   return tl::unexpected(std::move(why));
 }
 
 /// The unit has answered that what was committed is active. Whether it still is, at the end of this link: another host
 /// or another unit may have come between.
-Result<void> UnitClient::confirmed(std::uint32_t commit, std::uint32_t length, std::uint32_t crc) {
+Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImage& sent) {
   const auto in_doubt = [&](const Problem& why) {
     return problem(ProblemKind::link,
                    fmt::format("the unit has taken the new map, it is active (commit {}); it could not be looked at "
                                "afterwards: {}; {}",
                                commit, why.message, kHowToFindOut));
   };
-  const auto now = status_when_idle();
+  const auto now = state();
   if (!now) return in_doubt(now.error());
   if (const auto same = same_unit(); !same) return in_doubt(same.error());
-  const auto ours = now->commit_sequence == commit ? holds(*now, length, crc) : Result<bool>(false);
+  const auto ours = now->commit_sequence == commit ? holds(*now, sent) : Result<bool>(false);
   if (!ours) return in_doubt(ours.error());
-  if (*ours) return {};
+  if (*ours) return commit;
   return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
 }
 
 /// This unit and its active map are those of the beginning of the transfer.
 Result<void> UnitClient::nothing_else_committed(const UnitStatus& before) {
   if (auto same = same_unit(); !same) return same;
-  const auto now = status();
+  const auto now = state();
   if (!now) return tl::unexpected(now.error());
   if (now->commit_sequence == before.commit_sequence && now->active_bank == before.active_bank) return {};
   return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
@@ -142,17 +158,16 @@ Result<UnitStatus> UnitClient::abandoned() {
   return status();
 }
 
-Result<void> UnitClient::commit_staged(const UnitStatus& before, std::uint32_t length, std::uint32_t crc) {
+Result<std::uint32_t> UnitClient::commit_staged(const UnitStatus& before, const SentImage& sent) {
   Command command;
   command.code = CommandCode::commit_staged;
-  command.length = length;
-  command.crc = crc;
+  command.length = static_cast<std::uint32_t>(sent.bytes.size());
+  command.crc = sent.crc;
   command.token = token_;
   auto done = run(command, kCommitLimit);
   const bool cancelled = link_.cancelled();
   link_.heed_cancel(false);  // what follows is short and says which map is active
-  auto ending =
-      done ? confirmed(done->value, length, crc) : settled(before, length, crc, std::move(done.error()), cancelled);
+  auto ending = done ? confirmed(done->value, sent) : settled(before, sent, std::move(done.error()), cancelled);
   link_.heed_cancel(true);
   return ending;
 }

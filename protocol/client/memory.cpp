@@ -38,14 +38,14 @@ class Meter {
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
-Registers block_registers(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> bytes) {
-  Registers registers{window.tag, number, block_check(window, number, bytes)};
-  const Registers payload = packed(bytes);
+Registers registers_of(const WindowOpen& window, const BlockFrame& frame) {
+  Registers registers{window.tag, frame.number, 0};
+  Registers payload = packed(frame.payload);
+  registers[2] =
+      block_check(window, frame.number, window.coded ? unpacked(payload, 2 * payload.size()) : frame.payload);
   registers.insert(registers.end(), payload.begin(), payload.end());
   return registers;
 }
-
-bool has(std::uint64_t received, std::size_t number) { return (received >> number & 1) != 0; }
 
 }  // namespace
 
@@ -93,45 +93,45 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window, bool open) {
   return ack;
 }
 
-/// Sends the blocks that have not arrived. A block whose reply fails may have arrived, and a block that the unit does
-/// not take has its reason: the next acknowledgement tells.
-Result<void> UnitClient::send_missing(const WindowOpen& window, std::span<const std::uint8_t> bytes,
-                                      std::uint64_t received, const std::function<void(std::size_t)>& sent) {
+/// Sends the frames of which blocks have not arrived. A frame whose reply fails may have arrived, and one that the unit
+/// does not take has its reason: the next acknowledgement tells.
+Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFrames& frames, std::uint64_t received,
+                                      const FrameCallback& sent) {
   int failures_in_a_row = 0;
-  for (std::size_t number = 0; number < blocks_in(window.length); ++number) {
-    if (has(received, number)) continue;
-    const auto part = bytes.subspan(number * kBlockBytes, bytes_in_block(window.length, number));
-    const auto registers = block_registers(window, static_cast<std::uint16_t>(number), part);
-    const auto written = link_.write_once(kBlockWrite.first, registers);
+  for (const BlockFrame& frame : frames.frames) {
+    if ((frame.blocks & ~received) == 0) continue;
+    const auto written = link_.write_once(kBlockWrite.first, registers_of(window, frame));
     if (!written && link_.last_failure() == LinkFailure::exception) return {};
     failures_in_a_row = written ? 0 : failures_in_a_row + 1;
     const bool hopeless = link_.cancelled() || !link_.connected() || failures_in_a_row >= link_.timing().tries;
     if (!written && hopeless) return written;
-    if (written) sent(part.size());
+    if (written) sent(frame);
+    if (!written && frames.coded) return {};  // what follows is decoded after this one
   }
   return {};
 }
 
-Result<void> UnitClient::write_window(Address address, std::span<const std::uint8_t> bytes,
-                                      const std::function<void(std::size_t)>& sent) {
+Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCallback& sent) {
   if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
   if (++window_tag_ == 0) ++window_tag_;
-  const WindowOpen window{window_tag_, address, static_cast<std::uint32_t>(bytes.size()),
-                          in_axis_memory(address) ? token_ : 0};
+  const WindowOpen window{window_tag_, frames.address, static_cast<std::uint32_t>(frames.bytes.size()),
+                          in_axis_memory(frames.address) ? token_ : 0, frames.coded};
+  const std::size_t blocks = blocks_in(window.length, window.block_bytes());
   auto ack = ask_ack(window, true);
   int fruitless = 0;
-  while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks_in(window.length)) {
-    if (const auto done = send_missing(window, bytes, ack->received, sent); !done) return done;
+  while (ack && static_cast<std::size_t>(std::popcount(ack->received)) < blocks) {
+    if (const auto done = send_missing(window, frames, ack->received, sent); !done) return done;
     const auto before = ack->received;
     ack = ask_ack(window, false);
     fruitless = ack && ack->received == before ? fruitless + 1 : 0;
     if (fruitless >= kFruitlessRounds)
-      return problem(ProblemKind::link, fmt::format("memory at {:06X}: the unit answers, but takes no block", address));
+      return problem(ProblemKind::link,
+                     fmt::format("memory at {:06X}: the unit answers, but takes no block", frames.address));
   }
   if (!ack) return tl::unexpected(ack.error());
-  if (ack->crc != crc32_of(bytes))
+  if (ack->crc != crc32_of(frames.bytes))
     return problem(ProblemKind::link,
-                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", address));
+                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", frames.address));
   return {};
 }
 
@@ -141,8 +141,8 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
   Meter meter(progress, bytes.size());
   for (std::size_t at = 0; at < bytes.size(); at += kWindowBytes) {
     const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));
-    const auto done =
-        write_window(static_cast<Address>(address + at), part, [&](std::size_t sent) { meter.add(sent); });
+    const auto done = write_window(plain_window(static_cast<Address>(address + at), part),
+                                   [&](const BlockFrame& frame) { meter.add(frame.bytes); });
     if (!done) return done;
     meter.reach(at + part.size());
   }

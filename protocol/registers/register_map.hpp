@@ -27,19 +27,23 @@ struct Block {
 // and reads an answer in one transaction (function 23) can tell a late reply from the one it waits for.
 inline constexpr Block kEcho{0x0000, 1};          ///< echo alone: before a plain answer block
 inline constexpr Block kReadSelect{0x0010, 4};    ///< echo, address (2), bytes
-inline constexpr Block kWindowOpen{0x0020, 8};    ///< echo, tag, address (2), bytes (2), token (2)
+inline constexpr Block kWindowOpen{0x0020, 9};    ///< echo, tag, address (2), bytes (2), token (2), coded
 inline constexpr Block kCommand{0x0030, 11};      ///< echo, sequence, command, 8 arguments
+inline constexpr Block kCheckSelect{0x0060, 6};   ///< echo, address (2), bytes (2), bytes of a piece
 inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
 
 // Answer blocks: read only; the first register is the echo.
 inline constexpr Block kIdentity{0x0100, 54};
-inline constexpr Block kVersion{0x0100, 2};  ///< its beginning, which every version has: echo, protocol version
+inline constexpr Block kVersion{0x0100, 2};        ///< its beginning, which every version has: echo, protocol version
+inline constexpr Block kIdentityHead{0x0100, 12};  ///< up to the serial number
 inline constexpr Block kStatus{0x0180, 58};
+inline constexpr Block kStatusHead{0x0180, 18};  ///< up to the length of the active image
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
 inline constexpr Block kCommandResult{0x0300, 49};
 inline constexpr Block kWindowAck{0x0380, 13};
 inline constexpr Block kMemory{0x0400, 125};  ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
+inline constexpr Block kChecks{0x0480, 121};  ///< echo, the CRC-32 of each piece (2), up to 60
 inline constexpr std::uint16_t kRegisterSpace = 0x0500;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
@@ -47,6 +51,10 @@ inline constexpr std::size_t kBlockHeaderRegisters = 3;
 inline constexpr std::size_t kBlockBytes = 2 * (kBlockWrite.count - kBlockHeaderRegisters);  ///< 240
 inline constexpr std::size_t kWindowBlocks = 64;
 inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 15,360
+/// Of a coded window: a block of memory, and the most blocks of which one frame brings the codes.
+inline constexpr std::size_t kCodedBlockBytes = 120;
+inline constexpr std::size_t kCodedBlocksInFrame = 16;
+inline constexpr std::size_t kMostChecks = (kChecks.count - 1) / 2;
 inline constexpr std::size_t kMemoryHeaderRegisters = 5;
 inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRegisters);  ///< 240, most in one read
 

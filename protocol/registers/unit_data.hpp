@@ -134,7 +134,7 @@ enum class CommandCode : std::uint16_t {
   set_axis_position = 3,    ///< axis, position_mm
   output_compensation = 4,  ///< axis, output_um, relay_on
   output_off = 5,           ///< every output 0, every relay open
-  begin_staging = 6,        ///< copy_active; result value = first address of the bank to write, and the token
+  begin_staging = 6,        ///< staging_from; result value = first address of the bank to write, and the token
   commit_staged = 7,        ///< length, crc, token
   abandon_staged = 8,       ///< token
   test_datum = 9,           ///< axis; ends when the sequence is done, failed or stopped
@@ -149,6 +149,13 @@ enum class CommandCode : std::uint16_t {
 inline constexpr std::uint16_t kCommandCount = 17;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
+/// What the bank to write holds when a staging begins.
+enum class StagingFrom : std::uint16_t {
+  cleared = 0,  ///< zeros
+  active = 1,   ///< a copy of the active bank
+  kept = 2,     ///< what is there: of a staging that was cut, or of an older map
+};
+
 /// One command. Only the fields that its code names (above) travel.
 struct Command {
   std::uint16_t sequence = 0;  ///< differs from the command before; a repeat is not done twice
@@ -157,7 +164,7 @@ struct Command {
   double position_mm = 0.0;
   double output_um = 0.0;
   bool relay_on = false;
-  bool copy_active = false;
+  StagingFrom staging_from = StagingFrom::cleared;
   Address address = 0;
   std::uint32_t argument = 0;
   std::uint32_t length = 0;
@@ -185,6 +192,8 @@ struct WindowOpen {
   Address address = 0;
   std::uint32_t length = 0;  ///< 1 … kWindowBytes
   std::uint32_t token = 0;   ///< of the staging that it belongs to; 0 outside axis memory
+  bool coded = false;        ///< blocks of 120 bytes, several in a frame, coded (core/block_code.hpp); axis memory only
+  [[nodiscard]] std::size_t block_bytes() const { return coded ? kCodedBlockBytes : kBlockBytes; }
   friend bool operator==(const WindowOpen&, const WindowOpen&) = default;
 };
 
@@ -197,6 +206,14 @@ struct WindowAck {
   std::uint64_t received = 0;  ///< bit n: block n arrived intact and is in memory
   std::uint32_t crc = 0;       ///< CRC-32 over the window as memory now holds it; 0 until every block is there
   friend bool operator==(const WindowAck&, const WindowAck&) = default;
+};
+
+/// The bytes that have a check each: pieces from `address` on, the last may be shorter.
+struct CheckSelect {
+  Address address = 0;
+  std::uint32_t length = 0;
+  std::uint16_t piece = 0;  ///< bytes, above 0; at most 60 pieces
+  friend bool operator==(const CheckSelect&, const CheckSelect&) = default;
 };
 
 struct ReadSelect {

@@ -105,7 +105,7 @@ void arguments(Pass& pass, T& command) {
       pass.real(command.output_um, "output");
       return pass.flag(command.relay_on, "relay");
     case CommandCode::begin_staging:
-      return pass.flag(command.copy_active, "copy");
+      return pass.one_of(command.staging_from, 3, "staging from");
     case CommandCode::commit_staged:
       pass.number(command.length, "length");
       pass.number(command.crc, "CRC");
@@ -151,6 +151,14 @@ void fields(Pass& pass, T& window) requires std::is_same_v<std::remove_const_t<T
   pass.number(window.address, "address");
   pass.number(window.length, "length");
   pass.number(window.token, "token");
+  pass.flag(window.coded, "coded");
+}
+
+template <class Pass, class T>
+void fields(Pass& pass, T& select) requires std::is_same_v<std::remove_const_t<T>, CheckSelect> {
+  pass.number(select.address, "address");
+  pass.number(select.length, "length");
+  pass.number(select.piece, "piece");
 }
 
 template <class Pass, class T>
@@ -203,6 +211,7 @@ Registers registers_of(const CommandResult& result, std::uint16_t echo) { return
 Registers registers_of(const WindowAck& ack, std::uint16_t echo) { return with_echo(ack, echo); }
 Registers registers_of(const Command& command, std::uint16_t echo) { return with_echo(command, echo); }
 Registers registers_of(const WindowOpen& window, std::uint16_t echo) { return with_echo(window, echo); }
+Registers registers_of(const CheckSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
 Registers registers_of(const ReadSelect& select, std::uint16_t echo) { return with_echo(select, echo); }
 
 Registers pointer_registers_of(const UnitStatus& status, std::uint16_t echo) {
@@ -226,6 +235,9 @@ Result<WindowAck> window_ack_in(std::span<const std::uint16_t> block) {
 Result<Command> command_in(std::span<const std::uint16_t> block) { return from<Command>(block, "the command"); }
 Result<WindowOpen> window_open_in(std::span<const std::uint16_t> block) {
   return from<WindowOpen>(block, "the window");
+}
+Result<CheckSelect> check_select_in(std::span<const std::uint16_t> block) {
+  return from<CheckSelect>(block, "the selection");
 }
 Result<ReadSelect> read_select_in(std::span<const std::uint16_t> block) {
   return from<ReadSelect>(block, "the selection");

@@ -21,6 +21,7 @@ namespace ecs::protocol {
 // Request blocks, the echo first.
 [[nodiscard]] Registers registers_of(const Command& command, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const WindowOpen& window, std::uint16_t echo);
+[[nodiscard]] Registers registers_of(const CheckSelect& select, std::uint16_t echo);
 [[nodiscard]] Registers registers_of(const ReadSelect& select, std::uint16_t echo);
 
 // Back, from a whole block. A number that its type does not know, a number that is not finite or a text that is not
@@ -33,6 +34,7 @@ namespace ecs::protocol {
 [[nodiscard]] Result<WindowAck> window_ack_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<Command> command_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<WindowOpen> window_open_in(std::span<const std::uint16_t> block);
+[[nodiscard]] Result<CheckSelect> check_select_in(std::span<const std::uint16_t> block);
 [[nodiscard]] Result<ReadSelect> read_select_in(std::span<const std::uint16_t> block);
 
 /// Bytes two a register, the first in the high byte; an odd last byte leaves the low byte 0.

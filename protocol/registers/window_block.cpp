@@ -10,11 +10,13 @@
 
 namespace ecs::protocol {
 
-std::size_t blocks_in(std::uint32_t length) { return (length + kBlockBytes - 1) / kBlockBytes; }
+std::size_t blocks_in(std::uint32_t length, std::size_t block_bytes) {
+  return (length + block_bytes - 1) / block_bytes;
+}
 
-std::size_t bytes_in_block(std::uint32_t length, std::size_t number) {
-  const std::size_t before = number * kBlockBytes;
-  return before >= length ? 0 : std::min(kBlockBytes, length - before);
+std::size_t bytes_in_block(std::uint32_t length, std::size_t number, std::size_t block_bytes) {
+  const std::size_t before = number * block_bytes;
+  return before >= length ? 0 : std::min(block_bytes, length - before);
 }
 
 std::uint16_t block_check(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> payload) {

@@ -1,9 +1,11 @@
 // The unit's side of a bulk write: numbered blocks of one stretch of memory, in any order, each checked by itself.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
+#include "core/block_code.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::protocol {
@@ -25,12 +27,15 @@ class MemoryWindow {
   /// this token, leaves the window closed with the reason in ack().error.
   void open(const WindowOpen& window);
 
-  /// One block: tag, number, check, payload. False: not taken.
+  /// One frame: tag, number, check, payload. In a coded window it brings several blocks, taken all or not at all, and
+  /// none before those below them. False: not taken.
   [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
 
   [[nodiscard]] WindowAck ack() const;
 
  private:
+  [[nodiscard]] bool take_coded(std::uint16_t number, std::span<const std::uint8_t> code);
+  [[nodiscard]] bool put(std::size_t offset, std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::uint64_t all_blocks() const;
 
   UnitPort* unit_;
@@ -38,6 +43,7 @@ class MemoryWindow {
   WindowOpen window_;
   UnitError error_ = UnitError::none;
   std::uint64_t received_ = 0;
+  std::array<std::uint8_t, block_code::kHistoryBytes + kCodedBlocksInFrame * kCodedBlockBytes> decoded_{};
 };
 
 }  // namespace ecs::protocol

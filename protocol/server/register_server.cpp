@@ -14,8 +14,8 @@ namespace ecs::protocol {
 
 namespace {
 
-constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory};
-constexpr std::array kEchoed{kEcho, kReadSelect, kWindowOpen, kCommand};
+constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kMemory, kChecks};
+constexpr std::array kEchoed{kEcho, kReadSelect, kWindowOpen, kCommand, kCheckSelect};
 constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
 
 std::optional<Block> answer_block(std::uint16_t first, std::uint16_t count) {
@@ -46,10 +46,10 @@ tl::expected<Registers, ModbusException> RegisterServer::read(std::uint16_t firs
   const auto block = answer_block(first, count);
   if (!block) return tl::unexpected(ModbusException::illegal_address);
   Registers whole;
-  if (*block == kMemory) {
-    auto memory = memory_answer();
-    if (!memory) return memory;
-    whole = std::move(*memory);
+  if (*block == kMemory || *block == kChecks) {
+    auto of_memory = *block == kMemory ? memory_answer() : checks_answer();
+    if (!of_memory) return of_memory;
+    whole = std::move(*of_memory);
   } else {
     whole = answer(*block);
   }
@@ -80,6 +80,25 @@ tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
   const Registers data = packed(bytes);
   registers.insert(registers.end(), data.begin(), data.end());
   registers.resize(kMemory.count, 0);
+  return registers;
+}
+
+tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
+  const auto select = check_select_in(std::span(requests_).subspan(kCheckSelect.first, kCheckSelect.count));
+  const bool possible = select && select->length > 0 && select->length <= kBankBytes && select->piece > 0;
+  if (!possible || (select->length - 1) / select->piece >= kMostChecks)
+    return tl::unexpected(ModbusException::illegal_value);
+  Registers registers{echo_};
+  std::vector<std::uint8_t> bytes;
+  for (std::uint32_t at = 0; at < select->length; at += select->piece) {
+    bytes.resize(std::min<std::uint32_t>(select->piece, select->length - at));
+    if (unit_->read_memory(select->address + at, bytes) != UnitError::none)
+      return tl::unexpected(ModbusException::illegal_address);
+    const std::uint32_t crc = crc32_of(bytes);
+    registers.push_back(static_cast<std::uint16_t>(crc >> 16));
+    registers.push_back(static_cast<std::uint16_t>(crc & 0xFFFF));
+  }
+  registers.resize(kChecks.count, 0);
   return registers;
 }
 

@@ -47,6 +47,7 @@ class RegisterServer : public RegisterHandler {
  private:
   [[nodiscard]] Registers answer(const Block& block);
   [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer();
+  [[nodiscard]] tl::expected<Registers, ModbusException> checks_answer();
   void act_on(const Block& block);
   [[nodiscard]] const CommandResult& result_now();
   void take_command(const Command& command);

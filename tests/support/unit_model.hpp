@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/file.hpp"
+#include "core/memory_image.hpp"
 #include "protocol/client/client.hpp"
 #include "protocol/server/register_server.hpp"
 #include "protocol/server/server.hpp"
@@ -51,6 +52,11 @@ class UnitModel : public UnitPort {
     status.active_bank = active;
     status.commit_sequence = commits;
     status.image_length_bytes = image_length;
+    if (active != Bank::none) {
+      const ImageVerdict verdict = check_image(active == Bank::B ? bank_b : bank_a);
+      status.block_check_expected = verdict.check_expected;
+      status.block_check_found = verdict.check_found;
+    }
     status.ticks = ++samples;
     status.pointers_at_tick = status.ticks;
     status.axes[1].position_mm = -12.5;
@@ -96,6 +102,13 @@ class UnitModel : public UnitPort {
         return done();
       case CommandCode::begin_staging:
         staging = true;
+        if (command.staging_from != StagingFrom::kept) {
+          auto& spare = active == Bank::A ? bank_b : bank_a;
+          if (command.staging_from == StagingFrom::active)
+            spare = active == Bank::B ? bank_b : bank_a;
+          else
+            std::fill(spare.begin(), spare.end(), std::uint8_t{0});
+        }
         return done(names_active_bank ? address_of_active() : address_of_spare());
       case CommandCode::abandon_staged:
         if (!staging) return refused(UnitError::no_staging);

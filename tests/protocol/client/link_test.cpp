@@ -49,7 +49,7 @@ void check_everyday_use(Workshop& shop) {
     CHECK(model.last.position_mm == -1.5);
   });
   const auto image = noise_image(5001);
-  REQUIRE(unit.begin_staging(false).has_value());
+  REQUIRE(unit.begin_staging(StagingFrom::cleared).has_value());
   CHECK(unit.write_memory(kBankA.first + 7, image).has_value());
   CHECK(unit.read_memory(kBankA.first + 7, image.size()).value() == image);
   CHECK(unit.check_memory(kBankA.first + 7, 5001).value() == crc32_of(image));

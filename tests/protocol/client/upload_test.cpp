@@ -1,6 +1,9 @@
 // A map sent to a unit: whole or not at all, whatever the line does.
+#include <cmath>
+
 #include <doctest/doctest.h>
 
+#include "core/memory_image.hpp"
 #include "tests/support/unit_model.hpp"
 
 using namespace ecs;
@@ -10,6 +13,19 @@ using namespace std::chrono_literals;
 namespace {
 
 const std::vector<std::uint8_t> kOldImage = noise_image(3000, 1);
+
+/// A sound image with a smooth table of so many values.
+std::vector<std::uint8_t> sealed_image(std::uint32_t values) {
+  const ImagePlan plan{1, values, 0};
+  std::vector<std::uint8_t> image(image_bytes(plan));
+  begin_image(image, plan);
+  write_parameters(image, UnitParameters{});
+  write_entry(image, 0, {Component::EXX, Approach::unknown, false, 0, values, 0.0, 10.0, 0.01});
+  for (std::uint32_t i = 0; i < values; ++i)
+    write_value(image, i, static_cast<std::int16_t>(std::lround(2000.0 * std::sin(0.02 * i))));
+  seal_image(image);
+  return image;
+}
 
 void install_old(Workshop& shop) {
   shop.in_server([](ModbusServer&, UnitModel& model) { model.install(kOldImage); });
@@ -29,7 +45,7 @@ TEST_CASE("64 KB arrive complete under every fault of the link") {
     install_old(shop);
     auto unit = shop.client();
     bool struck = false;
-    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+    const auto sent = unit.upload_image(image, [&](const Progress& progress) {
       if (!struck && progress.bytes_done > 30'000) shop.fault(fault, 3);
       struck = struck || progress.bytes_done > 30'000;
     });
@@ -54,7 +70,7 @@ TEST_CASE("only missing blocks are sent again") {
   auto shop = Workshop::on_tcp();
   auto unit = shop.client();
   bool struck = false;
-  REQUIRE(unit.begin_staging(false).has_value());
+  REQUIRE(unit.begin_staging(StagingFrom::cleared).has_value());
   const auto begun = unit.link().statistics().requests;
   CHECK(unit.write_memory(kBankA.first, image,
                           [&](const Progress& progress) {
@@ -72,7 +88,7 @@ TEST_CASE("progress rises to the end and gives the time left") {
   auto shop = Workshop::on_pty();
   auto unit = shop.client();
   std::size_t last = 0;
-  const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+  const auto sent = unit.upload_image(image, [&](const Progress& progress) {
     CHECK(progress.bytes_done >= last);
     CHECK(progress.bytes_total == image.size());
     CHECK(progress.seconds_left >= 0.0);
@@ -82,14 +98,6 @@ TEST_CASE("progress rises to the end and gives the time left") {
   CHECK(last == image.size());
 }
 
-TEST_CASE("reading back every byte is possible too") {
-  const auto image = noise_image(9'999);
-  auto shop = Workshop::on_tcp();
-  auto unit = shop.client();
-  CHECK(unit.upload_image(image, {.copy_active = true, .read_back = true}).has_value());
-  CHECK(active_image(shop) == image);
-}
-
 TEST_CASE("a link cut in the middle is an error and leaves the old map active and complete") {
   const auto image = noise_image(65'536);
   for (const bool tcp : {false, true}) {
@@ -97,7 +105,7 @@ TEST_CASE("a link cut in the middle is an error and leaves the old map active an
     install_old(shop);
     auto unit = shop.client();
     bool cut = false;
-    const auto sent = unit.upload_image(image, {}, [&](const Progress& progress) {
+    const auto sent = unit.upload_image(image, [&](const Progress& progress) {
       if (!cut && progress.bytes_done > 20'000) shop.cut_line();
       cut = cut || progress.bytes_done > 20'000;
     });
@@ -114,7 +122,7 @@ TEST_CASE("a cancelled upload is abandoned and leaves the old map active and com
   auto shop = Workshop::on_pty();
   install_old(shop);
   auto unit = shop.client(&cancelled);
-  const auto sent = unit.upload_image(noise_image(30'000), {},
+  const auto sent = unit.upload_image(noise_image(30'000),
                                       [&](const Progress& progress) { cancelled = progress.bytes_done > 10'000; });
   REQUIRE_FALSE(sent.has_value());
   CHECK(sent.error().message.find("cancelled") != std::string::npos);
@@ -130,7 +138,7 @@ TEST_CASE("a unit that falls silent in the middle is reported, and the old map s
   auto options = shop.options();
   options.timing->tries = 2;
   UnitClient unit(Link::open(shop.address(), options).value());
-  const auto sent = unit.upload_image(noise_image(30'000), {}, [&](const Progress& progress) {
+  const auto sent = unit.upload_image(noise_image(30'000), [&](const Progress& progress) {
     if (progress.bytes_done > 10'000) shop.fault_often(LinkFault::lost_request, 1.0);
   });
   REQUIRE_FALSE(sent.has_value());
@@ -143,7 +151,7 @@ TEST_CASE("memory that does not hold what is written is found before the commit"
   install_old(shop);
   auto unit = shop.client();
   bool spoilt = false;
-  const auto sent = unit.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+  const auto sent = unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
     if (spoilt || progress.bytes_done < 5'000) return;
     spoilt = true;
     shop.in_server([](ModbusServer&, UnitModel& model) { model.bank_b[100] ^= 1; });
@@ -234,18 +242,71 @@ TEST_CASE("a cancel while the reply to the commit is awaited says that the new m
   CHECK(sent.error().message.find("already taken the new map: it is active (commit 1)") != std::string::npos);
 }
 
-TEST_CASE("only the beginning is sent of an image that differs from the active one there") {
+TEST_CASE("of an image that differs from the active one in a byte only that piece is sent") {
   auto shop = Workshop::on_tcp();
-  shop.in_server([](ModbusServer&, UnitModel& model) {
-    model.install(noise_image(30'000));
-    std::copy(model.bank_a.begin(), model.bank_a.end(), model.bank_b.begin());
-  });
+  shop.in_server([](ModbusServer&, UnitModel& model) { model.install(noise_image(30'000)); });
   auto image = noise_image(30'000);
-  image[5] ^= 0xFF;
+  image[20'005] ^= 0xFF;
   auto unit = shop.client();
-  CHECK(unit.upload_image(image, {.copy_active = true, .changed_bytes = 576}).has_value());
+  const auto sent = unit.upload_image(image);
+  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK(sent->bytes_sent == 480);
   CHECK(active_image(shop) == image);
-  CHECK(unit.link().statistics().bytes_sent < 3000);
+  CHECK(unit.link().statistics().bytes_sent < 1500);
+}
+
+TEST_CASE("a map that is active already is not sent again, and nothing is committed") {
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  const auto image = sealed_image(2000);
+  REQUIRE(unit.upload_image(image)->commit_sequence == 1);
+  const auto requests = unit.link().statistics().requests;
+  const auto again = unit.upload_image(image);
+  REQUIRE(again.has_value());
+  CHECK(again->already_held);
+  CHECK(again->bytes_sent == 0);
+  CHECK(again->commit_sequence == 1);
+  CHECK(unit.link().statistics().requests - requests == 2);
+}
+
+TEST_CASE("an upload that was cancelled goes on with the pieces that have not arrived") {
+  auto shop = Workshop::on_tcp();
+  install_old(shop);
+  const auto image = noise_image(60'000, 5);
+  std::atomic<bool> cancelled{false};
+  auto first = shop.client(&cancelled);
+  REQUIRE_FALSE(first.upload_image(image, [&](const Progress& progress) { cancelled = progress.bytes_done > 40'000; }));
+  REQUIRE(cancelled);
+  CHECK(active_image(shop) == kOldImage);
+  auto again = shop.client();
+  std::size_t begun_at = 0;
+  const auto sent = again.upload_image(image, [&](const Progress& progress) {
+    if (begun_at == 0) begun_at = progress.bytes_done;
+  });
+  REQUIRE_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+  CHECK(sent->bytes_sent < 25'000);
+  CHECK(begun_at > 35'000);
+  CHECK(active_image(shop) == image);
+}
+
+TEST_CASE("a smooth map arrives in coded blocks, complete under every fault of the link") {
+  const auto image = sealed_image(9000);
+  for (std::size_t i = 0; i < kLinkFaults; ++i) {
+    const auto fault = static_cast<LinkFault>(i);
+    CAPTURE(name_of(fault));
+    auto shop = Workshop::on_pty();
+    install_old(shop);
+    auto unit = shop.client();
+    bool struck = false;
+    const auto sent = unit.upload_image(image, [&](const Progress& progress) {
+      if (!struck && progress.bytes_done > 5'000) shop.fault(fault, 3);
+      struck = struck || progress.bytes_done > 5'000;
+    });
+    CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message));
+    CHECK(struck);
+    CHECK(active_image(shop) == image);
+    if (fault == LinkFault{}) CHECK(unit.link().statistics().bytes_sent * 2 < image.size());
+  }
 }
 
 TEST_CASE("two hosts on one unit each get the result of their own command") {
@@ -342,17 +403,17 @@ TEST_CASE("a command that acts on the machine and is not answered may have been 
 namespace {
 
 /// What becomes of an upload when `then` happens as soon as some of it has travelled.
-Result<void> sent_while(Workshop& shop, const std::function<void(UnitModel&)>& then) {
+Result<UploadReport> sent_while(Workshop& shop, const std::function<void(UnitModel&)>& then) {
   auto unit = shop.client();
   bool happened = false;
-  return unit.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+  return unit.upload_image(noise_image(20'000), [&](const Progress& progress) {
     if (happened || progress.bytes_done < 5'000) return;
     happened = true;
     shop.in_server([&](ModbusServer&, UnitModel& model) { then(model); });
   });
 }
 
-bool says(const Result<void>& sent, std::string_view words) {
+bool says(const Result<UploadReport>& sent, std::string_view words) {
   return !sent && sent.error().message.find(words) != std::string::npos;
 }
 
@@ -390,13 +451,13 @@ TEST_CASE("a host that was paused while another one sent its map is refused, and
     auto other = shop.client();
     const auto others = noise_image(9'000, 3);
     bool happened = false;
-    const auto sent = paused.upload_image(noise_image(20'000), {}, [&](const Progress& progress) {
+    const auto sent = paused.upload_image(noise_image(20'000), [&](const Progress& progress) {
       if (happened || progress.bytes_done < 5'000) return;
       happened = true;
       if (other_commits)
         REQUIRE(other.upload_image(others).has_value());
       else
-        REQUIRE(other.begin_staging(false).has_value());
+        REQUIRE(other.begin_staging(StagingFrom::cleared).has_value());
     });
     CHECK(says(sent, "this transfer has ended: another host has begun one or sent a map"));
     CHECK(says(sent, other_commits ? "the active map is another one (9000 bytes, commit 1)" : "old map is active"));
@@ -424,7 +485,7 @@ TEST_CASE("whatever ends an upload before its commit, the message names the old 
 }
 
 TEST_CASE("a line that dies after the commit was answered leaves no doubt that the new map is active") {
-  for (const int answered : {1, 2, 3, 4, 5}) {
+  for (const int answered : {1, 2, 3}) {
     CAPTURE(answered);
     auto shop = Workshop::on_pty();
     install_old(shop);

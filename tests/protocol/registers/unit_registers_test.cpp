@@ -92,6 +92,7 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
   CHECK(registers_of(Command{}, 0).size() == kCommand.count);
   CHECK(registers_of(WindowOpen{}, 0).size() == kWindowOpen.count);
+  CHECK(registers_of(CheckSelect{}, 0).size() == kCheckSelect.count);
   CHECK(registers_of(ReadSelect{}, 0).size() == kReadSelect.count);
 }
 
@@ -133,8 +134,11 @@ TEST_CASE("typed values survive the way through registers") {
                         any<std::uint32_t>(), any<std::uint32_t>(),
                         any<std::uint64_t>(), any<std::uint32_t>()};
     RC_ASSERT(window_ack_in(registers_of(ack, 1)).value() == ack);
-    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>()};
+    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
+                          any<bool>()};
     RC_ASSERT(window_open_in(registers_of(open, 1)).value() == open);
+    const CheckSelect select{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
+    RC_ASSERT(check_select_in(registers_of(select, 1)).value() == select);
   }));
   CHECK(rc::check("bytes", [] {
     const auto bytes = any<std::vector<std::uint8_t>>();

@@ -5,6 +5,7 @@
 #include <rapidcheck.h>
 
 #include "base/file.hpp"
+#include "protocol/client/block_encoder.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/registers/window_block.hpp"
 #include "tests/support/unit_model.hpp"
@@ -164,4 +165,77 @@ TEST_CASE("a command acts only as a whole block, and a late repeat of an earlier
   CHECK(model.log.size() == 2);
   give(15, CommandCode::clear_fault);
   CHECK(model.log.size() == 3);
+}
+
+namespace {
+
+/// A frame of a coded window as the host makes it.
+Registers coded_frame(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& code) {
+  const auto payload = packed(code);
+  Registers registers{window.tag, number, block_check(window, number, unpacked(payload, 2 * payload.size()))};
+  registers.insert(registers.end(), payload.begin(), payload.end());
+  return registers;
+}
+
+std::vector<std::uint8_t> smooth_image() {
+  std::vector<std::uint8_t> image(1000);
+  for (std::size_t i = 0; i < image.size(); i += 2) store_big(image, i, static_cast<std::uint16_t>(3 * i));
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("coded frames give the memory that was sent, in their order only") {
+  const auto image = smooth_image();
+  UnitModel model;
+  MemoryWindow window(model);
+  window.stage_under(kToken);
+  const WindowOpen open{5, kBankA.first, 1000, kToken, true};
+  window.open(open);
+  BitWriter first = coded_block(image, 0, 120);
+  first.append(coded_block(image, 120, 240));
+  BitWriter rest;
+  for (std::size_t at = 240; at < 1000; at += 120)
+    rest.append(coded_block(image, at, std::min<std::size_t>(at + 120, 1000)));
+  const Registers second = coded_frame(open, 2 | 6 << 8, rest.bytes());
+  CHECK_FALSE(window.take(second));  // what it is decoded after is not there
+  CHECK(window.ack().received == 0);
+  CHECK(window.take(coded_frame(open, 0 | 1 << 8, first.bytes())));
+  CHECK(window.ack().received == 0b11);
+  CHECK(window.take(second));
+  CHECK(window.take(second));
+  CHECK(window.ack().crc == crc32_of(image));
+  CHECK(std::equal(image.begin(), image.end(), model.bank_a.begin()));
+}
+
+TEST_CASE("a coded frame that makes no sense is refused without a write") {
+  const auto image = smooth_image();
+  UnitModel model;
+  MemoryWindow window(model);
+  window.stage_under(kToken);
+  const WindowOpen open{5, kBankA.first, 240, kToken, true};
+  window.open(open);
+  const auto code = coded_block(image, 0, 120).bytes();
+  CHECK_FALSE(window.take(coded_frame(open, 0 | 1 << 8, code)));   // two blocks announced, one there
+  CHECK_FALSE(window.take(coded_frame(open, 2, code)));            // beyond the window
+  CHECK_FALSE(window.take(coded_frame(open, 0 | 16 << 8, code)));  // more blocks than a frame may bring
+  CHECK_FALSE(window.take(coded_frame(open, 0, {0xFF, 0xFF, 0xFF, 0xFF})));
+  CHECK_FALSE(window.take(coded_frame(open, 0, {})));
+  auto flipped = coded_frame(open, 0, code);
+  flipped[4] ^= 1;
+  CHECK_FALSE(window.take(flipped));
+  CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
+  CHECK(window.take(coded_frame(open, 0, code)));
+}
+
+TEST_CASE("a coded window lies in axis memory and holds at most 64 short blocks") {
+  UnitModel model;
+  MemoryWindow window(model);
+  window.stage_under(kToken);
+  window.open({5, kBankA.first, 64 * 120 + 1, kToken, true});
+  CHECK(window.ack().error == UnitError::bad_argument);
+  window.open({6, kSystemRam.first, 120, 0, true});
+  CHECK(window.ack().error == UnitError::bad_argument);
+  window.open({7, kBankB.first, 64 * 120, kToken, true});
+  CHECK(window.ack().error == UnitError::none);
 }
