@@ -68,7 +68,7 @@ void send(protocol::UnitClient& client, const Load& load, const protocol::Progre
   const auto sent = load.map ? send_image(client, load.map->image.bytes, Addressee::as_stated, progress)
                              : send_parameters(client, load.parameters, load.identity, UnfitMap::refuse, progress);
   if (!sent) return fail(report, BatchState::failed, sent.error());
-  report.state = BatchState::sent;
+  report.state = sent->already_held ? BatchState::held : BatchState::sent;
   report.bytes = sent->bytes;
 }
 
@@ -95,6 +95,8 @@ std::string_view name_of(BatchState state) {
       return "ready";
     case BatchState::sent:
       return "sent";
+    case BatchState::held:
+      return "held already";
     case BatchState::failed:
       return "failed";
     case BatchState::wrong_unit:
@@ -130,7 +132,7 @@ const Problem* first_problem(const std::vector<BatchReport>& reports) {
 
 int exit_code_of(const std::vector<BatchReport>& reports) {
   const auto done = [](const BatchReport& report) {
-    return report.state == BatchState::ready || report.state == BatchState::sent;
+    return report.state == BatchState::ready || report.state == BatchState::sent || report.state == BatchState::held;
   };
   if (std::all_of(reports.begin(), reports.end(), done)) return kDone;
   const Problem* first = first_problem(reports);

@@ -18,7 +18,8 @@ enum class BatchMode {
 
 enum class BatchState {
   ready,       ///< dry run: everything that can be checked without writing holds
-  sent,        ///< sent, read back and compared
+  sent,        ///< sent and checked in the unit's memory
+  held,        ///< the unit held this very map: nothing was sent
   failed,      ///< `problem` says why; what the unit held is as it was, unless its commit is in doubt (problem says so)
   wrong_unit,  ///< another serial number: skipped, untouched
   not_attempted,  ///< stopped by a signal before its turn

@@ -22,10 +22,7 @@ Result<UnitHolding> holding_over(UnitConnection& unit, UnitLink& link) {
   UnitHolding holding{watched.identity ? watched.identity->serial_number : "", std::nullopt, status->commit_sequence,
                       status->uptime_s, watched.opened_at};
   if (status->active_bank == protocol::Bank::none) return holding;
-  const auto check =
-      link.client().read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t));
-  if (!check) return tl::unexpected(check.error());
-  holding.check = load_big<std::uint32_t>(*check, 0);
+  holding.check = status->block_check_expected;
   return holding;
 }
 

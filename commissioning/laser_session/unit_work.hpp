@@ -53,7 +53,7 @@ struct ExpectedMap {
 
 /// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.
 [[nodiscard]] Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
-/// Whole or not at all; the old map stays active until the new one is whole and read back.
+/// Whole or not at all; the old map stays active until the new one is whole and checked in the unit.
 [[nodiscard]] SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready);
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
 /// map while it was read.

@@ -28,11 +28,10 @@ Result<laser::ImageContent> expected_content(const laser::ErrorMap& map, const s
 }  // namespace
 
 Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client) {
-  const auto status = client.status();
-  if (!status) return tl::unexpected(status.error());
-  if (status->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
-  return client.read_memory(address_of(status->active_bank) + prefix_at::check, sizeof(std::uint32_t))
-      .map([](const std::vector<std::uint8_t>& bytes) { return std::optional(load_big<std::uint32_t>(bytes, 0)); });
+  const auto state = client.state();
+  if (!state) return tl::unexpected(state.error());
+  if (state->active_bank == protocol::Bank::none) return std::optional<std::uint32_t>();
+  return std::optional(state->block_check_expected);
 }
 
 Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, const std::string& file,
@@ -46,8 +45,8 @@ Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, c
   if (!check_before) return tl::unexpected(check_before.error());
   if (before) before(*check_before);
   const auto start = std::chrono::steady_clock::now();
-  const auto report =
-      send_image(client, map.image.bytes, other_machine ? Addressee::this_unit : Addressee::as_stated, progress);
+  const auto report = send_image_to(client, *identity, map.image.bytes,
+                                    other_machine ? Addressee::this_unit : Addressee::as_stated, progress);
   if (!report) return tl::unexpected(report.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return SentMap{*report, *identity, report->check, *check_before, seconds};

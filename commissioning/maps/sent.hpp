@@ -15,7 +15,7 @@
 
 namespace ecs::commissioning {
 
-/// The block check that the active image carries; nothing if the unit holds none.
+/// The block check of the active image, as the unit names it; nothing if the unit holds none.
 [[nodiscard]] Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client);
 
 struct SentMap {
@@ -31,7 +31,7 @@ struct SentMap {
 using BeforeSending = std::function<void(std::optional<std::uint32_t>)>;
 
 /// Refused, before anything is sent, if the unit is another one than the map's or its parameters' (unless
-/// `other_machine`) or has too little room. Whole or not at all, read back and compared.
+/// `other_machine`) or has too little room. Whole or not at all.
 [[nodiscard]] Result<SentMap> send_map(protocol::UnitClient& client, const PreparedMap& map, const std::string& file,
                                        bool other_machine, const BeforeSending& before = {},
                                        const protocol::ProgressCallback& progress = {});

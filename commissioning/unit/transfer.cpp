@@ -44,41 +44,6 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   return kept;
 }
 
-/// The image as this unit takes it, if it fits; asked before anything is sent.
-Result<Image> fitting(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee) {
-  const auto identity = client.identity();
-  if (!identity) return tl::unexpected(identity.error());
-  if (auto refused = refused_map(no_room_for(image, *identity), {})) return tl::unexpected(std::move(*refused));
-  return addressed(image, *identity, addressee);
-}
-
-/// What goes wrong once the unit has switched must not sound as if it had not.
-tl::unexpected<Problem> after_commit(Problem why) {
-  why.message = "the unit has taken what was sent, it is active; but looking at it afterwards: " + why.message;
-  return tl::unexpected(std::move(why));
-}
-
-/// Prefix and parameters alone travel: the unit copies its active bank, and its CRC over the whole must agree.
-Result<SendReport> send_head(protocol::UnitClient& client, Image image, const UnitParameters& parameters) {
-  const bool same_layout = ImageView(image).format() == kImageFormat;
-  const auto with = laser::with_parameters(std::move(image), parameters);
-  if (!with) return tl::unexpected(with.error());
-  const auto changed = fitting(client, *with, Addressee::this_unit);
-  if (!changed) return tl::unexpected(changed.error());
-  const protocol::UploadOptions head{true, false, directory_offset()};
-  if (const auto sent = client.upload_image(*changed, same_layout ? head : protocol::UploadOptions{}); !sent)
-    return tl::unexpected(sent.error());
-  const auto held = receive_parameters(client);
-  if (!held) return after_commit(held.error());
-  if (*held != parameters)
-    return problem(ProblemKind::link,
-                   "the parameters read back from the unit are not those sent: another host has changed them, or the "
-                   "unit's memory fails (`ecs utility ramtest`); read its status");
-  const auto status = client.status();
-  if (!status) return after_commit(status.error());
-  return SendReport{changed->size(), ImageView(*changed).check(), status->commit_sequence, false, false, {}};
-}
-
 tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
   std::vector<Problem> problems{
       {ProblemKind::refused,
@@ -180,15 +145,29 @@ Result<Image> addressed(std::span<const std::uint8_t> image, const protocol::Ide
                                unit_has ? unit.configuration : of_image});
 }
 
-Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> bytes, Addressee addressee,
+Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image, Addressee addressee,
                               const protocol::ProgressCallback& progress) {
-  const auto image = fitting(client, bytes, addressee);
+  const auto identity = client.identity();
+  if (!identity) return tl::unexpected(identity.error());
+  return send_image_to(client, *identity, image, addressee, progress);
+}
+
+Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::Identity& unit,
+                                 std::span<const std::uint8_t> bytes, Addressee addressee,
+                                 const protocol::ProgressCallback& progress) {
+  if (auto refused = refused_map(no_room_for(bytes, unit), {})) return tl::unexpected(std::move(*refused));
+  const auto image = addressed(bytes, unit, addressee);
   if (!image) return tl::unexpected(image.error());
-  if (const auto sent = client.upload_image(*image, {false, true}, progress); !sent)
-    return tl::unexpected(sent.error());
-  const auto status = client.status();
-  if (!status) return after_commit(status.error());
-  return SendReport{image->size(), ImageView(*image).check(), status->commit_sequence, false, false, {}};
+  const auto sent = client.upload_image(*image, progress);
+  if (!sent) return tl::unexpected(sent.error());
+  return SendReport{image->size(),
+                    ImageView(*image).check(),
+                    sent->commit_sequence,
+                    sent->bytes_sent,
+                    sent->already_held,
+                    false,
+                    false,
+                    {}};
 }
 
 Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,
@@ -198,8 +177,9 @@ Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParam
   if (!active) return tl::unexpected(active.error());
   KeptMap kept = map_to_keep(*active, parameters, owner);
   if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
-  auto report = kept.image ? send_head(client, std::move(*kept.image), parameters)
-                           : send_image(client, laser::image_of(parameters), Addressee::this_unit, progress);
+  auto image = kept.image ? laser::with_parameters(std::move(*kept.image), parameters) : laser::image_of(parameters);
+  if (!image) return tl::unexpected(image.error());
+  auto report = send_image(client, *image, Addressee::this_unit, progress);
   if (!report) return report;
   report->map_kept = kept.had_one && kept.objections.empty();
   report->map_dropped = kept.had_one && !report->map_kept;

@@ -33,6 +33,8 @@ struct SendReport {
   std::size_t bytes = 0;                    ///< of the image that is now active
   std::uint32_t check = 0;                  ///< its block check
   std::uint32_t commit_sequence = 0;        ///< of the unit, afterwards
+  std::size_t bytes_sent = 0;               ///< of the image, what the unit did not hold yet
+  bool already_held = false;                ///< this very image was active: nothing was sent or committed
   bool map_kept = false;                    ///< the unit's map stays, with the new parameters
   bool map_dropped = false;                 ///< the unit had a map that is gone
   std::vector<std::string> map_objections;  ///< why it was dropped
@@ -45,7 +47,7 @@ enum class Incomplete { refuse, accept };
 [[nodiscard]] std::optional<Problem> objections_to(const params::ParametersFile& file, const std::string& name,
                                                    Incomplete incomplete = Incomplete::refuse);
 
-/// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit), then reads back and compares.
+/// Replaces the unit's parameters and keeps its map, all or nothing (staging, commit).
 /// The map is read and judged as `map send` judges one, but not sent again.
 /// @param owner  [identity] of the parameters, against the header of that map; empty: not judged
 /// @pre objections_to() the file of the parameters are none
@@ -68,10 +70,14 @@ enum class Addressee {
 [[nodiscard]] Result<std::vector<std::uint8_t>> addressed(std::span<const std::uint8_t> image,
                                                           const protocol::Identity& unit, Addressee addressee);
 
-/// Makes an image active, all or nothing, then reads back and compares. Refused, before anything is sent, if the unit
-/// is another one or has too little axis memory for it.
+/// Makes an image active, all or nothing; of it only what the unit does not hold travels. Refused, before anything is
+/// sent, if the unit is another one or has too little axis memory for it.
 [[nodiscard]] Result<SendReport> send_image(protocol::UnitClient& client, std::span<const std::uint8_t> image,
                                             Addressee addressee = Addressee::as_stated,
                                             const protocol::ProgressCallback& progress = {});
+/// The same to the unit that has just given this identity.
+[[nodiscard]] Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::Identity& unit,
+                                               std::span<const std::uint8_t> image, Addressee addressee,
+                                               const protocol::ProgressCallback& progress);
 
 }  // namespace ecs::commissioning

@@ -147,6 +147,34 @@ TEST_CASE(
   CHECK(identity["machine"] == "moving column mill");
 }
 
+TEST_CASE("an image of format 1 is shown, and loaded in format 2 for the unit that its header names") {
+  const StateFolder folder;
+  const std::string old = "samples/memory/mill_format_1.image";
+  const auto shown = ran({"memory", "show", old, "--json"}).json()["images"][0];
+  CHECK(shown["format"] == 1);
+  CHECK(shown["identity"].is_null());
+  CHECK(shown["sound"] == true);
+  CHECK(shown["tables"].size() == 27);
+  REQUIRE(ran({"memory", "load", old, "--yes"}).code == 0);
+  const std::string file = folder / "unit.ecsdump";
+  REQUIRE(ran({"memory", "dump", "--active", "-o", file}).code == 0);
+  const auto now = ran({"memory", "show", file, "--json"}).json()["images"][0];
+  CHECK(now["format"] == 2);
+  CHECK(now["identity"]["serial_number"] == "MCM-0107");
+  CHECK(now["identity"]["machine"] == "moving column mill");
+  CHECK(now["tables"].size() == 27);
+}
+
+TEST_CASE("the same map again is not sent, and the answer says so") {
+  const EmulatorWorkspace workspace;
+  const auto first = ran({"map", "send", workspace.map, "--params", workspace.params, "--json"}).json();
+  CHECK(first["already_held"] == false);
+  const auto again = ran({"map", "send", workspace.map, "--params", workspace.params, "--json"}).json();
+  CHECK(again["already_held"] == true);
+  CHECK(again["bytes_sent"] == 0);
+  CHECK(again["commit_sequence"] == first["commit_sequence"]);
+}
+
 TEST_CASE("parameters without the squareness that the unit's map was measured with are refused") {
   const EmulatorWorkspace workspace;
   const std::string map = workspace.folder.with(

@@ -127,7 +127,8 @@ class SendPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
-           "all: a broken link, a cancel or a power cut leaves the old map active. Every byte is read back.";
+           "all: a broken link, a cancel or a power cut leaves the old map active. The unit checks every byte in its "
+           "memory.";
   }
 
  private:

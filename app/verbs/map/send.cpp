@@ -1,4 +1,4 @@
-// `ecs map send`: a complete map of this machine, with its parameters, into the unit; read back and compared.
+// `ecs map send`: a complete map of this machine, with its parameters, into the unit; checked there.
 
 #include <fmt/format.h>
 
@@ -42,10 +42,15 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
   if (!sent) return tl::unexpected(sent.error());
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
   return finished_outcome_of(record_cell(
-      "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, commit "
-      "{commit_sequence}",
+      sent->report.already_held
+          ? "unit {serial_number} holds {map} already, block check {check}, commit {commit_sequence}: nothing was sent"
+          : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, "
+            "commit "
+            "{commit_sequence}",
       {{"map", word_cell(arguments.file)},
        {"bytes", count_cell(sent->report.bytes)},
+       {"bytes_sent", count_cell(sent->report.bytes_sent)},
+       {"already_held", yes_cell(sent->report.already_held, "", "")},
        {"seconds", number_cell(sent->seconds, 1)},
        {"check", word_cell(fmt::format("{:08X}", sent->check))},
        {"verified", yes_cell(true, "", "")},
@@ -57,7 +62,7 @@ Result<Outcome> send(VerbContext& context, const SendArguments& arguments) {
 }  // namespace
 
 extern const VerbDefinition kMapSend = verb<SendArguments>(
-    "map send", "a complete map with its parameters to the unit: whole or not at all, read back and compared",
+    "map send", "a complete map with its parameters to the unit: whole or not at all, checked in the unit's memory",
     "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send);
 
 }  // namespace ecs::app
