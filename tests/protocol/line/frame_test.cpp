@@ -51,7 +51,7 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   CHECK(document->find(hex_of(kAskIdentity)) != std::string::npos);
   CHECK(document->find(hex_of(kIdentityReply)) != std::string::npos);
   for (const Block& block : {kEcho, kReadSelect, kWindowOpen, kCommand, kBlockWrite, kIdentity, kStatus, kMonitor,
-                             kPointers, kCommandResult, kWindowAck, kMemory}) {
+                             kPointers, kCommandResult, kWindowAck, kMemory, kCheckSelect, kChecks}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
     CHECK_MESSAGE(document->find(row) != std::string::npos, row);
   }
