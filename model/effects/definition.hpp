@@ -152,7 +152,7 @@ struct TriedValues {
   std::vector<double> values;
   std::vector<double> facts{};  ///< suggested by the machine
   double independent = 1.0;     ///< about how many of the values are different trials
-  double far = 0.0;             ///< values below are far from likely: only where nothing else makes the model fit
+  std::optional<double> far{};  ///< values below are far from likely: only where nothing else makes the model fit
 };
 
 /// How far a search goes.

@@ -319,7 +319,7 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
 Choice Search::best_own(const Space& space, std::size_t f, bool far) const {
   std::vector<Choice> peaks = peaks_of(space, f);
   const Family& family = families_[f];
-  if (!far) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < family.far; });
+  if (!far && family.far) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < *family.far; });
   Choice best;
   best.family = f;
   best.nonlinear = family.grid.empty() ? family.facts.front() : family.grid.front();

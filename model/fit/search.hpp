@@ -43,7 +43,7 @@ struct Family {
   double search_cost = 0.0;               ///< price of the freedom to choose among the grid
   double fact_cost = 0.0;                 ///< price of choosing among the facts
   double ln_readings = 0.0;               ///< price of one free coefficient
-  double far = 0.0;                       ///< values below are far from likely
+  std::optional<double> far{};            ///< values below are far from likely
   double shortest_seen = 0.0;             ///< periods below are seen only as something slower, two targets a turn
   bool lever_varies = false;              ///< an angular error that its levers tell from other shapes of position
   std::optional<double> least, greatest;  ///< physical range of the single coefficient

@@ -73,6 +73,18 @@ TEST_CASE("a period far shorter than the distance of targets is found where it l
   CHECK(found->rms_um < 0.25);
 }
 
+TEST_CASE("a step of the model is found at a negative position as well") {
+  Model model = straight();
+  model.effects.push_back(effect(effects::step, Axis::X, Sense::EX));
+  Plan plan;
+  plan.from_mm = -1000.0;
+  const Truth step = [](const laser::Reading& r) { return p(r) > -300.0 ? 3.0 : 0.0; };
+  const auto found = fit(model, observations_of(measured(plan, 0.2, step), model, mill()));
+  REQUIRE(found);
+  CHECK(parameter(*found, 2, "position_mm").value == Approx(-300.0).epsilon(0.1));
+  CHECK(parameter(*found, 2, "height_um").value == Approx(3.0).epsilon(0.1));
+}
+
 TEST_CASE("a wave of the model does not take a step for a period far shorter than the distance of targets") {
   Model model = straight();
   model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
