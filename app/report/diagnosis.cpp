@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/names/commissioning.hpp"
 #include "app/report/markup.hpp"
@@ -84,6 +85,15 @@ ReportedEffect effect_of(const Json& object) {
   return out;
 }
 
+/// Of an answer that was saved without a headline.
+std::string headline_from_ids(const ReportedDiagnosis& diagnosis) {
+  std::vector<std::string> named;
+  for (const ReportedEffect& effect : diagnosis.effects)
+    if (effect.named) named.push_back(effect.place);
+  return named.empty() ? fmt::format("Verdict: {}.", diagnosis.verdict)
+                       : fmt::format("Verdict: {}, {}.", diagnosis.verdict, fmt::join(named, " and "));
+}
+
 /// @pre an object
 std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
   ReportedDiagnosis out;
@@ -103,6 +113,8 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
   for (const Json& one : member(object, "where"))
     if (one.is_object()) out.where.push_back({word_in(one, "variable"), number_in(one, "strength").value_or(0.0)});
   out.notes = words_in(object, "notes");
+  out.headline = word_in(object, "headline");
+  if (out.headline.empty()) out.headline = headline_from_ids(out);
   return out;
 }
 

@@ -33,7 +33,8 @@ struct ReportedDependence {
 };
 
 struct ReportedDiagnosis {
-  std::string verdict;  ///< as in JSON: adequate, missing_effect, unexplained_structure
+  std::string verdict;   ///< as in JSON: adequate, missing_effect, partly_explained, unexplained_structure
+  std::string headline;  ///< the answer in words; of an answer saved without one the verdict with the ids named
   std::size_t readings = 0;
   double rms_um = 0.0;
   std::optional<double> rms_after_um;

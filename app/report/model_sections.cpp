@@ -97,23 +97,6 @@ Markup model_prediction(const ReportedModel& model) {
 
 // --- effects
 
-std::string verdict_text(const ReportedDiagnosis& d) {
-  std::vector<std::string> named;
-  for (const ReportedEffect& effect : d.effects)
-    if (effect.named) named.push_back(fmt::format("{} ({})", effect.place, effect.title));
-  if (d.verdict == "adequate") return "The error model is adequate: what it leaves is noise.";
-  if (d.verdict == "missing_effect") return fmt::format("The error model lacks {}.", fmt::join(named, " and "));
-  if (d.verdict == "partly_explained")
-    return fmt::format("The error model lacks {}; more is left that it does not explain.", fmt::join(named, " and "));
-  std::vector<std::string> variables;
-  for (const ReportedDependence& one : d.where)
-    if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);
-  return fmt::format(
-      "What the error model leaves is not noise, and no effects of the library, alone or together, explain all of "
-      "it{}{}.",
-      variables.empty() ? "" : "; it depends on ", fmt::join(variables, ", "));
-}
-
 std::string false_naming_text(const ReportedEffect& effect, std::size_t noise_replicates) {
   if (!effect.false_naming) return "\u2013";
   const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
@@ -157,7 +140,7 @@ Markup details(const ReportedDiagnosis& d) {
 }
 
 Markup diagnosis_part(const ReportedDiagnosis& d) {
-  Markup body = paragraph_of(verdict_text(d), "class=\"lead\"");
+  Markup body = paragraph_of(unit_text(d.headline), "class=\"lead\"");
   std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
                                     counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
   if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")

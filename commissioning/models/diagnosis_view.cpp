@@ -9,6 +9,7 @@
 #include "base/paragraph.hpp"
 #include "commissioning/models/json.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
@@ -17,36 +18,6 @@ namespace {
 using model::Candidate;
 using model::Diagnosis;
 using model::Verdict;
-
-/// "cyclic:X:EX, reverse (periodic error)"
-std::string titled(const Candidate& candidate) {
-  std::string title(candidate.effect.definition().title);
-  if (!title.empty() && !candidate.effect.is_user())
-    title[0] = static_cast<char>(title[0] >= 'A' && title[0] <= 'Z' ? title[0] - 'A' + 'a' : title[0]);
-  return fmt::format("{} ({})", place_text(candidate.effect), title);
-}
-
-std::string named_effects(const Diagnosis& diagnosis) {
-  std::vector<std::string> names;
-  for (const Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.named) continue;
-    std::string name = titled(candidate);
-    if (!candidate.indistinguishable_from.empty())
-      name += fmt::format(", or {}, which these data cannot tell from it",
-                          fmt::join(candidate.indistinguishable_from, " or "));
-    names.push_back(std::move(name));
-  }
-  return fmt::format("{}", fmt::join(names, "; and "));
-}
-
-std::string structure_sentence(const Diagnosis& diagnosis) {
-  std::string text = "The residual is not noise, and no effects of the library, alone or together, explain all of it";
-  std::vector<std::string> variables;
-  for (const model::Dependence& one : diagnosis.where)
-    if (variables.size() < 3 && (variables.empty() || one.strength >= 0.1)) variables.push_back(one.variable);
-  if (variables.empty()) return text + ".";
-  return text + fmt::format(": it depends on {}.", fmt::join(variables, ", "));
-}
 
 std::string summary(const Diagnosis& d) {
   std::string text = fmt::format("{} readings. The model leaves rms {:.3f} um; the noise of one reading is {}. ",
@@ -63,21 +34,25 @@ std::string summary(const Diagnosis& d) {
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
-std::string false_naming_text(double chance, std::size_t noise_replicates) {
-  const double least = 1.0 / (static_cast<double>(noise_replicates) + 1.0);
-  return chance <= least ? fmt::format("< {:.2g} %", 100.0 * least) : fmt::format("{:.3g} %", 100.0 * chance);
-}
-
 constexpr std::string_view kHead =
     "                               rms after  above noise    held out [um]     false\n"
     "                                    [um]    explained   before    after   naming\n";
 
-/// "cyclic:X:EX 93 %, progressive:X:EX 6.5 %"
+/// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
 std::string set_text(const std::vector<model::SetMember>& set) {
-  std::vector<std::string> members;
-  for (const model::SetMember& member : set)
-    members.push_back(fmt::format("{} {:.3g} %", member.name, 100.0 * member.probability));
-  return fmt::format("{}", fmt::join(members, ", "));
+  std::vector<model::SetMember> members;
+  for (const model::SetMember& member : set) {
+    const auto same = std::find_if(members.begin(), members.end(),
+                                   [&](const model::SetMember& one) { return one.place == member.place; });
+    if (same == members.end())
+      members.push_back(member);
+    else
+      same->probability += member.probability;
+  }
+  std::vector<std::string> words;
+  for (const model::SetMember& member : members)
+    words.push_back(fmt::format("{} {:.3g} %", member.place, 100.0 * member.probability));
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 Json set_json(const std::vector<model::SetMember>& set) {
@@ -108,14 +83,15 @@ std::string values_text(const Candidate& c) {
 }
 
 /// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
-Cell candidate_cell(const Candidate& c, std::size_t replicates) {
+Cell candidate_cell(const Candidate& c, const Diagnosis& diagnosis) {
   Json values = Json::object(), sigmas = Json::object();
   for (const model::ParameterEstimate& one : c.parameters) {
     values[one.name] = number_or_null(one.value);
     sigmas[one.name] = number_or_null(one.sigma);
   }
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
-  const auto& rivals = c.indistinguishable_from;
+  std::vector<std::string> rivals;
+  for (const model::EffectInstance& rival : c.rivals) rivals.push_back(place_text(rival));
   AnswerFields fields{
       {"", {effect_json(c.effect), ""}},
       {"place", shown_cell(padded(place_text(c.effect), 30))},
@@ -126,7 +102,7 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
       {"explained", number_cell(c.explained, 3)},
       {"explainable_share", {number_or_null(c.explainable_share), percent(c.explainable_share)}},
       {"p_value", {number_or_null(c.p_value), ""}},
-      {"false_naming", {number_or_null(c.false_naming), false_naming_text(c.false_naming, replicates)}},
+      {"false_naming", {number_or_null(c.false_naming), chance_text(c, diagnosis)}},
       {"probability", {number_or_null(c.probability), ""}},
       {"set", {set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))}},
       {"parameters_set", {c.parameters_set, details(!c.parameters_set.empty(), values_text(c))}},
@@ -137,7 +113,8 @@ Cell candidate_cell(const Candidate& c, std::size_t replicates) {
       {"held_out_rms_before_um", number_cell(c.held_out_rms_before_um, 3)},
       {"skipped", {c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))}},
       {"indistinguishable_from",
-       {rivals, details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))}},
+       {c.indistinguishable_from,
+        details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))}},
       {"because", {c.because, details(!c.because.empty(), "because: " + c.because)}},
       {"next_measurement", {c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)}}};
   if (!c.effect.curve.empty()) fields.push_back({"curve", {curve_json(c.effect.curve), ""}});
@@ -158,7 +135,8 @@ std::string closest_text(const Diagnosis& d) {
   std::vector<model::SetMember> closest;
   constexpr std::size_t kMostShown = 5;
   for (const Candidate& candidate : d.candidates)
-    if (closest.size() < kMostShown) closest.push_back({place_text(candidate.effect), candidate.probability});
+    if (closest.size() < kMostShown)
+      closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
   return "\n" + paragraph("closest candidates, with their probability beside noise: " + set_text(closest), 0, 2);
 }
@@ -167,7 +145,7 @@ Cell candidates_cell(const Diagnosis& d) {
   Json list = Json::array();
   std::string named, rivals;
   for (const Candidate& candidate : d.candidates) {
-    const Cell one = candidate_cell(candidate, d.noise_replicates);
+    const Cell one = candidate_cell(candidate, d);
     list.push_back(one.json);
     (candidate.named ? named : rivals) += one.text;
   }
@@ -225,31 +203,25 @@ std::string outliers_text(const Diagnosis& d) {
 
 }  // namespace
 
-std::string verdict_sentence(const Diagnosis& diagnosis) {
-  switch (diagnosis.verdict) {
-    case Verdict::adequate:
-      return "The model is adequate: what it leaves is noise.";
-    case Verdict::missing_effect:
-      return fmt::format("The model lacks {}.", named_effects(diagnosis));
-    case Verdict::partly_explained:
-      return fmt::format("The model lacks {}; that is proved and explains nearly all, but more is left.",
-                         named_effects(diagnosis));
-    default:
-      return structure_sentence(diagnosis);
-  }
+std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
+  if (!model::explains_alone(candidate, diagnosis)) return "-";
+  const double least = 1.0 / (static_cast<double>(diagnosis.noise_replicates) + 1.0);
+  return candidate.false_naming <= least ? fmt::format("< {:.2g} %", 100.0 * least)
+                                         : fmt::format("{:.3g} %", 100.0 * candidate.false_naming);
 }
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
       paragraph(fmt::format("{} candidates were tried, and {} simulated data sets of noise alone on the same design",
                             d.candidates_tried, d.noise_replicates));
-  return record_cell("{verdict}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
+  return record_cell("{headline}\n{summary}{candidates}{where}{outliers}\n{blanks}{notes}",
                      {{"observations", {d.observations, ""}},
                       {"rms_um", {number_or_null(d.rms_um), ""}},
                       {"noise_um", {number_or_null(d.noise.noise_um), ""}},
                       {"noise_from_repeats", {d.noise.from_repeats, ""}},
                       {"lack_of_fit", lack_of_fit_cell(d.lack_of_fit)},
-                      {"verdict", {name_of(d.verdict), paragraph(verdict_sentence(d))}},
+                      {"verdict", {name_of(d.verdict), ""}},
+                      {"headline", {d.headline, paragraph(d.headline)}},
                       {"summary", shown_cell(summary(d))},
                       {"candidates", candidates_cell(d)},
                       {"where", where_cell(d)},

@@ -1,4 +1,4 @@
-// A diagnosis as an answer: the verdict in one sentence, then the evidence.
+// A diagnosis as an answer: the headline, then the evidence.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace ecs::commissioning {
 
-/// One sentence, plain.
-[[nodiscard]] std::string verdict_sentence(const model::Diagnosis& diagnosis);
+/// "< 0.5 %" where no replicate of noise looks as good, "3.2 %", "-" where it has no meaning: the effect alone explains
+/// nothing that noise would not.
+[[nodiscard]] std::string chance_text(const model::Candidate& candidate, const model::Diagnosis& diagnosis);
 
 /// JSON as docs/verbs.md has it; text of 80 columns.
 [[nodiscard]] Cell diagnosis_cell(const model::Diagnosis& diagnosis);

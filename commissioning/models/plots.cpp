@@ -163,10 +163,10 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
   }
 }
 
-std::string_view verdict_title(model::Verdict verdict) {
-  switch (verdict) {
+std::string_view verdict_title(const model::Diagnosis& diagnosis) {
+  switch (diagnosis.verdict) {
     case model::Verdict::adequate:
-      return "the model is adequate";
+      return diagnosis.reservation.empty() ? "the model is adequate" : "nothing is missing that these data can show";
     case model::Verdict::missing_effect:
       return "an effect is missing";
     case model::Verdict::partly_explained:
@@ -221,8 +221,8 @@ Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observation
   if (!fit) return tl::unexpected(fit.error());
   const auto explained = explained_by(model, data, *fit, diagnosis, options);
   if (!explained) return tl::unexpected(explained.error());
-  std::string title = fmt::format("{}: rms {:.2f} µm, noise {:.2f} µm", verdict_title(diagnosis.verdict),
-                                  diagnosis.rms_um, diagnosis.noise.noise_um);
+  std::string title = fmt::format("{}: rms {:.2f} µm, noise {:.2f} µm", verdict_title(diagnosis), diagnosis.rms_um,
+                                  diagnosis.noise.noise_um);
   if (*explained) title += fmt::format("; explained by {}", (*explained)->effects);
   PlotFigure figure = figure_of_lines(*fit, data, *explained ? &**explained : nullptr, title);
   add_variables(figure, *fit, data, diagnosis);

@@ -68,13 +68,6 @@ AnswerFields fields_of(const LadderStep& step, std::size_t number) {
 
 }  // namespace
 
-std::string place_text(const model::EffectInstance& effect) {
-  std::string text = to_text(effect);
-  if (effect.approach != model::ApproachMode::both) text += fmt::format(", {}", name_of(effect.approach));
-  if (!effect.sensor.empty()) text += fmt::format(" with {}", sensors_text(effect));
-  return text;
-}
-
 std::string few_digits(double value, int digits) {
   const double size = std::abs(value);
   if (!std::isfinite(value)) return "-";

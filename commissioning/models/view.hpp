@@ -1,4 +1,4 @@
-// Parts of models, fits and diagnoses as text of 80 columns: places, values with sigmas, tests, shapes, the ladder.
+// Parts of models, fits and diagnoses as text of 80 columns: values with sigmas, tests, shapes, the ladder.
 #pragma once
 
 #include <string>
@@ -9,9 +9,6 @@
 #include "model/fit/model_file.hpp"
 
 namespace ecs::commissioning {
-
-/// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC".
-[[nodiscard]] std::string place_text(const model::EffectInstance& effect);
 
 /// A number of about `digits` significant digits, never in a form that people must decode.
 [[nodiscard]] std::string few_digits(double value, int digits = 3);

@@ -24,7 +24,7 @@ std::string hidden_pitches(const Observations& data, Axis axis, double least_mm)
 
 }  // namespace
 
-std::optional<std::string> even_targets_note(const Observations& data) {
+std::vector<EvenTargets> even_targets(const Observations& data) {
   std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
   for (std::size_t k = 0; k < data.size(); ++k)
     targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
@@ -35,14 +35,22 @@ std::optional<std::string> even_targets_note(const Observations& data) {
     std::string& names = senses[{line.first, std::round(*step_mm * 1e3) / 1e3}];
     names += (names.empty() ? "" : ", ") + std::string(name_of(line.second));
   }
-  std::string note;
+  std::vector<EvenTargets> all;
   for (const auto& [line, names] : senses) {
     const auto [axis, step_mm] = line;
+    const auto& facts = data.machine.axes[index_of(axis)];
+    all.push_back({axis, step_mm, names, hidden_pitches(data, axis, 2.0 * step_mm),
+                   facts && (facts->screw_pitch_mm || facts->scale_pitch_mm)});
+  }
+  return all;
+}
+
+std::optional<std::string> even_targets_note(const Observations& data) {
+  std::string note;
+  for (const EvenTargets& one : even_targets(data))
     note += fmt::format(
         "{}targets are even at {:g} mm along {} ({}): periods below {:g} mm cannot be told from longer ones{}",
-        note.empty() ? "" : "; ", step_mm, letter_of(axis), names, 2.0 * step_mm,
-        hidden_pitches(data, axis, 2.0 * step_mm));
-  }
+        note.empty() ? "" : "; ", one.step_mm, letter_of(one.axis), one.senses, 2.0 * one.step_mm, one.hidden_pitches);
   if (note.empty()) return std::nullopt;
   return note + "; targets moved off equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
 }

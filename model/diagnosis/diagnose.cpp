@@ -89,7 +89,8 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, bool named) {
     const std::vector<double> shares = probabilities_of(alternatives, found.families);
     std::vector<SetMember> members;
     for (std::size_t i = 0; i < alternatives.size(); ++i) {
-      members.push_back({to_text(instance(alternatives[i])), shares[i]});
+      const EffectInstance member = instance(alternatives[i]);
+      members.push_back({to_text(member), shares[i], place_text(member)});
       probability_in[g].try_emplace(members.back().name, shares[i]);
     }
     RankedCandidate one{instance(group.member),           group.member, named,         {},          shares.front(),
@@ -183,6 +184,10 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
         held_out_rms(in.regressors.data(), after.noise, after.left_out, parts, problem.columns, problem.target);
   }
   for (const EffectInstance& rival : ranked.rivals) {
+    auto& rivals = candidate.rivals;
+    if (!same_candidate(rival, ranked.effect) &&
+        std::none_of(rivals.begin(), rivals.end(), [&](const auto& one) { return same_candidate(one, rival); }))
+      rivals.push_back(rival);
     const std::string name = to_text(rival);
     auto& list = candidate.indistinguishable_from;
     if (name != to_text(ranked.effect) || !same_sensors(rival, ranked.effect) ||
@@ -260,6 +265,8 @@ Diagnosis too_few(const Observations& data, const Base& base) {
       fmt::format("{} readings against {} fitted parameters: too few to say whether anything is missing; measure more "
                   "targets and repeats",
                   data.size(), base.core.rank));
+  diagnosis.reservation = diagnosis.notes.back() + ".";
+  diagnosis.headline = diagnosis.reservation;
   return diagnosis;
 }
 
@@ -304,6 +311,41 @@ std::string why_not_explained(const Found& found) {
   return fmt::format(
       "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
       most->variable, kPercent * found.structure_p_after);
+}
+
+/// What the headline begins with where a run is bad or nearly explains what an effect does; "" where none does.
+std::string bad_run_text(const Found& found) {
+  const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
+  if (found.noisy)
+    return first(
+        fmt::format("Run {} scatters {:.2g} times as much as the others", found.noisy->run, found.noisy->ratio));
+  if (found.odd_pass)
+    return first(fmt::format("Run {} differs from the other runs by {:.3g} in one approach", found.odd_pass->run,
+                             found.odd_pass->off_um));
+  if (found.bad_run)
+    return first(fmt::format("Run {} differs from the other runs: its offset explains as much as any effect does",
+                             found.bad_run->run));
+  if (found.run_note.empty()) return "";
+  std::string note = found.run_note;
+  note.front() = 'A';  // "an offset of run 3 …"
+  return note + ".";
+}
+
+/// What all named effects do together; nothing for fewer than two.
+std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<RankedCandidate>& order,
+                                      const FittedWith& with, const Parts& parts, double held_out_before) {
+  LinearProblem all = in.problem;
+  std::size_t named = 0;
+  for (const RankedCandidate& ranked : order) {
+    if (!ranked.named) continue;
+    all = joined_with(all, columns_on(in.regressors, ranked.effect, ranked.choice));
+    ++named;
+  }
+  if (named < 2) return std::nullopt;
+  const VectorXd residual =
+      Eigen::Map<const VectorXd>(with.fit.residual.data(), static_cast<Index>(with.fit.residual.size()));
+  return JointProof{rms_without(residual, with.left_out), held_out_before,
+                    held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
 }
 
 /// A bad run stands first, whatever else the residual depends on.
@@ -364,10 +406,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
     }
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
-    candidate.because = reason_for(candidate, diagnosis, data);
     candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals);
     diagnosis.candidates.push_back(std::move(candidate));
   }
+  const auto joint = joint_proof(in, order, *with, parts, held_out_before);
+  for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
   diagnosis.where = dependences(data, in.base.residual, noise, in.found.before);
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy) put_run_first(diagnosis.where, data, in);
   diagnosis.notes = untried_effects(data);
@@ -379,6 +422,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (diagnosis.verdict == Verdict::unexplained_structure || diagnosis.verdict == Verdict::partly_explained)
     describe_what_is_left(diagnosis, data, after.residual, left_out);
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
+  diagnosis.reservation = reservation_for(data);
+  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found));
   return diagnosis;
 }
 

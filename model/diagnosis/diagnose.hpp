@@ -39,6 +39,7 @@ struct DiagnoseOptions {
 struct SetMember {
   std::string name;  ///< "effect:axis:sense-or-code"
   double probability = 0.0;
+  std::string place{};  ///< the same with approach and sensors, as people read it
 };
 
 /// Where an effect was tried alone beside the model: enough to try it there again.
@@ -74,7 +75,8 @@ struct Candidate {
   TriedAt tried_at;
   std::size_t skipped = 0;                          ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
-  std::string because;                              ///< one sentence with the evidence
+  std::vector<EffectInstance> rivals;               ///< the same, with approach and sensors
+  std::string because;                              ///< the evidence, in words
   std::string next_measurement;                     ///< one sentence
 };
 
@@ -95,6 +97,8 @@ struct Diagnosis {
   std::optional<LackOfFit> lack_of_fit;        ///< of the model as it is
   std::optional<LackOfFit> lack_of_fit_after;  ///< with every named effect
   Verdict verdict = Verdict::adequate;
+  std::string headline;     ///< the answer in words: a bad run, then what is wrong, how much and where
+  std::string reservation;  ///< what these data cannot show at all, so that nothing found means little; else ""
   std::vector<Candidate> candidates;  ///< named ones first
   std::vector<Dependence> where;      ///< strongest first
   std::vector<int> outliers;          ///< row numbers

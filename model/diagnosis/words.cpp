@@ -1,11 +1,14 @@
 // Sentences from numbers; no method of its own.
 #include "model/diagnosis/words.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/args.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/data/even_targets.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::model {
@@ -17,6 +20,11 @@ constexpr double kSamePitch = 0.01;
 constexpr int kMostOfPitch = 10;
 /// Targets a period that show its shape, and a period to suggest where none was fitted.
 constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0;
+/// Less of the residual is no evidence in words, whatever a test says: a person sees no difference.
+constexpr double kLeastShareSaid = 0.01;
+/// Variables that a headline names: the strongest, and others of at least this share of the residual variance.
+constexpr std::size_t kMostVariables = 3;
+constexpr double kWorthNaming = 0.1;
 
 std::string percent(double share) { return fmt::format("{:.3g} %", kPercent * share); }
 
@@ -25,7 +33,8 @@ std::optional<double> searched_value(const EffectInstance& effect) {
   return found == effect.fitted.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// "half the screw pitch" for a period that matches a fact of the machine within a percent; "" if none does.
+/// "the pitch of its screw", "1/2 of the pitch of its scale" for a period that matches a fact of the machine within a
+/// percent; "" if none does.
 std::string pitch_match(const EffectInstance& effect, const Observations& data) {
   const auto period = searched_value(effect);
   if (!effect.traits().periodic || !period || !effect.axis) return "";
@@ -35,40 +44,289 @@ std::string pitch_match(const EffectInstance& effect, const Observations& data) 
     if (!pitch) return "";
     for (int n = 1; n <= kMostOfPitch; ++n) {
       if (std::abs(*period * n / *pitch - 1.0) < kSamePitch)
-        return n == 1 ? fmt::format("the {}", name) : fmt::format("1/{} of the {}", n, name);
-      if (std::abs(*period / (n * *pitch) - 1.0) < kSamePitch) return fmt::format("{} times the {}", n, name);
+        return n == 1 ? fmt::format("the pitch of its {}", name) : fmt::format("1/{} of the pitch of its {}", n, name);
+      if (std::abs(*period / (n * *pitch) - 1.0) < kSamePitch)
+        return fmt::format("{} times the pitch of its {}", n, name);
     }
     return "";
   };
-  const std::string screw = named(axis->screw_pitch_mm, "screw pitch");
-  return screw.empty() ? named(axis->scale_pitch_mm, "scale pitch") : screw;
+  const std::string screw = named(axis->screw_pitch_mm, "screw");
+  return screw.empty() ? named(axis->scale_pitch_mm, "scale") : screw;
 }
 
 std::string axis_word(const EffectInstance& effect) {
   return effect.axis ? std::string(1, letter_of(*effect.axis)) : std::string("the axis");
 }
 
-}  // namespace
+/// Two significant digits, whole numbers in full.
+std::string size_text(double value, std::string_view unit) {
+  const int decimals =
+      value == 0.0 ? 0 : std::clamp(1 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
+  return fmt::format("{:.{}f}{}{}", value, decimals, unit.empty() ? "" : " ", unit);
+}
 
-std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data) {
-  const EffectDefinition& definition = candidate.effect.definition();
-  const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
+/// Of the readings that the effect acts on: "X positions", "Y straightness along X".
+std::string where_word(const EffectInstance& effect) {
+  if (!effect.sense) return effect.axis ? fmt::format("Readings along {}", letter_of(*effect.axis)) : "Readings";
+  const char direction = letter_of(direction_of(*effect.sense));
+  if (is_rotation(*effect.sense))
+    return effect.axis ? fmt::format("Angles {} along {}", name_of(*effect.sense), letter_of(*effect.axis))
+                       : fmt::format("Angles {}", name_of(*effect.sense));
+  if (!effect.axis || letter_of(*effect.axis) == direction) return fmt::format("{} positions", direction);
+  return fmt::format("{} deviations along {}", direction, letter_of(*effect.axis));
+}
+
+/// "t_spindle_degC" → "spindle"
+std::string sensor_word(std::string name) {
+  if (name.empty()) return "its sensor";
+  if (name.starts_with("t_")) name.erase(0, 2);
+  if (name.ends_with("_degC")) name.erase(name.size() - 5);
+  return name;
+}
+
+/// "X and Y" for the angle C0Y, which turns about Z.
+std::string pair_word(const EffectInstance& effect) {
+  const char about = effect.code ? static_cast<char>('X' + (name_of(*effect.code)[0] - 'A')) : 'Z';
+  std::string pair;
+  for (const Axis axis : kAllAxes)
+    if (letter_of(axis) != about) pair += fmt::format("{}{}", pair.empty() ? "" : " and ", letter_of(axis));
+  return pair;
+}
+
+std::string map_word(const EffectInstance& effect) {
+  if (effect.code) return fmt::format("Table {} of the map", name_of(*effect.code));
+  return effect.axis ? fmt::format("Map of {}", letter_of(*effect.axis)) : "Map";
+}
+
+std::string value_of(const EffectInstance& effect, const ParameterEstimate& parameter, const Observations& data) {
+  std::string unit = parameter.unit;
+  if (effect.sense && is_rotation(*effect.sense) && effect.definition().place != Place::set_up &&
+      unit.starts_with("um"))
+    unit.replace(0, 2, "um/m");
+  if (parameter.name != effect.definition().searched_parameter()) return size_text(parameter.value, unit);
+  const std::string pitch = pitch_match(effect, data);
+  return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " = ", pitch);
+}
+
+/// All that is not nothing: "12 um and 4.5 um/m".
+std::string sizes_word(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
+                       const Observations& data) {
+  std::string sizes;
+  for (const ParameterEstimate& one : parameters)
+    if (one.value != 0.0 && one.name != effect.definition().searched_parameter())
+      sizes += fmt::format("{}{}{}", sizes.empty() ? "" : " and ", effect.is_user() ? one.name + " " : "",
+                           value_of(effect, one, data));
+  return sizes.empty() ? "of unknown size" : sizes;
+}
+
+/// "run, x_mm": what the residual depends on most.
+std::string variables_text(const Diagnosis& diagnosis) {
+  std::vector<std::string> variables;
+  for (const Dependence& one : diagnosis.where)
+    if (variables.size() < kMostVariables && (variables.empty() || one.strength >= kWorthNaming))
+      variables.push_back(one.variable);
+  return fmt::format("{}", fmt::join(variables, ", "));
+}
+
+/// Ids in brackets: place, and what these data cannot tell from it unless that is named itself; the period where two
+/// waves act at one place.
+std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
+  const std::string place = place_text(candidate.effect);
+  std::string ids = place;
+  const auto named_at = [&](const std::string& text) {
+    return std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
+                         [&](const Candidate& one) { return one.named && place_text(one.effect) == text; });
+  };
+  if (const auto value = searched_value(candidate.effect); value && named_at(place) > 1)
+    ids += fmt::format(" at {:.4g}", *value);
+  std::vector<std::string> rivals;
+  for (const EffectInstance& rival : candidate.rivals)
+    if (named_at(place_text(rival)) == 0) rivals.push_back(place_text(rival));
+  if (rivals.empty()) return ids;
+  return fmt::format("{}; or {}, which these data cannot tell from it", ids, fmt::join(rivals, " or "));
+}
+
+std::string findings_text(const Diagnosis& diagnosis, const Observations& data) {
+  std::vector<std::string> findings;
+  for (const Candidate& candidate : diagnosis.candidates) {
+    if (!candidate.named) continue;
+    std::string text = finding_text(candidate.effect, candidate.parameters, data);
+    const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
+    if (candidate.effect.traits().periodic && values != candidate.parameters_set.end() && values->second.size() > 1)
+      text += fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
+    findings.push_back(fmt::format("{} ({})", text, ids_text(candidate, diagnosis)));
+  }
+  return fmt::format("{}", fmt::join(findings, "; and "));
+}
+
+bool names_a_wave(const Diagnosis& diagnosis) {
+  return std::any_of(diagnosis.candidates.begin(), diagnosis.candidates.end(),
+                     [](const Candidate& one) { return one.named && one.effect.traits().periodic; });
+}
+
+std::string structure_text(const Diagnosis& diagnosis) {
+  const std::string variables = variables_text(diagnosis);
+  return fmt::format(
+      "The residual is not noise, and no effects of the library, alone or together, explain all of it{}{}.",
+      variables.empty() ? "" : ": it depends on ", variables);
+}
+
+/// Columns that a candidate fits.
+std::size_t fitted_columns(const Candidate& candidate) {
+  return std::max(candidate.tried_at.coefficients.size(), std::size_t{1}) +
+         static_cast<std::size_t>(!candidate.effect.definition().searched_parameter().empty());
+}
+
+double share_alone(const Candidate& candidate) {
+  const double before = candidate.kept_rms_before_um;
+  return before > 0.0 ? 1.0 - std::pow(candidate.kept_rms_after_um / before, 2) : 0.0;
+}
+
+/// Numbers as they are printed, so that no sentence calls equal ones a fall.
+bool falls(double before_um, double after_um) {
+  return after_um < before_um && fmt::format("{:.3g}", before_um) != fmt::format("{:.3g}", after_um);
+}
+
+bool held_out_falls(const Candidate& candidate) {
+  return candidate.held_out_rms_um && candidate.held_out_rms_before_um &&
+         falls(*candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
+}
+
+/// Whether a candidate needs no company: it explains, and predicts what it was not fitted to.
+bool proved_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
+  return explains_alone(candidate, diagnosis) && (!candidate.held_out_rms_um || held_out_falls(candidate));
+}
+
+std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
+  if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
+    return fmt::format("; in none of {} data sets of noise alone does anything look as good",
+                       diagnosis.noise_replicates);
+  if (candidate.false_naming >= 1.0) return "";
+  return fmt::format("; noise alone looks as good in {:.2g} % of data sets like this one",
+                     kPercent * candidate.false_naming);
+}
+
+/// What the candidate does alone beside the model.
+std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
+  if (!explains_alone(candidate, diagnosis)) {
+    const double share = std::max(0.0, share_alone(candidate));
+    return fmt::format("Alone it explains {} of the residual{}", percent(share),
+                       share < kLeastShareSaid ? ", which is no evidence" : ", no more than noise would");
+  }
   std::string text =
-      fmt::format("{}: with it the residual{} falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
-                  definition.title, diagnosis.outliers.empty() ? "" : " without the outliers", before, after,
-                  percent(before > 0.0 ? 1.0 - std::pow(after / before, 2) : 0.0), diagnosis.noise.noise_um);
-  if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
+      fmt::format("With it the residual{} falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
+                  diagnosis.outliers.empty() ? "" : " without the outliers", candidate.kept_rms_before_um,
+                  candidate.kept_rms_after_um, percent(share_alone(candidate)), diagnosis.noise.noise_um);
+  if (held_out_falls(candidate))
     text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} um",
                         *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
-  if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
-    text +=
-        fmt::format("; in none of {} data sets of noise alone does anything look as good", diagnosis.noise_replicates);
-  else if (candidate.false_naming < 1.0)
-    text += fmt::format("; noise alone looks as good in {:.2g} % of data sets like this one",
-                        kPercent * candidate.false_naming);
+  else if (candidate.held_out_rms_um)
+    return text + "; alone it does not predict readings that it was not fitted to";
+  return text + chance_text(candidate, diagnosis);
+}
+
+/// What all named effects do where this one alone does not prove itself.
+std::string evidence_together(const Candidate& candidate, const Diagnosis& diagnosis, const JointProof& joint) {
+  std::vector<std::string> others;
+  bool none_alone = true;
+  std::size_t named = 0;
+  for (const Candidate& one : diagnosis.candidates) {
+    if (!one.named) continue;
+    ++named;
+    none_alone = none_alone && !proved_alone(one, diagnosis);
+    if (&one != &candidate) others.push_back(ids_text(one, diagnosis));
+  }
+  std::string text = fmt::format("Together with {} ", fmt::join(others, " and "));
+  if (falls(candidate.kept_rms_before_um, joint.rms_after_um))
+    text += fmt::format("it brings the residual from {:.3g} to {:.3g} um rms (noise {:.3g} um)",
+                        candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.noise_um);
+  else
+    text += fmt::format("it leaves {:.3g} um rms (noise {:.3g} um)", joint.rms_after_um, diagnosis.noise.noise_um);
+  if (falls(joint.held_out_rms_before_um, joint.held_out_rms_um))
+    text += fmt::format(", on readings they were not fitted to from {:.3g} to {:.3g} um", joint.held_out_rms_before_um,
+                        joint.held_out_rms_um);
+  return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
+}
+
+}  // namespace
+
+std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
+                         const Observations& data) {
+  const EffectDefinition& definition = effect.definition();
+  fmt::dynamic_format_arg_store<fmt::format_context> words;
+  const auto word = [&words](std::string_view name, const std::string& text) {
+    words.push_back(fmt::arg(std::string(name).c_str(), text));
+  };
+  for (const ParameterDefinition& parameter : definition.parameters) {
+    const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const ParameterEstimate& one) { return one.name == parameter.name; });
+    word(parameter.name, found == parameters.end() ? "an unknown amount" : value_of(effect, *found, data));
+  }
+  word("where", where_word(effect));
+  word("axis", effect.axis ? std::string(1, letter_of(*effect.axis)) : "The");
+  word("code", std::string(code_text(effect)));
+  word("pair", pair_word(effect));
+  word("turn", std::string(1, letter_of(effect.sense ? direction_of(*effect.sense) : Axis::Z)));
+  word("map", map_word(effect));
+  word("sensor", sensor_word(effect.sensor));
+  word("sensor2", sensor_word(effect.sensor2));
+  word("name", effect.name);
+  word("sizes", sizes_word(effect, parameters, data));
+  std::string text = fmt::vformat(definition.headline, words);
+  if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
+  return text;
+}
+
+std::string reservation_for(const Observations& data) {
+  std::string text;
+  for (const EvenTargets& one : even_targets(data)) {
+    if (one.pitch_known && one.hidden_pitches.empty()) continue;
+    text += fmt::format(
+        "{}Periods below {:g} mm along {} cannot be told: its targets are even at {:g} mm{}", text.empty() ? "" : " ",
+        2.0 * one.step_mm, letter_of(one.axis), one.step_mm,
+        one.pitch_known ? one.hidden_pitches + "." : ", and no machine file gives the pitch of its screw or scale.");
+  }
+  return text;
+}
+
+std::string headline_for(const Diagnosis& d, const Observations& data, const std::string& bad_run) {
+  std::string text = bad_run;
+  const auto add = [&text](const std::string& sentence) {
+    if (!sentence.empty()) text += (text.empty() ? "" : " ") + sentence;
+  };
+  switch (d.verdict) {
+    case Verdict::adequate:
+      add(d.reservation);
+      add(d.reservation.empty() ? "The model is adequate: what it leaves is noise."
+                                : "Nothing else is missing: what the model leaves is noise.");
+      break;
+    case Verdict::missing_effect:
+    case Verdict::partly_explained:
+      if (names_a_wave(d)) add(d.reservation);
+      add(findings_text(d, data) +
+          (d.verdict == Verdict::missing_effect ? "." : ". That is proved and explains nearly all, but more is left."));
+      break;
+    default:
+      add(structure_text(d));
+  }
+  return text;
+}
+
+bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
+  const double by_noise = static_cast<double>(fitted_columns(candidate)) /
+                          static_cast<double>(std::max<std::size_t>(diagnosis.observations, 1));
+  return falls(candidate.kept_rms_before_um, candidate.kept_rms_after_um) &&
+         share_alone(candidate) >= std::max(kLeastShareSaid, by_noise);
+}
+
+std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data,
+                       const std::optional<JointProof>& joint) {
+  std::string text = candidate.named && joint && !proved_alone(candidate, diagnosis)
+                         ? evidence_together(candidate, diagnosis, *joint)
+                         : evidence_alone(candidate, diagnosis);
   if (const std::string pitch = pitch_match(candidate.effect, data); !pitch.empty())
     text += fmt::format("; the period {:.5g} mm is {}", *searched_value(candidate.effect), pitch);
-  return text + fmt::format(". What tells it apart: {}.", definition.tells_apart);
+  return text + fmt::format(". What tells it apart: {}.", candidate.effect.definition().tells_apart);
 }
 
 std::string separating_measurement(const EffectInstance& effect, const std::vector<EffectInstance>& rivals) {

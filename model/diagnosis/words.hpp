@@ -1,7 +1,9 @@
-// Sentences about candidates: why one is named, and what would confirm it or separate it from its rivals.
+// Sentences about a diagnosis: what is wrong, how much and where; why it is named; what would confirm it or separate it
+// from its rivals.
 // Does not live here: the numbers in them (diagnose.hpp), the run that separates best (model/planning/).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +14,35 @@ namespace ecs::model {
 /// A share times this is in per cent.
 inline constexpr double kPercent = 100.0;
 
-/// @param diagnosis  with rms, noise and the number of noise replicates
-[[nodiscard]] std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data);
+/// "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward": an
+/// effect with values from a fit, as an engineer names it.
+[[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
+                                       const Observations& data);
+
+/// What these data cannot show whatever is in them: periods below two steps of even targets, where no pitch of the axis
+/// is known or a known one is among them. "" where there is nothing of the kind.
+[[nodiscard]] std::string reservation_for(const Observations& data);
+
+/// The first sentence of an answer: the bad run first, then the causes with their ids in brackets.
+/// @param diagnosis  with verdict, candidates, where and reservation  @param bad_run  a sentence; "" where there is
+/// none
+[[nodiscard]] std::string headline_for(const Diagnosis& diagnosis, const Observations& data,
+                                       const std::string& bad_run);
+
+/// What all named effects do together, outliers left out; of one alone its own numbers say it.
+struct JointProof {
+  double rms_after_um = 0.0;
+  double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;
+};
+
+/// Whether a proof in words would be true: the candidate alone explains 1 % of the residual, and more than as many
+/// columns fitted to noise would.
+[[nodiscard]] bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis);
+
+/// @param diagnosis  with rms, noise, all candidates and the number of noise replicates
+/// @param joint  absent where fewer than two effects are named
+[[nodiscard]] std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data,
+                                     const std::optional<JointProof>& joint);
 
 /// @param rivals  effects that these data cannot tell from it; empty: how to confirm it
 [[nodiscard]] std::string separating_measurement(const EffectInstance& effect,

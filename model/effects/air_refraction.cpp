@@ -12,6 +12,7 @@ EffectDefinition air_refraction() {
       .formula = "p dn(T_air, pressure, humidity)",
       .cause = "the laser's wavelength was not corrected for air",
       .tells_apart = "a slope that follows the refractive index of air",
+      .headline = "{where} not corrected for air, {factor} of the full amount",
       .parameters =
           {{.name = "factor", .unit = "", .meaning = "1 = not corrected at all", .limits = ValueRange{0.0, 2.0}}},
       .carrier = Carrier::set_up,

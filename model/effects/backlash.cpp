@@ -11,6 +11,7 @@ EffectDefinition backlash() {
       .formula = "b d/2",
       .cause = "lost motion in the drive",
       .tells_apart = "two levels, one per approach, whatever the position and the feed",
+      .headline = "{where} with a lost motion of {um} at reversal",
       .parameters = {{"um", "um", "forward minus reverse"}},
       .carrier = Carrier::error_map,
       .how = "forward and reverse tables",

@@ -10,6 +10,7 @@ EffectDefinition cosine() {
       .formula = "-p phi^2/2",
       .cause = "laser not aligned with the axis",
       .tells_apart = "always shortens: a slope of one sign only",
+      .headline = "{where} measured short, the beam {angle_mrad} off the axis",
       .parameters = {{"angle_mrad", "mrad", "misalignment", Coding::square_root}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: align the beam",

@@ -120,6 +120,7 @@ EffectDefinition cyclic() {
       .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
       .cause = "screw pitch, grating pitch, gear mesh or electronic subdivision",
       .tells_apart = "one period over the whole travel, often a pitch of screw or scale",
+      .headline = "{where} with a periodic error of +-{amplitude_um}, {period_mm}",
       .parameters = {{"period_mm", "mm", "length of one period", Coding::searched},
                      {"amplitude_um", "um", "of the fundamental", Coding::amplitude},
                      {"phase_rad", "rad", "of the fundamental, sin(2 pi p/P + phase)", Coding::phase},

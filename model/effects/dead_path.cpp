@@ -12,6 +12,7 @@ EffectDefinition dead_path() {
       .formula = "L_d dn",
       .cause = "uncompensated path between the optics at reset",
       .tells_apart = "follows the refractive index of air, the same at every position",
+      .headline = "{where} with {length_m} of dead path in air between the optics",
       .parameters =
           {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},
       .carrier = Carrier::set_up,

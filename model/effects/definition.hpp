@@ -196,6 +196,9 @@ struct EffectDefinition {
   std::string_view formula;      ///< contribution to a reading, as printed in the manual
   std::string_view cause;        ///< physical cause, plain words
   std::string_view tells_apart;  ///< what tells it from its neighbours
+  /// fmt; what is wrong, how much and where, as an answer begins: parameters by name, with unit; {where}, {axis},
+  /// {code}, {pair}, {turn}, {map}, {sensor}, {sensor2}, {name}, {sizes} (model/diagnosis/words.cpp).
+  std::string_view headline;
   std::vector<ParameterDefinition> parameters{};
   Carrier carrier = Carrier::none;
   std::string_view how{};  ///< how the unit compensates it, or why it cannot

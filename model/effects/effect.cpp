@@ -34,6 +34,13 @@ std::string to_text(const EffectInstance& effect) {
   return text;
 }
 
+std::string place_text(const EffectInstance& effect) {
+  std::string text = to_text(effect);
+  if (effect.approach != ApproachMode::both) text += fmt::format(", {}", name_of(effect.approach));
+  if (!effect.sensor.empty()) text += fmt::format(" with {}", sensors_text(effect));
+  return text;
+}
+
 std::string_view sense_text(const EffectInstance& effect) {
   return effect.sense && effect.definition().place != Place::set_up ? name_of(*effect.sense) : "";
 }

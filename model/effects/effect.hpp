@@ -88,6 +88,9 @@ struct EffectInstance {
 /// "cyclic:X:EX", "angular:X:ECX", "set_up_rotation:EC", "map_polarity" (the whole map), "user:encoder tilt".
 [[nodiscard]] std::string to_text(const EffectInstance& effect);
 
+/// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC": the same with approach and sensors.
+[[nodiscard]] std::string place_text(const EffectInstance& effect);
+
 /// Sense and code as model files and JSON name them, "" where there is none; the rotation of a set-up is its code.
 [[nodiscard]] std::string_view sense_text(const EffectInstance& effect);
 [[nodiscard]] std::string_view code_text(const EffectInstance& effect);

@@ -10,6 +10,7 @@ EffectDefinition load() {
       .formula = "c m, and c m p",
       .cause = "mass of the workpiece or of a moving part",
       .tells_apart = "changes with the load alone",
+      .headline = "{where} moved by the load, {sizes}",
       .parameters = {{"um_per_kg", "um/kg", "shift"}, {"um_per_kg_m", "um/kg/m", "change of slope"}},
       .carrier = Carrier::none,
       .how = "the unit does not know the load; measure at the load that is used",

@@ -12,6 +12,7 @@ EffectDefinition map_direction_swap() {
       .formula = "map(p, -d) - map(p, d)",
       .cause = "approach sensed with the wrong sign",
       .tells_apart = "the map's own reversal, twice and with opposite sign",
+      .headline = "{map} applied with forward and reverse tables exchanged",
       .carrier = Carrier::parameters,
       .how = "a setting of the unit: put it right and measure again",
       .separated_by = separations::kCompensationOff,

@@ -12,6 +12,7 @@ EffectDefinition map_gain() {
       .formula = "(g - 1) x map",
       .cause = "D/A scaling or unit of the map wrong",
       .tells_apart = "in proportion to the uploaded map",
+      .headline = "{map} applied {gain} times its size",
       .parameters = {{.name = "gain", .unit = "", .meaning = "1 = right", .neutral = 1.0}},
       .carrier = Carrier::parameters,
       .how = "the output scale",

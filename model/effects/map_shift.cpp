@@ -44,6 +44,7 @@ EffectDefinition map_shift() {
       .formula = "map(p + delta) - map(p)",
       .cause = "datum of the map and of the machine differ",
       .tells_apart = "has the shape of the map's own slope",
+      .headline = "{map} applied {shift_mm} off its place",
       .parameters = {{"shift_mm", "mm", "shift", Coding::searched}},
       .carrier = Carrier::parameters,
       .how = "the reference position",

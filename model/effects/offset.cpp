@@ -11,6 +11,7 @@ EffectDefinition offset() {
       .formula = "c",
       .cause = "datum or laser zero shifted",
       .tells_apart = "the same everywhere and always",
+      .headline = "{where} all shifted by {um}",
       .parameters = {{"um", "um", "shift"}},
       .carrier = Carrier::error_map,
       .how = "a constant in the map, or the datum's null offset",

@@ -11,6 +11,7 @@ EffectDefinition progressive() {
       .formula = "s(p)",
       .cause = "wear of screw or guideway, form of the guideway",
       .tells_apart = "a smooth curve over position, the same in both approaches, with no single period",
+      .headline = "{where} with a smooth error along the travel, {rms_um} rms",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

@@ -11,6 +11,7 @@ EffectDefinition scale() {
       .formula = "k p",
       .cause = "screw lead or scale factor wrong",
       .tells_apart = "grows with position; constant in time and temperature",
+      .headline = "{where} with a scale error of {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "slope"}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

@@ -10,6 +10,7 @@ EffectDefinition servo_lag() {
       .formula = "c feed d",
       .cause = "readings taken on the fly lag behind",
       .tells_apart = "changes sign with the approach and grows with the feed",
+      .headline = "{where} read on the fly with a following error of {um_per_m_min}",
       .parameters = {{"um_per_m_min", "um/(m/min)", "lag"}},
       .carrier = Carrier::set_up,
       .how = "the drive's gain; readings at rest do not show it",

@@ -44,6 +44,7 @@ EffectDefinition set_up_rotation() {
       .formula = "EC: EX -c y, EY +c x; EA, EB cyclically",
       .cause = "plate, artefact or straight edge set up turned, not parallel to the axes",
       .tells_apart = "two directions lean equally and oppositely; changes with the set-up, not with the machine",
+      .headline = "Set-up turned about {turn} by {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "angle"}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: align the artefact, or take the rotation out of its readings",

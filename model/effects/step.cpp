@@ -35,6 +35,7 @@ EffectDefinition step() {
       .formula = "h [p > p0]",
       .cause = "joint between two pieces of scale, damaged screw",
       .tells_apart = "a jump at one place, level on both sides",
+      .headline = "{where} with a step of {height_um}, {position_mm} from the datum",
       .parameters = {{"height_um", "um", "jump"},
                      {"position_mm", "mm", "place of the jump, from the datum", Coding::searched}},
       .carrier = Carrier::error_map,

@@ -47,6 +47,7 @@ EffectDefinition thermal_bend() {
       .formula = "c p^2 (T1 - T2), across the axis",
       .cause = "column or bed bent by a temperature difference between its sides",
       .tells_apart = "a parabola across the axis that follows the difference of two sensors",
+      .headline = "{where} bent by {um_per_m2_degC} between {sensor} and {sensor2}",
       .parameters = {{"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::none,
       .how = "the unit has no temperature input",

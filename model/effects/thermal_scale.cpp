@@ -12,6 +12,7 @@ EffectDefinition thermal_scale() {
       .formula = "alpha p (T - 20)",
       .cause = "screw or scale expands with temperature",
       .tells_apart = "a slope that follows the material's temperature",
+      .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
       .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},
       .carrier = Carrier::none,
       .how = "a scale that follows temperature; the unit has no sensor, so set the scale for the working temperature",

@@ -11,6 +11,7 @@ EffectDefinition time_drift() {
       .formula = "c t",
       .cause = "laser head or fixture creeps",
       .tells_apart = "steady in time, whatever the position",
+      .headline = "{where} all drifting in time by {um_per_h}",
       .parameters = {{"um_per_h", "um/h", "rate"}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement, not of the machine",

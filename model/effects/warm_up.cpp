@@ -48,6 +48,7 @@ EffectDefinition warm_up() {
       .formula = "c (1 - exp(-t/tau)), and the same times p",
       .cause = "self-heating without a sensor",
       .tells_apart = "fast at first, then it levels off",
+      .headline = "{where} drifting as the machine warms up, towards {sizes} with a time constant of {tau_s}",
       .parameters = {{"tau_s", "s", "time constant", Coding::searched},
                      {"c_um", "um", "final shift"},
                      {"c_um_per_m", "um/m", "final change of scale"}},

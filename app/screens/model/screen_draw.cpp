@@ -21,15 +21,14 @@ constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next
 
 constexpr int kCauseNumbers = 45;  ///< columns behind the name of a cause
 
-/// "cyclic:X:EX    4.81 -> 0.55 um   98.7 %   false 0.25 %   1 rival"
-ListRow cause_row(const model::Candidate& candidate, double rms_um, int name_columns) {
-  const std::string rivals = candidate.indistinguishable_from.empty()
-                                 ? ""
-                                 : fmt::format("{} rival{}", candidate.indistinguishable_from.size(),
-                                               candidate.indistinguishable_from.size() == 1 ? "" : "s");
-  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {:>5.2g} %  {}",
-                      in_columns(place_text(candidate.effect), name_columns), rms_um, candidate.rms_after_um,
-                      100.0 * candidate.explained, 100.0 * candidate.false_naming, rivals),
+/// "cyclic:X:EX    4.81 > 0.55   98.7 %   < 0.5 %   1 rival"
+ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& diagnosis, int name_columns) {
+  const std::string rivals = candidate.rivals.empty() ? ""
+                                                      : fmt::format("{} rival{}", candidate.rivals.size(),
+                                                                    candidate.rivals.size() == 1 ? "" : "s");
+  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>6.1f} % {:>9}  {}",
+                      in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
+                      100.0 * candidate.explainable_share, chance_text(candidate, diagnosis), rivals),
           candidate.named ? Tone::strong : Tone::plain};
 }
 
@@ -160,8 +159,8 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     return;
   }
   const model::Diagnosis& d = *controller_->diagnosis();
-  const Tone tone = d.verdict == model::Verdict::adequate ? Tone::good : Tone::warning;
-  int row = canvas.paragraph(text, 0, verdict_sentence(d), tone);
+  const Tone tone = d.verdict == model::Verdict::adequate && d.reservation.empty() ? Tone::good : Tone::warning;
+  int row = canvas.paragraph(text, 0, d.headline, tone);
   if (d.candidates.empty()) {
     const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
     draw_scrolled(canvas, wide, sentences_wrapped(owned_lines_of(diagnosis_text(d)), wide.columns), scroll_);
@@ -174,7 +173,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   canvas.text(text, row++, 2, fmt::format("{:<{}} {:>17} explained by chance", "effect:axis:sense", names, "rms um"),
               Tone::faint);
   std::vector<ListRow> rows;
-  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d.rms_um, names));
+  for (const model::Candidate& candidate : d.candidates) rows.push_back(cause_row(candidate, d, names));
   const int list_rows = std::min(static_cast<int>(rows.size()), std::max(2, (text.rows - row) / 3));
   draw_list(canvas, {text.row + row, text.column, list_rows, text.columns}, rows, cause_);
   row += list_rows + 1;
@@ -183,11 +182,11 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Area detail{text.row + row, text.column, text.rows - row, text.columns};
   int at = canvas.paragraph(detail, 0, candidate.because);
   at += canvas.paragraph(detail, at, parameters_text(candidate.parameters), Tone::strong);
-  if (!candidate.indistinguishable_from.empty())
-    at += canvas.paragraph(
-        detail, at,
-        fmt::format("These data cannot tell it from: {}.", fmt::join(candidate.indistinguishable_from, ", ")),
-        Tone::warning);
+  std::vector<std::string> rivals;
+  for (const model::EffectInstance& rival : candidate.rivals) rivals.push_back(place_text(rival));
+  if (!rivals.empty())
+    at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
+                           Tone::warning);
   canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
 }
 

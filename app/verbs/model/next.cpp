@@ -79,7 +79,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   return record_cell("{verdict}{rivals}{proposals}{notes}",
-                     {{"verdict", {name_of(diagnosis.verdict), paragraph(verdict_sentence(diagnosis))}},
+                     {{"verdict", {name_of(diagnosis.verdict), paragraph(diagnosis.headline)}},
                       {"rivals", {next.rivals, rivals_text(next.rivals)}},
                       {"proposals", std::move(proposals)},
                       {"program", text_cell(arguments.program)},

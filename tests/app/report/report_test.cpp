@@ -244,7 +244,8 @@ TEST_CASE("a model is diagnosed; the report gives evidence, prediction and the n
   REQUIRE(r.code == 0);
   CHECK(r.json()["diagnosis"] == "missing_effect");
   const std::string html = content_of(c.page);
-  CHECK(contains(html, "The error model lacks cyclic:X:EX (Periodic error)"));
+  CHECK(contains(html, "X positions with a periodic error of"));
+  CHECK(contains(html, "(cyclic:X:EX"));
   CHECK((contains(html, "period 8.0") || contains(html, "period 7.99")));
   CHECK(contains(html, "\u202fmm, amplitude "));
   CHECK(contains(html, "By the error model"));

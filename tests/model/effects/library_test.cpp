@@ -116,7 +116,7 @@ TEST_CASE("every effect of the library says what it is, in words and units") {
     CHECK(ids.insert(definition.id).second);
     CHECK(effect_named(definition.id) == &definition);
     for (const std::string_view words : {definition.title, definition.formula, definition.cause, definition.tells_apart,
-                                         definition.how, definition.separated_by.sentence})
+                                         definition.headline, definition.how, definition.separated_by.sentence})
       CHECK(!words.empty());
     for (const ParameterDefinition& parameter : definition.parameters) {
       CAPTURE(parameter.name);
