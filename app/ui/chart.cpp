@@ -199,6 +199,18 @@ void draw_legend(Canvas& canvas, const Area& area, const PlotPanel& panel) {
   }
 }
 
+/// Series whose points are places of their own: where there are single readings these, for a curve drawn between them
+/// has points everywhere.
+std::vector<const PlotSeries*> with_places(const PlotPanel& panel) {
+  std::vector<const PlotSeries*> readings, all;
+  for (const PlotSeries& series : panel.series) {
+    all.push_back(&series);
+    if (series.mark == Mark::reading || series.mark == Mark::forward_reading || series.mark == Mark::reverse_reading)
+      readings.push_back(&series);
+  }
+  return readings.empty() ? all : readings;
+}
+
 const PlotPoint* nearest(const PlotSeries& series, double x) {
   const PlotPoint* best = nullptr;
   for (const PlotPoint& p : series.points)
@@ -280,8 +292,8 @@ std::string read_out(const PlotPanel& panel, double x) {
   std::string text;
   double at = x;
   double least = std::numeric_limits<double>::infinity();
-  for (const PlotSeries& series : panel.series)
-    if (const PlotPoint* p = nearest(series, x); p != nullptr && std::abs(p->x - x) < least) {
+  for (const PlotSeries* series : with_places(panel))
+    if (const PlotPoint* p = nearest(*series, x); p != nullptr && std::abs(p->x - x) < least) {
       least = std::abs(p->x - x);
       at = p->x;
     }
@@ -313,8 +325,8 @@ ChartView zoomed(const PlotPanel& panel, const ChartView& view, double factor) {
 
 ChartView stepped(const PlotPanel& panel, const ChartView& view, int direction) {
   std::set<double> places;
-  for (const PlotSeries& series : panel.series)
-    for (const PlotPoint& p : series.points) places.insert(p.x);
+  for (const PlotSeries* series : with_places(panel))
+    for (const PlotPoint& p : series->points) places.insert(p.x);
   ChartView next = view;
   if (places.empty()) return next;
   if (!view.cursor_x) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "commissioning/models/dense_curve.hpp"
 #include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 
@@ -70,15 +71,26 @@ void take(PlotPanel& panel, PlotSeries series) {
 
 constexpr std::array<int, 3> kApproaches{1, -1, 0};
 
-/// Points of every approach first, lines over them.
-void fill(PlotPanel& panel, const Drawn& drawn, const Values& points, const std::string& points_name,
-          const Values* lines, const std::string& lines_name) {
-  const auto named = [](const std::string& name, int approach) {
-    return approach == 0 ? name : fmt::format("{}, {}", name, direction_text(approach));
-  };
-  for (const int approach : kApproaches) take(panel, readings(drawn, points, approach, named(points_name, approach)));
-  if (lines != nullptr)
-    for (const int approach : kApproaches) take(panel, curve(drawn, *lines, approach, named(lines_name, approach)));
+std::string with_direction(const std::string& name, int approach) {
+  return approach == 0 ? name : fmt::format("{}, {}", name, direction_text(approach));
+}
+
+void add_readings(PlotPanel& panel, const Drawn& drawn, const Values& y, const std::string& name) {
+  for (const int approach : kApproaches) take(panel, readings(drawn, y, approach, with_direction(name, approach)));
+}
+
+LineReadings readings_of(const Drawn& drawn, Axis axis, int approach) {
+  LineReadings line{drawn.data, axis, {}};
+  for (const std::size_t k : drawn.rows)
+    if (drawn.data.approach[k] == approach) line.rows.push_back(k);
+  return line;
+}
+
+/// The model of a fit along a line, also between its targets.
+PlotSeries model_curve(const Drawn& drawn, const Fit& fit, Axis axis, int approach, const std::string& name) {
+  const LineReadings line = readings_of(drawn, axis, approach);
+  PlotSeries series{name, line_mark(approach), dense_curve(line, fit.effects, dense_places(line, fit.effects))};
+  return series.points.empty() ? curve(drawn, fit.predicted, approach, name) : series;
 }
 
 Values along(const Observations& data, Axis axis) {
@@ -87,9 +99,9 @@ Values along(const Observations& data, Axis axis) {
   return x;
 }
 
-/// A panel for the terminal: short names, one run or all.
+/// A panel for the terminal: short names, one run or all. @param model  null: means of the points as lines
 PlotPanel panel_of(const Observations& data, const MeasuredLine& line, std::optional<int> run, const Values& points,
-                   const Values& lines, const std::string& title) {
+                   const Fit* model, const std::string& title) {
   std::vector<std::size_t> rows;
   for (const std::size_t k : line.rows)
     if (!run || data.run[k] == *run) rows.push_back(k);
@@ -97,8 +109,11 @@ PlotPanel panel_of(const Observations& data, const MeasuredLine& line, std::opti
   const Drawn drawn{data, rows, x};
   PlotPanel panel{title, fmt::format("{} mm", letter_of(line.axis)), is_rotation(line.sense) ? "um/m" : "um", {}};
   for (const int approach : kApproaches) take(panel, readings(drawn, points, approach, ""));
-  for (const int approach : kApproaches)
-    take(panel, curve(drawn, lines, approach, approach == 0 ? "any" : std::string(direction_text(approach))));
+  for (const int approach : kApproaches) {
+    const std::string name = approach == 0 ? "any" : std::string(direction_text(approach));
+    take(panel, model != nullptr ? model_curve(drawn, *model, line.axis, approach, name)
+                                 : curve(drawn, points, approach, name));
+  }
   return panel;
 }
 
@@ -124,7 +139,20 @@ Values column_named(const Observations& data, const std::string& name) {
 struct Explained {
   Values um;
   std::string effects;
+  Fit after;  ///< with them
 };
+
+/// What the named effects explain along a line, also between its targets.
+PlotSeries explained_curve(const Drawn& drawn, const Fit& before, const Explained& explained, Axis axis, int approach,
+                           const std::string& name) {
+  const LineReadings line = readings_of(drawn, axis, approach);
+  const Values places = dense_places(line, explained.after.effects);
+  PlotSeries series{name, line_mark(approach), dense_curve(line, explained.after.effects, places)};
+  const auto without = dense_curve(line, before.effects, places);
+  if (series.points.empty() || without.empty()) return curve(drawn, explained.um, approach, name);
+  for (std::size_t i = 0; i < without.size(); ++i) series.points[i].y -= without[i].y;
+  return series;
+}
 
 /// The line panels of a figure: readings against model, residual with what explains it.
 PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Explained* explained,
@@ -135,16 +163,29 @@ PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Expla
     const Drawn drawn{data, line.rows, x};
     PlotPanel measured{
         title_of(line), position_label(line.axis), fmt::format("error [{}]", unit_label(line.sense)), {}};
-    fill(measured, drawn, data.reading, "measured", &fit.predicted, "model");
+    add_readings(measured, drawn, data.reading, "measured");
+    for (const int approach : kApproaches)
+      take(measured, model_curve(drawn, fit, line.axis, approach, with_direction("model", approach)));
     PlotPanel left{title_of(line) + ": what the model leaves",
                    position_label(line.axis),
                    fmt::format("residual [{}]", unit_label(line.sense)),
                    {}};
-    fill(left, drawn, fit.residual, "residual", explained != nullptr ? &explained->um : nullptr, "explained");
+    add_readings(left, drawn, fit.residual, "residual");
+    for (const int approach : kApproaches)
+      if (explained != nullptr)
+        take(left, explained_curve(drawn, fit, *explained, line.axis, approach, with_direction("explained", approach)));
     figure.panels.push_back(std::move(measured));
     figure.panels.push_back(std::move(left));
   }
   return figure;
+}
+
+/// Panels of the periodic effects, from number `first` on, each over its period: at most two.
+void add_folded(PlotFigure& figure, const Fit& fit, const Observations& data, std::size_t first) {
+  constexpr std::size_t kMostFolded = 2;
+  std::vector<std::size_t> effects = folding_effects(fit, first);
+  effects.resize(std::min(effects.size(), kMostFolded));
+  for (const std::size_t effect : effects) figure.panels.push_back(folded_panel(fit, data, effect));
 }
 
 /// Panels over the variables, other than positions, on which the residual depends most: at most two.
@@ -157,7 +198,7 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
     const Values x = column_named(data, one.variable);
     if (x.empty() || one.strength < kWorthShowing || added == 2) continue;
     PlotPanel panel{fmt::format("what the model leaves, against {}", one.variable), one.variable, "residual [µm]", {}};
-    fill(panel, {data, rows, x}, fit.residual, "residual", nullptr, "");
+    add_readings(panel, {data, rows, x}, fit.residual, "residual");
     figure.panels.push_back(std::move(panel));
     ++added;
   }
@@ -188,12 +229,12 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
     if (const auto value = effect.fitted.find(searched); value != effect.fitted.end())
       effect.parameters[searched] = value->second;
     with.effects.push_back(std::move(effect));
-    names.push_back(to_text(candidate.effect));
+    names.push_back(place_text(candidate.effect));
   }
   if (names.empty()) return std::optional<Explained>();
   const auto after = model::fit(with, data, options);
   if (!after) return tl::unexpected(after.error());
-  Explained explained{{}, fmt::format("{}", fmt::join(names, " + "))};
+  Explained explained{{}, fmt::format("{}", fmt::join(names, " + ")), *after};
   for (std::size_t k = 0; k < data.size(); ++k) explained.um.push_back(after->predicted[k] - before.predicted[k]);
   return std::optional(std::move(explained));
 }
@@ -202,16 +243,18 @@ Result<std::optional<Explained>> explained_by(const model::Model& model, const O
 
 PlotPanel measured_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
   return panel_of(
-      data, line, run, data.reading, fit.predicted,
+      data, line, run, data.reading, &fit,
       fmt::format("{}{}: measured (dots), model (lines)", title_of(line), run ? fmt::format(", run {}", *run) : ""));
 }
 
 PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line, std::optional<int> run) {
-  return panel_of(data, line, run, fit.residual, fit.residual, "what the model leaves");
+  return panel_of(data, line, run, fit.residual, nullptr, "what the model leaves");
 }
 
 PlotFigure fit_figure(const Fit& fit, const Observations& data, const std::string& title) {
-  return figure_of_lines(fit, data, nullptr, title);
+  PlotFigure figure = figure_of_lines(fit, data, nullptr, title);
+  add_folded(figure, fit, data, 0);
+  return figure;
 }
 
 Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observations& data,
@@ -225,6 +268,7 @@ Result<PlotFigure> diagnosis_figure(const model::Model& model, const Observation
                                   diagnosis.noise.noise_um);
   if (*explained) title += fmt::format("; explained by {}", (*explained)->effects);
   PlotFigure figure = figure_of_lines(*fit, data, *explained ? &**explained : nullptr, title);
+  if (*explained) add_folded(figure, (*explained)->after, data, fit->effects.size());
   add_variables(figure, *fit, data, diagnosis);
   return figure;
 }

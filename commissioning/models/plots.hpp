@@ -17,7 +17,8 @@ namespace ecs::commissioning {
 [[nodiscard]] PlotPanel residual_panel(const model::Observations& data, const model::Fit& fit, const MeasuredLine& line,
                                        std::optional<int> run = {});
 
-/// The lines with the largest residuals: readings against model, and the residual.
+/// The lines with the largest residuals: readings against model, and the residual; each periodic effect over its
+/// period.
 [[nodiscard]] PlotFigure fit_figure(const model::Fit& fit, const model::Observations& data, const std::string& title);
 
 /// The same with what the named effects of a diagnosis would explain of the residual, and the residual against the

@@ -208,10 +208,13 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 /// What the candidate does alone beside the model.
 std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
-  if (!explains_alone(candidate, diagnosis)) {
+  const bool explains = explains_alone(candidate, diagnosis);
+  const bool fell = falls(candidate.kept_rms_before_um, candidate.kept_rms_after_um);
+  if (!explains && !(candidate.named && fell && held_out_falls(candidate))) {
     const double share = std::max(0.0, share_alone(candidate));
-    return fmt::format("Alone it explains {} of the residual{}", percent(share),
-                       share < kLeastShareSaid ? ", which is no evidence" : ", no more than noise would");
+    return fmt::format(
+        "Alone it explains {} of the residual{}", percent(share),
+        share < kLeastShareSaid ? ", too little to be evidence by itself" : ", no more than noise would");
   }
   std::string text =
       fmt::format("With it the residual{} falls from {:.3g} to {:.3g} um rms ({} explained; noise {:.3g} um)",
@@ -222,7 +225,7 @@ std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosi
                         *candidate.held_out_rms_before_um, *candidate.held_out_rms_um);
   else if (candidate.held_out_rms_um)
     return text + "; alone it does not predict readings that it was not fitted to";
-  return text + chance_text(candidate, diagnosis);
+  return explains ? text + chance_text(candidate, diagnosis) : text;
 }
 
 /// What all named effects do where this one alone does not prove itself.

@@ -1,0 +1,149 @@
+// Sentences about a diagnosis: what the first line says, and that no sentence contradicts its own numbers.
+#include "model/diagnosis/words.hpp"
+
+#include <chrono>
+#include <regex>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/folder.hpp"
+#include "tests/support/hidden_cases.hpp"
+#include "tests/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+ParameterEstimate estimate(std::string name, std::string unit, double value) {
+  return {std::move(name), std::move(unit), value, {}, false, false};
+}
+
+EffectInstance screw_wave(double period_mm) {
+  EffectInstance one = effect(effects::cyclic, Axis::X, Sense::EX);
+  one.fitted["period_mm"] = period_mm;
+  return one;
+}
+
+/// Every pair of numbers that a sentence calls a fall.
+void check_falls(const std::string& because) {
+  static const std::regex fall(R"((?:falls|fitted to|residual) from (\S+) to (\S+) um)");
+  for (std::sregex_iterator one(because.begin(), because.end(), fall), end; one != end; ++one)
+    CHECK_MESSAGE(std::stod((*one)[1]) > std::stod((*one)[2]), because);
+}
+
+void check_sentences(const Diagnosis& found) {
+  CHECK(!found.headline.empty());
+  std::set<std::string> named;
+  for (const Candidate& candidate : found.candidates) {
+    const std::string& because = candidate.because;
+    const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
+    check_falls(because);
+    if (has(because, "in none of")) CHECK_MESSAGE(1.0 - after * after / (before * before) >= 0.01, because);
+    if (has(because, "Together with")) CHECK(candidate.named);
+    if (!candidate.named) continue;
+    const std::string place = place_text(candidate.effect);
+    CHECK_MESSAGE(has(found.headline, "(" + place), found.headline);
+    const auto period = candidate.effect.fitted.find("period_mm");
+    const double value = period == candidate.effect.fitted.end() ? 0.0 : period->second;
+    CHECK_MESSAGE(named.insert(place + std::to_string(value)).second, found.headline);
+    for (const EffectInstance& rival : candidate.rivals) CHECK_FALSE(same_candidate(rival, candidate.effect));
+  }
+  if (found.verdict == Verdict::adequate && !found.reservation.empty())
+    CHECK_FALSE(has(found.headline, "The model is adequate"));
+}
+
+Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
+  const Folder folder;
+  for (const auto& [name, content] : files_of(hidden)) (void)folder.with(name, content);
+  const auto model = read_model(folder / "model.toml");
+  const auto set = laser::read_measurement_set(folder / "data.csv");
+  const auto machine = params::read_machine(folder / "machine.toml");
+  REQUIRE(model);
+  REQUIRE(set);
+  REQUIRE(machine);
+  DiagnoseOptions options;
+  options.noise_replicates = 50;
+  const auto found = diagnose(*model, observations_of(*set, *model, machine->machine), options);
+  REQUIRE(found);
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("a finding says cause, size and place; a period that is a pitch of the machine says so") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  EffectInstance wave = screw_wave(10.003);
+  wave.approach = ApproachMode::forward;
+  const std::vector<ParameterEstimate> parameters{estimate("period_mm", "mm", 10.003),
+                                                  estimate("amplitude_um", "um", 6.83)};
+  CHECK(finding_text(wave, parameters, data) ==
+        "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward");
+  CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate("um", "um", -5.17)}, data) ==
+        "X positions with a lost motion of -5.2 um at reversal");
+}
+
+TEST_CASE("every effect of the library has a finding without holes") {
+  const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
+  for (const EffectDefinition& definition : effect_library()) {
+    EffectInstance one = effect(&definition, Axis::X, Sense::EX);
+    one.name = "spindle";
+    one.sensor = "t_spindle_degC";
+    one.sensor2 = "t_bed_degC";
+    if (definition.has_lever()) one.code = definition.place == Place::squareness ? Component::C0Y : Component::ECX;
+    std::vector<ParameterEstimate> parameters;
+    for (const ParameterDefinition& parameter : definition.parameters)
+      parameters.push_back(estimate(std::string(parameter.name), std::string(parameter.unit), 12.34));
+    const std::string text = finding_text(one, parameters, data);
+    CAPTURE(text);
+    CHECK(text.size() > 15);
+    for (const char* hole : {"unknown amount", "  ", "{", "}", "nan"}) CHECK_FALSE(has(text, hole));
+  }
+}
+
+TEST_CASE("a bad run is the first thing that is said") {
+  const Diagnosis found =
+      diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) { return r.run == 2 ? 3.0 : 0.0; }));
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  CHECK_MESSAGE(found.headline.starts_with("Run 2 "), found.headline);
+}
+
+TEST_CASE("too few readings, or even targets without a pitch, are said in place of adequate") {
+  Plan few;
+  few.targets = 2;
+  few.runs = 1;
+  CHECK(has(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
+
+  laser::MeasurementSet set = measured({}, kNoise_um, nothing);
+  for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+  const auto found = diagnose(straight(), observations_of(set, straight(), std::nullopt));
+  REQUIRE(found);
+  CHECK(found->verdict == Verdict::adequate);
+  CHECK_MESSAGE(found->headline.starts_with("Periods below 50 mm along X cannot be told"), found->headline);
+}
+
+TEST_CASE("two causes of which each needs the other are proved together") {
+  const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) {
+                                      return 1.5 * d(r) + 4.0 * std::sin(2.0 * 3.14159265358979 * p(r) / 90.0);
+                                    }));
+  REQUIRE(found.verdict == Verdict::missing_effect);
+  check_sentences(found);
+}
+
+TEST_CASE("no sentence contradicts its own numbers in the answers of hidden cases") {
+  using ecs::emulator::CaseKind;
+  constexpr std::uint64_t kFirstSeed = 770'001;
+  constexpr int kFewest = 10, kMost = 400;
+  constexpr std::chrono::seconds kLongest{20};
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kMost && (i < kFewest || std::chrono::steady_clock::now() - begin < kLongest); ++i) {
+    const auto kind = static_cast<CaseKind>(i % 5);
+    auto request = ecs::emulator::test::request_for(kFirstSeed + static_cast<std::uint64_t>(i), kind);
+    CAPTURE(request.seed);
+    check_sentences(answer_for(ecs::emulator::test::case_of(request)));
+  }
+}
