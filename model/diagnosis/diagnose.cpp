@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -313,8 +314,37 @@ std::string why_not_explained(const Found& found) {
       most->variable, kPercent * found.structure_p_after);
 }
 
+/// A run whose mean residual is twice as far from the median of the runs as that of any other; three runs or more.
+std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& residual) {
+  constexpr double kAlone = 2.0;
+  std::map<int, std::pair<double, double>> sums;  // by run: residual, readings
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    sums[data.run[k]].first += residual(static_cast<Index>(k));
+    sums[data.run[k]].second += 1.0;
+  }
+  if (sums.size() < 3) return std::nullopt;
+  std::vector<double> means;
+  for (const auto& [run, sum] : sums) means.push_back(sum.first / sum.second);
+  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2), means.end());
+  const double median = means[means.size() / 2];
+  OddPass farthest;
+  double next = 0.0;
+  for (const auto& [run, sum] : sums) {
+    const double off = sum.first / sum.second - median;
+    if (std::abs(off) > std::abs(farthest.off_um)) {
+      next = std::abs(farthest.off_um);
+      farthest = {run, off};
+    } else {
+      next = std::max(next, std::abs(off));
+    }
+  }
+  if (std::abs(farthest.off_um) <= kAlone * next) return std::nullopt;
+  return farthest;
+}
+
 /// What the headline begins with where a run is bad or nearly explains what an effect does; "" where none does.
-std::string bad_run_text(const Found& found) {
+std::string bad_run_text(const ReportInput& in, const Diagnosis& diagnosis) {
+  const Found& found = in.found;
   const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
   if (found.noisy)
     return first(
@@ -325,6 +355,10 @@ std::string bad_run_text(const Found& found) {
   if (found.bad_run)
     return first(fmt::format("Run {} differs from the other runs: its offset explains as much as any effect does",
                              found.bad_run->run));
+  if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty() &&
+      diagnosis.where.front().variable == "run")
+    if (const auto run = farthest_run(in.regressors.data(), in.base.residual))
+      return first(fmt::format("Run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
   if (found.run_note.empty()) return "";
   std::string note = found.run_note;
   note.front() = 'A';  // "an offset of run 3 …"
@@ -423,7 +457,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
     describe_what_is_left(diagnosis, data, after.residual, left_out);
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   diagnosis.reservation = reservation_for(data);
-  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found));
+  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in, diagnosis));
   return diagnosis;
 }
 

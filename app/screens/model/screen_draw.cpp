@@ -26,7 +26,7 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
   const std::string rivals = candidate.rivals.empty() ? ""
                                                       : fmt::format("{} rival{}", candidate.rivals.size(),
                                                                     candidate.rivals.size() == 1 ? "" : "s");
-  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>6.1f} % {:>9}  {}",
+  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} % {:>8}  {}",
                       in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
                       100.0 * candidate.explainable_share, chance_text(candidate, diagnosis), rivals),
           candidate.named ? Tone::strong : Tone::plain};
