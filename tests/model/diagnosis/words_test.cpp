@@ -17,7 +17,7 @@ using namespace ecs::model::test;
 
 namespace {
 
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+bool contains_text(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 ParameterEstimate estimate(std::string name, std::string unit, double value) {
   return {std::move(name), std::move(unit), value, {}, false, false};
@@ -43,18 +43,18 @@ void check_sentences(const Diagnosis& found) {
     const std::string& because = candidate.because;
     const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
     check_falls(because);
-    if (has(because, "in none of")) CHECK_MESSAGE(1.0 - after * after / (before * before) >= 0.01, because);
-    if (has(because, "Together with")) CHECK(candidate.named);
+    if (contains_text(because, "in none of")) CHECK_MESSAGE(1.0 - after * after / (before * before) >= 0.01, because);
+    if (contains_text(because, "Together with")) CHECK(candidate.named);
     if (!candidate.named) continue;
     const std::string place = place_text(candidate.effect);
-    CHECK_MESSAGE(has(found.headline, "(" + place), found.headline);
+    CHECK_MESSAGE(contains_text(found.headline, "(" + place), found.headline);
     const auto period = candidate.effect.fitted.find("period_mm");
     const double value = period == candidate.effect.fitted.end() ? 0.0 : period->second;
     CHECK_MESSAGE(named.insert(place + std::to_string(value)).second, found.headline);
     for (const EffectInstance& rival : candidate.rivals) CHECK_FALSE(same_candidate(rival, candidate.effect));
   }
   if (found.verdict == Verdict::adequate && !found.reservation.empty())
-    CHECK_FALSE(has(found.headline, "The model is adequate"));
+    CHECK_FALSE(contains_text(found.headline, "The model is adequate"));
 }
 
 Diagnosis answer_for(const ecs::emulator::HiddenCase& hidden) {
@@ -101,7 +101,7 @@ TEST_CASE("every effect of the library has a finding without holes") {
     const std::string text = finding_text(one, parameters, data);
     CAPTURE(text);
     CHECK(text.size() > 15);
-    for (const char* hole : {"unknown amount", "  ", "{", "}", "nan"}) CHECK_FALSE(has(text, hole));
+    for (const char* hole : {"unknown amount", "  ", "{", "}", "nan"}) CHECK_FALSE(contains_text(text, hole));
   }
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("too few readings, or even targets without a pitch, are said in place 
   Plan few;
   few.targets = 2;
   few.runs = 1;
-  CHECK(has(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
+  CHECK(contains_text(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
 
   laser::MeasurementSet set = measured({}, kNoise_um, nothing);
   for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
