@@ -49,6 +49,7 @@ bool line(Mark mark) { return mark == Mark::forward || mark == Mark::reverse || 
 
 Tone tone_of(Mark mark) { return forward(mark) ? Tone::forward : (reverse(mark) ? Tone::reverse : Tone::plain); }
 char32_t glyph_of(Mark mark, Glyphs glyphs) {
+  if (mark == Mark::value) return glyphs == Glyphs::ascii ? U'*' : U'●';
   if (glyphs == Glyphs::ascii) return forward(mark) ? U'^' : (reverse(mark) ? U'v' : U'o');
   return forward(mark) ? U'▲' : (reverse(mark) ? U'▼' : U'○');
 }

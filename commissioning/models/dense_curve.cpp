@@ -16,6 +16,8 @@ namespace {
 using model::EffectFit;
 using model::Observations;
 
+/// Periods that a panel of some 400 dots can show: eight dots each.
+constexpr double kMostPeriods = 50.0;
 /// Points of a curve: one a picture's column at least, twelve in the shortest period, and no more than a file may hold.
 constexpr double kLeastPlaces = 400.0, kPlacesAPeriod = 12.0, kMostPlaces = 4000.0;
 /// Predictions for one curve at the utmost: a tenth of a second.
@@ -75,6 +77,16 @@ bool acts_on(const model::EffectInstance& effect, const Observations& data, std:
 }
 
 }  // namespace
+
+bool can_be_seen(const LineReadings& line, const std::vector<EffectFit>& effects) {
+  const auto targets = rows_by_target(line);
+  if (targets.empty()) return true;
+  const double width = targets.rbegin()->first - targets.begin()->first;
+  return std::none_of(effects.begin(), effects.end(), [&](const EffectFit& effect) {
+    const auto period = period_of(effect);
+    return period && effect.effect.axis == line.axis && width > kMostPeriods * *period;
+  });
+}
 
 std::vector<double> dense_places(const LineReadings& line, const std::vector<EffectFit>& effects) {
   std::vector<double> targets;

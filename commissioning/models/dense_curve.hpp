@@ -21,6 +21,10 @@ struct LineReadings {
 /// period of `effects` along the axis is seen, up to some thousands.
 [[nodiscard]] std::vector<double> dense_places(const LineReadings& line, const std::vector<model::EffectFit>& effects);
 
+/// Whether a picture can show the shortest period of `effects` along the axis: more than some dozens over the travel
+/// fill it.
+[[nodiscard]] bool can_be_seen(const LineReadings& line, const std::vector<model::EffectFit>& effects);
+
 /// The model at these places: between two targets with the conditions of the readings at both, weighed by distance, so
 /// that at a target it is the mean over its readings. Empty where the model cannot be evaluated there.
 /// @param places_mm  inside the targets, ascending

@@ -86,9 +86,17 @@ LineReadings readings_of(const Drawn& drawn, Axis axis, int approach) {
   return line;
 }
 
-/// The model of a fit along a line, also between its targets.
+/// Means of the targets, not joined: a line would show waves that are none.
+PlotSeries at_targets(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
+  PlotSeries series = curve(drawn, y, approach, name + " at the targets");
+  series.mark = Mark::value;
+  return series;
+}
+
+/// The model of a fit along a line, also between its targets; at the targets alone where its waves are too many to see.
 PlotSeries model_curve(const Drawn& drawn, const Fit& fit, Axis axis, int approach, const std::string& name) {
   const LineReadings line = readings_of(drawn, axis, approach);
+  if (!can_be_seen(line, fit.effects)) return at_targets(drawn, fit.predicted, approach, name);
   PlotSeries series{name, line_mark(approach), dense_curve(line, fit.effects, dense_places(line, fit.effects))};
   return series.points.empty() ? curve(drawn, fit.predicted, approach, name) : series;
 }
@@ -146,6 +154,7 @@ struct Explained {
 PlotSeries explained_curve(const Drawn& drawn, const Fit& before, const Explained& explained, Axis axis, int approach,
                            const std::string& name) {
   const LineReadings line = readings_of(drawn, axis, approach);
+  if (!can_be_seen(line, explained.after.effects)) return at_targets(drawn, explained.um, approach, name);
   const Values places = dense_places(line, explained.after.effects);
   PlotSeries series{name, line_mark(approach), dense_curve(line, explained.after.effects, places)};
   const auto without = dense_curve(line, before.effects, places);

@@ -153,7 +153,9 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data) 
     std::string text = finding_text(candidate.effect, candidate.parameters, data);
     const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
     if (candidate.effect.traits().periodic && values != candidate.parameters_set.end() && values->second.size() > 1)
-      text += fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
+      text += values->second.size() == 2
+                  ? ", or another period that fits as well"
+                  : fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
     findings.push_back(fmt::format("{} ({})", text, ids_text(candidate, diagnosis)));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));

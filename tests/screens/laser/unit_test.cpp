@@ -18,7 +18,7 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
     driver.type("\n");  // Enter is no yes
     CHECK(driver.seen().find("Send the map to") != std::string::npos);
     driver.type("y");
-    REQUIRE(driver.shows("and read back"));
+    REQUIRE(driver.shows("and verified"));
     CHECK(driver.controller().mark(LaserStep::send) == LaserMark::done);
     driver.type("9\n");
     REQUIRE(driver.shows("the unit holds this map and its parameters"));
@@ -42,7 +42,7 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   driver.type("\n");
   REQUIRE(driver.shows("Send the map to"));
   driver.type("y");
-  REQUIRE(driver.shows("and read back"));
+  REQUIRE(driver.shows("and verified"));
   const std::uint32_t old_check = driver.controller().sent()->check;
 
   driver.controller().change("finer", [](LaserChoices& c) {
