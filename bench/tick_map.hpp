@@ -30,6 +30,7 @@ inline std::vector<std::uint8_t> full_image(std::uint32_t values) {
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
+  write_identity(image, {"BENCH", "bench", configuration_hash(parameters)});
   for (std::uint32_t t = 0; t < kMostTables; ++t) {
     const Approach approach = t % 2 == 0 ? Approach::forward : Approach::reverse;
     write_entry(image, t,

@@ -64,10 +64,13 @@ class Dots {
   [[nodiscard]] int width() const { return area_.columns * across_; }
   [[nodiscard]] int height() const { return area_.rows * down_; }
 
+  [[nodiscard]] std::size_t number_of(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(area_.columns) + static_cast<std::size_t>(column);
+  }
   void set(int x, int y, Tone tone) {
     if (x < 0 || y < 0 || x >= width() || y >= height()) return;
     static constexpr std::array<std::array<std::uint8_t, 2>, 4> kBits{{{1, 8}, {2, 16}, {4, 32}, {64, 128}}};
-    Dot& dot = cells_[static_cast<std::size_t>(y / down_ * area_.columns + x / across_)];
+    Dot& dot = cells_[number_of(y / down_, x / across_)];
     dot.bits = static_cast<std::uint8_t>(
         dot.bits | (down_ == 1 ? 1 : kBits[static_cast<std::size_t>(y % 4)][static_cast<std::size_t>(x % 2)]));
     dot.tone = tone;
@@ -86,7 +89,7 @@ class Dots {
   void draw(Canvas& canvas) const {
     for (int r = 0; r < area_.rows; ++r)
       for (int c = 0; c < area_.columns; ++c) {
-        const Dot& dot = cells_[static_cast<std::size_t>(r * area_.columns + c)];
+        const Dot& dot = cells_[number_of(r, c)];
         if (dot.bits == 0) continue;
         canvas.put(area_.row + r, area_.column + c, down_ == 1 ? U'.' : U'\u2800' + dot.bits, dot.tone);
       }
