@@ -23,6 +23,7 @@ using namespace ecs::protocol;
 using Image = std::vector<std::uint8_t>;
 
 constexpr const char* kSerialNumber = "MCM-0107";
+constexpr std::uint8_t kModules = 2;  ///< a module holds 32,000 values, 64 KiB of them a few more
 constexpr const char* kMillMap = "samples/memory/mill_format_1.image";
 
 /// A unit in integration mode on a paced line, served by a thread of its own.
@@ -32,7 +33,7 @@ class Bench {
     thread_ = std::thread([this] {
       emulator::UnitSettings settings;
       settings.serial_number = kSerialNumber;
-      settings.memory_modules = 2;
+      settings.memory_modules = kModules;
       settings.link = emulator::LinkSense::integrate;
       emulator::Unit unit(settings);
       unit.power(true);
@@ -116,8 +117,10 @@ Image noise_map(std::uint32_t bytes) {
   Image image(image_bytes(plan));
   std::mt19937 random(1);
   begin_image(image, plan);
-  write_parameters(image, UnitParameters{});
-  write_identity(image, {kSerialNumber, "noise", configuration_hash(UnitParameters{})});
+  UnitParameters parameters;
+  parameters.memory_modules = kModules;
+  write_parameters(image, parameters);
+  write_identity(image, {kSerialNumber, "noise", configuration_hash(parameters)});
   write_entry(image, 0, {Component::EXX, Approach::unknown, false, 0, values, 0.0, 1.0, 0.01});
   for (std::uint32_t i = 0; i < values; ++i) write_value(image, i, static_cast<std::int16_t>(random()));
   write_header(image, std::string(plan.header_bytes, '#'));
