@@ -41,8 +41,9 @@ Choices memory_choices(const Connection& connection) {
   return {{"VIEW MEMORY", "bytes with their names; find, compare, write with undo, dump",
            [connection] { return std::make_unique<MemoryScreen>(connection); }}};
 }
-Choices model_choices(const Connection& /*connection*/) {
-  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall", [] { return model_form(); }}};
+Choices model_choices(const Connection& connection) {
+  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall, the map to the unit",
+           [connection] { return model_form(connection); }}};
 }
 
 /// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.

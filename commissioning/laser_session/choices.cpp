@@ -81,15 +81,16 @@ LaserChoices choices_of(const Json& object) {
   choices.scope = object.at("scope").get<std::string>();
   choices.header = header_in(object.at("header"));
   choices.map_file = object.at("map").get<std::string>();
+  choices.opened_map = object.value("opened_map", "");
   return choices;
 }
 
 }  // namespace
 
 std::string choices_text(const LaserChoices& choices) {
-  Json object{{"files", Json::array()},        {"lines", Json::object()}, {"components", Json::object()},
-              {"params", choices.params_file}, {"scope", choices.scope},  {"header", json_of(choices.header)},
-              {"map", choices.map_file}};
+  Json object{{"files", Json::array()},        {"lines", Json::object()},         {"components", Json::object()},
+              {"params", choices.params_file}, {"scope", choices.scope},          {"header", json_of(choices.header)},
+              {"map", choices.map_file},       {"opened_map", choices.opened_map}};
   for (const LaserFileChoice& file : choices.files)
     object["files"].push_back({{"path", file.path}, {"answers", given_answers(file.answers)}});
   for (const auto& [key, line] : choices.lines)

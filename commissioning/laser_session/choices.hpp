@@ -47,6 +47,7 @@ struct LaserChoices {
   std::vector<LaserFileChoice> files;
   std::map<std::string, LaserLineChoice> lines;            ///< by LaserLine::key
   std::map<std::string, LaserComponentChoice> components;  ///< by code
+  std::string opened_map;  ///< an error map taken as it is, in place of one from the lines; empty: none
   std::string params_file;
   std::string scope;  ///< "linear", "planar", "volumetric"; empty: as in the parameters
   LaserHeaderChoice header;

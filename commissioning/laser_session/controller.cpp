@@ -77,6 +77,20 @@ void LaserController::change(const std::string& what, const std::function<void(L
   work_out(false);
 }
 
+void LaserController::open_map(const std::string& file) {
+  change(fmt::format("the map {} opened", std::filesystem::path(file).filename().string()), [&](LaserChoices& c) {
+    c.opened_map = file;
+    c.map_file = file;
+    c.files.clear();
+    std::error_code error;
+    const std::string beside = files_of_map(file).parameters;
+    if (std::filesystem::exists(beside, error)) c.params_file = beside;
+  });
+  message_.say(choices_.params_file.empty()
+                   ? "map opened; p takes the parameters of the unit, step 8 sends both"
+                   : fmt::format("map opened, with the parameters {}; step 8 sends both", choices_.params_file));
+}
+
 void LaserController::undo() {
   if (past_.empty()) {
     message_.say("nothing to undo", Tone::warning);
@@ -170,7 +184,7 @@ LaserMark LaserController::mark(LaserStep step) const {
   const auto any_line = [&](auto&& is) { return std::any_of(w.lines.begin(), w.lines.end(), is); };
   switch (step) {
     case LaserStep::files:
-      if (w.files.empty()) return LaserMark::open;
+      if (w.files.empty()) return w.choices.opened_map.empty() ? LaserMark::open : LaserMark::done;
       return done_unless(std::any_of(w.files.begin(), w.files.end(), [](const LaserFile& f) { return !f.set; }));
     case LaserStep::lines:
       if (w.lines.empty()) return LaserMark::open;
@@ -228,7 +242,10 @@ bool LaserController::would_overwrite() const {
   std::error_code error;
   const MapFiles files = files_of_map(choices_.map_file);
   const auto there = [&](const std::filesystem::path& file) { return std::filesystem::exists(file, error); };
-  return saved_file_ != choices_.map_file && (there(files.map) || there(files.parameters) || there(files.recipe));
+  if (saved_file_ == choices_.map_file) return false;
+  if (choices_.opened_map == files.map)  // a change in place, if its parameters are those beside it
+    return choices_.params_file != files.parameters && there(files.parameters);
+  return there(files.map) || there(files.parameters) || there(files.recipe);
 }
 
 bool LaserController::idle() {
@@ -269,7 +286,8 @@ void LaserController::save() {
     if (!saved) return say_failed("saving", saved.error());
     take_saved(*saved);
     const MapFiles& files = saved->files;
-    message_.say(fmt::format("saved: {}, its parameters {}, the recipe {}", files.map, files.parameters, files.recipe));
+    const std::string recipe = choices_.opened_map.empty() ? ", the recipe " + files.recipe : "";
+    message_.say(fmt::format("saved: {}, its parameters {}{}", files.map, files.parameters, recipe));
   });
 }
 

@@ -26,11 +26,7 @@ void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& read
   if (attempt.sent) {
     sent_ = *attempt.sent;
     sent_csv_ = saved_csv_;
-    message_.say(sent_->report.already_held
-                     ? fmt::format("unit {} holds this map already: nothing was sent, block check {:08X}",
-                                   sent_->identity.serial_number, sent_->check)
-                     : fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, block check {:08X}",
-                                   sent_->identity.serial_number, sent_->report.bytes, sent_->seconds, sent_->check));
+    message_.say(sent_text(*sent_));
     return;
   }
   next_look_ = Clock::now() + kBetweenLooks;

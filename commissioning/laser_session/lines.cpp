@@ -13,6 +13,7 @@
 #include "commissioning/measurements/import_profile.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/import/import.hpp"
+#include "laser/map/csv.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -162,6 +163,12 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   auto imported = read_measurements(choice.path, choice.answers);
   if (!imported) {
     file.problem = to_text(imported.error());
+    if (const auto map = laser::read_map_csv(choice.path)) {
+      file.is_map = true;
+      file.format = "error map";
+      file.summary = fmt::format("{} tables", map->tables.size());
+      return file;
+    }
     const bool explained = file.problem.find("--") != std::string::npos;
     file.wants_answers = imported.error().kind == ProblemKind::usage || explained;
     return file;

@@ -21,6 +21,7 @@ struct LaserFile {
   std::shared_ptr<const laser::MeasurementSet> set;  ///< null: not read
   std::string problem;                               ///< why not
   bool wants_answers = false;                        ///< it would be read with answers
+  bool is_map = false;                               ///< no measurement, but an error map
   PerAxis<bool> position_known{};                    ///< file or answers say where this axis stood
 };
 [[nodiscard]] LaserFile read_laser_file(const LaserFileChoice& choice);

@@ -81,10 +81,13 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
   if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
   const auto recipe = recipe_to_keep(work.recipe, prepared, files.folder);
   if (!recipe) return tl::unexpected(recipe.error());
-  for (const auto& [name, text] : {std::pair{files.map, work.csv}, {files.recipe, recipe_text(*recipe)}})
-    if (const auto written = write_file(name, text); !written) return tl::unexpected(written.error());
-  const auto written = params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
-  if (!written) return tl::unexpected(written.error());
+  if (const auto written = write_file(files.map, work.csv); !written) return tl::unexpected(written.error());
+  if (choices.opened_map.empty())
+    if (const auto kept = write_file(files.recipe, recipe_text(*recipe)); !kept) return tl::unexpected(kept.error());
+  if (const auto written =
+          params::write_parameters(files.parameters, work.built->parameters, work.parameters->identity);
+      !written)
+    return tl::unexpected(written.error());
   return SavedMap{files, work.csv};
 }
 

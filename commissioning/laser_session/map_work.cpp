@@ -79,7 +79,8 @@ std::string from_lines(const LaserAssignment& assignment, Component component) {
   std::vector<std::string> names;
   for (const laser::ComponentRecipe& one : assignment.recipe.components)
     if (one.component == component)
-      for (const fs::path& file : one.files) names.push_back(file.filename().string());
+      for (const fs::path& file : one.files)
+        if (names.empty() || names.back() != file.filename()) names.push_back(file.filename().string());
   return fmt::format("{}", fmt::join(names, " and "));
 }
 
@@ -96,6 +97,13 @@ LaserComponent state_of(const LaserMapWork& work, Component component) {
   if (held != 0.0)
     return {component, ComponentState::in_parameters, fmt::format("{:.2f} um/m in the parameters", held)};
   return out;
+}
+
+void take_components(LaserMapWork& work) {
+  const ComponentSet needed = components_needed(work.parameters->parameters);
+  for (std::size_t k = 0; k < kComponents; ++k)
+    if (needed.contains(static_cast<Component>(k)))
+      work.components.push_back(state_of(work, static_cast<Component>(k)));
 }
 
 /// What the recipe says besides files: slope, smoothing, increments, runs left out, zeros.
@@ -166,7 +174,7 @@ std::string date_of(const std::vector<LaserLine>& lines) {
   bool dated = false;
   for (const LaserLine& line : lines)
     for (const char* key : {"date", "Date"}) {
-      const std::string date = laser::metadata_value(*line.set, key).value_or("");
+      std::string date = laser::metadata_value(*line.set, key).value_or("");
       if (is_iso_date(date)) return date;
       dated = dated || !date.empty();
     }
@@ -250,6 +258,27 @@ std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component, c
   return behind;
 }
 
+namespace {
+
+/// The tables of the file, with what was declared zero since.
+void take_opened_map(LaserMapWork& work, const LaserChoices& choices) {
+  auto map = laser::read_map_csv(choices.opened_map);
+  if (!map) return take_refusal(work, map.error());
+  for (const laser::MapTable& table : map->tables)
+    work.assignment.recipe.components.push_back({table.component, {choices.opened_map}, {}, 0.0, {}, {}});
+  for (const auto& [code, choice] : choices.components)
+    if (const auto component = component_of(code); component && !choice.zero_reason.empty())
+      map->header.declared_zero.push_back({*component, choice.zero_reason});
+  work.recipe.declared_zero = map->header.declared_zero;
+  laser::BuiltMap built{std::move(*map), work.parameters->parameters, {}, {}};
+  work.findings =
+      laser::findings_for(built.map, built.parameters, travels_beside(choices.params_file, *work.parameters));
+  work.csv = laser::to_map_csv(built.map);
+  work.built = std::move(built);
+}
+
+}  // namespace
+
 void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
                      const fs::path& folder) {
   work.built.reset();
@@ -258,6 +287,13 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
   work.components.clear();
   work.csv.clear();
   if (!work.parameters) return;
+  if (!choices.opened_map.empty()) {
+    work.recipe = {};
+    work.assignment = {};
+    take_opened_map(work, choices);
+    take_components(work);
+    return;
+  }
   if (!work.assignment.problem.empty()) work.refusals.push_back(work.assignment.problem);
   work.recipe = full_recipe(work, choices, lines, folder, work.refusals);
   take_header(work, choices, lines);
@@ -276,10 +312,7 @@ void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std:
       work.built = std::move(*built);
     }
   }
-  const ComponentSet needed = components_needed(work.parameters->parameters);
-  for (std::size_t k = 0; k < kComponents; ++k)
-    if (needed.contains(static_cast<Component>(k)))
-      work.components.push_back(state_of(work, static_cast<Component>(k)));
+  take_components(work);
 }
 
 }  // namespace ecs::commissioning

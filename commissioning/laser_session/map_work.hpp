@@ -63,7 +63,7 @@ void assign_lines(LaserMapWork& work, const LaserChoices& choices, const std::ve
 [[nodiscard]] std::vector<std::size_t> lines_behind(const laser::ComponentRecipe& component,
                                                     const std::vector<LaserLine>& lines,
                                                     const std::filesystem::path& folder);
-/// Builds the map and judges it.
+/// Builds the map, or takes the one that was opened, and judges it.
 void build_laser_map(LaserMapWork& work, const LaserChoices& choices, const std::vector<LaserLine>& lines,
                      const std::filesystem::path& folder);
 
@@ -77,8 +77,8 @@ struct SavedMap {
   MapFiles files;
   std::string csv;  ///< of the map
 };
-/// Writes map, parameters with the squareness measured, the recipe that makes the same map with `ecs map build`, and
-/// the files that had to be prepared for it. @pre work.built
+/// A map that was opened has no recipe. Writes map, parameters with the squareness measured, the recipe that makes the
+/// same map with `ecs map build`, and the files that had to be prepared for it. @pre work.built
 [[nodiscard]] Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& choices,
                                               const std::filesystem::path& prepared_folder);
 

@@ -1,9 +1,12 @@
 #include "commissioning/laser_session/unit_work.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/map_checks.hpp"
 #include "core/memory_image.hpp"
+#include "laser/map/coverage.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
@@ -57,6 +60,40 @@ std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
   if (now.uptime_s < then.uptime_s) return "it was restarted";
   if (now.opened_at != then.opened_at) return "the link to it was opened again";
   return {};
+}
+
+std::string unit_text(const WatchedUnit& unit) {
+  if (!unit.open) return "no link to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
+  return fmt::format("{}, serial number {}", unit.emulator ? "EMULATOR" : unit.link,
+                     unit.identity ? unit.identity->serial_number : "?");
+}
+
+Question question_before_sending(const ReadyMap& ready, const WatchedUnit& unit,
+                                 const std::vector<std::string>& remarks) {
+  std::string doubts;
+  if (!remarks.empty())
+    doubts = fmt::format("{}{} {}. ", remarks_counted(remarks.size()),
+                         remarks.size() == 1 ? ":" : ", the first:", remarks.front());
+  if (const auto missing = laser::missing_in(ready.map->header); !missing.empty())
+    doubts += fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
+  const std::string replaced =
+      ready.active ? fmt::format(
+                         "They replace what the unit holds ({}), which it keeps until the new map is whole and "
+                         "checked",
+                         check_text(ready.active))
+                   : "The unit holds no map yet, and takes this one whole or not at all";
+  return {fmt::format("Send the map to {}?", unit_text(unit)),
+          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.", doubts,
+                      ready.map->image.bytes.size(), ready.check, replaced),
+          "send", "not now"};
+}
+
+std::string sent_text(const SentMap& sent) {
+  if (sent.report.already_held)
+    return fmt::format("unit {} holds this map already: nothing was sent, block check {:08X}",
+                       sent.identity.serial_number, sent.check);
+  return fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, block check {:08X}",
+                     sent.identity.serial_number, sent.report.bytes, sent.seconds, sent.check);
 }
 
 Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {
@@ -113,14 +150,23 @@ Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control) {
   return unit.with_link(control, [&](UnitLink& link) { return holding_over(unit, link); });
 }
 
-Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
-  return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
+Result<params::ParametersFile> parameters_of_unit(UnitConnection& unit, JobControl& control) {
+  return unit.with_link(control, [&](UnitLink& link) -> Result<params::ParametersFile> {
     const auto identity = link.client().identity();
     if (!identity) return tl::unexpected(identity.error());
     const auto parameters = receive_parameters(link.client());
     if (!parameters) return tl::unexpected(parameters.error());
-    return params::write_parameters(file, *parameters, {"", identity->serial_number});
+    params::ParametersFile received;
+    received.parameters = *parameters;
+    received.identity.serial_number = identity->serial_number;
+    return received;
   });
+}
+
+Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file) {
+  const auto received = parameters_of_unit(unit, control);
+  if (!received) return tl::unexpected(received.error());
+  return params::write_parameters(file, received->parameters, received->identity);
 }
 
 Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, const ExpectedMap& expected) {

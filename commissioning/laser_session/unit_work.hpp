@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/sent.hpp"
+#include "commissioning/session/message.hpp"
 #include "commissioning/session/task_runner.hpp"
 
 namespace ecs::commissioning {
@@ -53,6 +55,14 @@ struct ExpectedMap {
 
 /// Reads map and parameters from disc, judges them, and asks the unit who it is and whether it has room.
 [[nodiscard]] Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
+/// Asked before sent_map(): to which unit, what it replaces, what speaks against it and does not forbid it.
+/// @param remarks  findings of the map that are no objections
+[[nodiscard]] Question question_before_sending(const ReadyMap& ready, const WatchedUnit& unit,
+                                               const std::vector<std::string>& remarks);
+/// "EMULATOR, serial number 7", "no link to a unit: …"
+[[nodiscard]] std::string unit_text(const WatchedUnit& unit);
+/// "sent to unit 7 and verified: 1234 bytes in 0.2 s, block check 1234ABCD"
+[[nodiscard]] std::string sent_text(const SentMap& sent);
 /// Whole or not at all; the old map stays active until the new one is whole and checked in the unit.
 [[nodiscard]] SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready);
 /// Reads the unit's map back and compares it and the parameters with the files. Refused if the unit was given another
@@ -60,7 +70,9 @@ struct ExpectedMap {
 [[nodiscard]] Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, const MapFiles& files);
 /// Who the unit is and what is active in it: a few short transfers.
 [[nodiscard]] Result<UnitHolding> holding_of_unit(UnitConnection& unit, JobControl& control);
-/// The parameters that the unit holds, written into a file, with the unit's serial number as whose they are.
+/// The parameters that the unit holds, with its serial number as whose they are.
+[[nodiscard]] Result<params::ParametersFile> parameters_of_unit(UnitConnection& unit, JobControl& control);
+/// The same, written into a file.
 [[nodiscard]] Result<void> receive_parameters_into(UnitConnection& unit, JobControl& control, const std::string& file);
 /// Compensation mode: the unit tests its memory, then waits for the axes to be referenced. Refused, saying why, unless
 /// the unit is the one, and holds the very map, that is expected.

@@ -161,6 +161,28 @@ void take_squareness(UnitParameters& parameters, const model::CompiledModel& com
     squareness_um_per_m(parameters, static_cast<Component>(i)) += compiled.squareness[i];
 }
 
+/// Of a squareness the parameters hold a value, or the model does.
+std::vector<Component> missing_in(const MapFromModel& built) {
+  const auto& zeros = built.compiled.map.header.declared_zero;
+  const ComponentSet needed = components_needed(built.parameters);
+  std::vector<Component> missing;
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    const auto c = static_cast<Component>(i);
+    const bool declared =
+        std::any_of(zeros.begin(), zeros.end(), [c](const auto& zero) { return zero.component == c; });
+    if (!needed.contains(c) || declared || built.effects.contains(c)) continue;
+    if (!is_squareness(c) || squareness_um_per_m(built.parameters, c) == 0.0) missing.push_back(c);
+  }
+  return missing;
+}
+
+void declare_missing_zero(MapFromModel& built, const std::string& reason) {
+  built.missing = missing_in(built);
+  if (reason.empty()) return;
+  for (const Component c : built.missing) built.compiled.map.header.declared_zero.push_back({c, reason});
+  built.missing.clear();
+}
+
 Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
@@ -169,6 +191,10 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   MapFromModel built;
   built.parameters = params::default_parameters_for(**machine);
   built.identity.machine = (*machine)->name;
+  if (arguments.received) {
+    built.parameters = arguments.received->parameters;
+    built.identity = arguments.received->identity;
+  }
   if (!arguments.params.empty()) {
     const auto given = arguments.params_out.empty() ? params::read_parameters(arguments.params)
                                                     : params::read_whole_parameters(arguments.params);
@@ -185,13 +211,14 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   trace(built, *model, levers, arguments.model);
   if (const auto done = complete_header(built, arguments); !done) return tl::unexpected(done.error());
   take_squareness(built.parameters, built.compiled);
+  declare_missing_zero(built, arguments.zero_missing);
   built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(**machine));
   return built;
 }
 
 Result<void> write(const MapFromModel& b, const FromModelArguments& arguments) {
   if (!arguments.output.empty())
-    if (const auto done = write_file(arguments.output, laser::to_map_csv(b.compiled.map)); !done) return done;
+    if (auto done = write_file(arguments.output, laser::to_map_csv(b.compiled.map)); !done) return done;
   if (!arguments.params_out.empty()) return params::write_parameters(arguments.params_out, b.parameters, b.identity);
   return {};
 }
@@ -206,15 +233,20 @@ Problem nothing_carried(const MapFromModel& b, const std::string& model) {
 
 }  // namespace
 
-Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
+Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())
     return problem(ProblemKind::usage, "--from-model needs --machine: its file holds the travels of the axes");
+  auto built = built_from(messages, arguments);
+  if (built && built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
+  return built;
+}
+
+Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   for (const std::string& output : {arguments.output, arguments.params_out})
     if (const auto spared = check_output_not_input(output, {arguments.model, arguments.machine}); !spared)
       return tl::unexpected(spared.error());
-  auto built = built_from(messages, arguments);
-  if (!built) return tl::unexpected(built.error());
-  if (built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
+  auto built = planned_map_from_model(messages, arguments);
+  if (!built) return built;
   if (const auto written = write(*built, arguments); !written) return tl::unexpected(written.error());
   for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
     messages.warn(objection);

@@ -20,13 +20,15 @@ struct FromModelArguments {
   std::string model;
   std::string machine;
   std::optional<double> increment_mm;  ///< absent: fine enough for the model
-  std::string params;                  ///< empty: those that fit the machine
+  std::string params;                  ///< empty: `received`, else those that fit the machine
   std::string output;
   std::string params_out;
   std::vector<std::string> zero;
+  std::string zero_missing;  ///< why every component that the model lacks is declared zero; empty: it is not
   std::string customer;
   std::string engineer;
   std::string date;
+  std::optional<params::ParametersFile> received;  ///< of the unit
 };
 
 /// The map with what it was made of.
@@ -38,10 +40,14 @@ struct MapFromModel {
   double increment_mm = 0.0;
   std::vector<std::string> notes;
   std::vector<laser::MapFinding> findings;
+  std::vector<Component> missing;  ///< needed by the parameters, without an effect, not declared zero
   [[nodiscard]] bool complete() const {
     return std::none_of(findings.begin(), findings.end(), [](const auto& f) { return f.objection; });
   }
 };
+
+/// The map and what is missing in it; writes nothing.
+[[nodiscard]] Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromModelArguments& arguments);
 
 /// Writes the files that `arguments` names. Refused where no effect of the model can be carried by a map.
 [[nodiscard]] Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments);

@@ -1,5 +1,6 @@
 #include "commissioning/model_session/controller.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -8,6 +9,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/compare_view.hpp"
 #include "commissioning/models/plots.hpp"
@@ -25,7 +27,8 @@ Result<ModelController::Fitted> ModelController::fitted(model::Model model, cons
   return Fitted{std::move(model), std::move(*fit), std::move(comparison), std::move(said)};
 }
 
-Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArguments& files) {
+Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArguments& files,
+                                                               std::shared_ptr<UnitConnection> unit) {
   NoMessages messages;
   auto work = model_work(messages, files);
   if (!work) return tl::unexpected(work.error());
@@ -33,20 +36,25 @@ Result<std::unique_ptr<ModelController>> ModelController::open(const ModelArgume
   if (!first) return tl::unexpected(in_file(first.error(), files.model));
   std::unique_ptr<ModelController> controller(new ModelController);
   controller->files_ = files;
+  controller->unit_ = std::move(unit);
   controller->work_ = std::make_shared<const ModelWork>(std::move(*work));
   controller->lines_ = measured_lines(controller->data());
   const std::set<int> runs(controller->data().run.begin(), controller->data().run.end());
   controller->runs_.assign(runs.begin(), runs.end());
+  controller->values_kept_ = std::all_of(first->model.effects.begin(), first->model.effects.end(), [](const auto& e) {
+    return !e.fitted.empty() || !e.curve.empty() || e.definition().traits.fixed_size;
+  });
   controller->model_ = std::move(first->model);
   controller->fit_ = std::move(first->fit);
   controller->comparison_ = std::move(first->comparison);
   return controller;
 }
 
-Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelArguments& files) {
+Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelArguments& files,
+                                                                    std::shared_ptr<UnitConnection> unit) {
   NoMessages messages;
   if (const auto begun = begun_model(messages, files); !begun) return tl::unexpected(begun.error());
-  auto controller = open(files);
+  auto controller = open(files, std::move(unit));
   if (!controller) {
     std::error_code error;
     std::filesystem::remove(files.model, error);
@@ -83,7 +91,9 @@ void ModelController::take_draft() {
   auto model = model::parse_model(kept->text, "the unsaved work", std::filesystem::path(files_.model).parent_path());
   if (!model) return message_.say(model.error());
   start_fit("taking up the unsaved work", [model = std::move(*model), work = work_] {
-    return fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
+    auto now = fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
+    if (now) now->done = "unsaved work";
+    return now;
   });
 }
 
@@ -108,23 +118,79 @@ void ModelController::start_adding(std::size_t candidate) {
   const model::EffectInstance& effect = diagnosis_->candidates[candidate].effect;
   const model::AddRequest request{effect.id,       effect.axis,   effect.sense,   effect.code,
                                   effect.approach, effect.sensor, effect.sensor2, effect.name};
-  start_fit("adding " + to_text(effect), [model = model_, work = work_, request]() -> Result<Fitted> {
+  start_adding(request, place_text(effect));
+}
+
+void ModelController::start_adding(const std::string& effect) {
+  if (busy()) return;
+  const auto request = model::parse_add_request(effect);
+  if (!request) return message_.say(request.error());
+  start_adding(*request, effect);
+}
+
+void ModelController::start_adding(const model::AddRequest& request, const std::string& name) {
+  start_fit("adding " + name, [model = model_, work = work_, request]() -> Result<Fitted> {
     auto added = model::add_effect(model, work->data, request, work->data_name);
     if (!added) return tl::unexpected(added.error());
-    return fitted(std::move(added->model), work->data,
-                  fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model",
-                              to_text(added->effect.effect), added->rms_before_um, added->rms_after_um));
+    const std::string effect = place_text(added->effect.effect);
+    auto now = fitted(std::move(added->model), work->data,
+                      fmt::format("added {}: {:.3f} -> {:.3f} um rms; u takes it back, s writes the model", effect,
+                                  added->rms_before_um, added->rms_after_um));
+    if (now) now->done = effect;
+    return now;
+  });
+}
+
+void ModelController::start_removing(std::size_t effect) {
+  if (busy() || effect >= model_.effects.size()) return;
+  if (model_.effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
+  const std::string name = place_text(model_.effects[effect]);
+  start_fit("removing " + name, [model = model_, work = work_, before = fit_.rms_um, effect, name]() -> Result<Fitted> {
+    model::Model without = model;
+    without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    auto now = fitted(without, work->data, "");
+    if (!now) return now;
+    now->said = fmt::format("removed {}: {:.3f} -> {:.3f} um rms; u puts it back", name, before, now->fit.rms_um);
+    now->done = "removed " + name;
+    now->model.history.push_back({"without " + to_text(model.effects[effect]),
+                                  work->data_name,
+                                  before,
+                                  now->fit.rms_um,
+                                  now->fit.peak_um,
+                                  now->fit.noise.noise_um,
+                                  {}});
+    return now;
+  });
+}
+
+void ModelController::step_over(Steps& from, Steps& to, const char* label) {
+  const Step step = from.back();
+  message_.clear();
+  const auto work = [model = step.model, work = work_, said = fmt::format("{}: {}", label, step.done)](JobControl&) {
+    return fitted(model, work->data, said);
+  };
+  task_.start(label, work, [this, &from, &to, done = step.done](Result<Fitted> now) {
+    if (task_.cancelled()) return;
+    if (!now) return message_.say(now.error());
+    from.pop_back();
+    to.push_back({done, model_});
+    show(std::move(*now));
   });
 }
 
 void ModelController::undo() {
   if (busy()) return;
+  if (!past_.empty()) return step_over(past_, future_, "taken back");
   auto before = model::undo(model_);
   if (!before) return message_.say(before.error());
-  const std::string taken = model_.history.empty() ? "" : model_.history.back().effect;
-  start_fit("taking back " + taken, [model = std::move(*before), work = work_, taken] {
-    return fitted(model, work->data, "taken back: " + taken);
-  });
+  past_.push_back({model_.history.back().effect, std::move(*before)});
+  step_over(past_, future_, "taken back");
+}
+
+void ModelController::redo() {
+  if (busy()) return;
+  if (future_.empty()) return message_.say("nothing to do again", Tone::warning);
+  step_over(future_, past_, "done again");
 }
 
 void ModelController::save() {
@@ -137,11 +203,15 @@ void ModelController::save() {
       if (const auto kept = write_file(beside, *before); !kept) return message_.say(kept.error());
     }
   }
-  if (const auto kept = keep_model(files_.model, model_, files_.model); !kept) return message_.say(kept.error());
+  model::Model model = model_to_keep(model_, fit_, data(), work_->data_name);
+  if (const auto kept = keep_model(files_.model, model, files_.model); !kept) return message_.say(kept.error());
+  model_ = std::move(model);
   saved_ = true;
   changed_ = false;
+  values_kept_ = true;
   drop_draft();
-  message_.say("written to " + files_.model + (beside.empty() ? "" : "; as it was: " + beside));
+  message_.say("written to " + files_.model + " with its fitted values" +
+               (beside.empty() ? "" : "; as it was: " + beside));
 }
 
 void ModelController::start_after(const std::vector<std::string>& measured_again) {
@@ -161,24 +231,138 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
   });
 }
 
-void ModelController::start_map(const std::string& output) {
+std::string ModelController::params_beside(const std::string& machine_file) {
+  const auto file = std::filesystem::path(machine_file).parent_path() / "parameters.toml";
+  std::error_code error;
+  return !machine_file.empty() && std::filesystem::exists(file, error) ? file.string() : "";
+}
+
+void ModelController::plan_map(const std::string& output, const std::string& params) {
   if (busy()) return;
-  if (changed_) return message_.say("save the model first (s): the map's header names its file", Tone::warning);
+  if (files_.machine.empty())
+    return message_.say("open the model with its machine file: the map needs the travels of the axes", Tone::bad);
   message_.clear();
-  const auto build = [files = files_, output](JobControl&) -> Result<Lines> {
+  planned_.reset();
+  FromModelArguments arguments;
+  arguments.model = files_.model;
+  arguments.machine = files_.machine;
+  arguments.params = params;
+  arguments.output = output;
+  arguments.params_out = files_of_map(output).parameters;
+  const auto plan = [arguments, unit = unit_](JobControl& control) -> Result<PlannedMap> {
+    FromModelArguments asked = arguments;
+    if (asked.params.empty() && unit && unit->snapshot().open) {
+      auto received = parameters_of_unit(*unit, control);
+      if (received)
+        asked.received = std::move(*received);
+      else if (received.error().kind == ProblemKind::link)
+        return tl::unexpected(received.error());
+    }
     NoMessages messages;
-    FromModelArguments arguments;
-    arguments.model = files.model;
-    arguments.machine = files.machine;
-    arguments.output = output;
-    arguments.params_out = std::filesystem::path(output).replace_extension(".params.toml").string();
-    const auto built = map_from_model(messages, arguments);
-    if (!built) return tl::unexpected(built.error());
-    return owned_lines_of(from_model_cell(*built, arguments).text);
+    const auto map = planned_map_from_model(messages, asked);
+    if (!map) return tl::unexpected(map.error());
+    PlannedMap planned{asked, map->missing, {}};
+    std::error_code error;
+    for (const std::string& file : {asked.output, asked.params_out})
+      if (std::filesystem::exists(file, error)) planned.exist.push_back(file);
+    return planned;
   };
-  task_.start("compiling the model to a map", build, [this](Result<Lines> lines) {
-    if (!lines) return message_.say(lines.error());
-    after_ = std::move(*lines);
+  task_.start("compiling the model to a map", plan, [this](Result<PlannedMap> planned) {
+    if (task_.cancelled()) return;
+    if (!planned) return message_.say(planned.error());
+    planned_ = std::move(*planned);
+  });
+}
+
+void ModelController::write_map(const std::string& zero_reason) {
+  if (busy() || !planned_) return;
+  FromModelArguments arguments = planned_->arguments;
+  arguments.zero_missing = zero_reason;
+  planned_.reset();
+  message_.clear();
+  struct Written {
+    Result<MapFromModel> map;
+    Lines lines;
+  };
+  const auto write = [arguments](JobControl&) {
+    NoMessages messages;
+    Written written{map_from_model(messages, arguments), {}};
+    if (written.map)  // the last line of the answer first: it is what matters
+      written.lines =
+          owned_lines_of(verdict_text(written.map->findings) + "\n" + from_model_cell(*written.map, arguments).text);
+    return written;
+  };
+  task_.start("writing the map", write, [this, arguments](Written written) {
+    if (!written.map) return message_.say(written.map.error());
+    after_ = std::move(written.lines);
+    map_file_ = arguments.output;
+    remarks_ = remarks_in(written.map->findings);
+    ready_.reset();
+    sent_.reset();
+    if (written.map->complete())
+      message_.say(fmt::format("map written to {}, its parameters to {}; t sends both to the unit", arguments.output,
+                               arguments.params_out));
+    else
+      message_.say(fmt::format("map written to {}, but it is not complete: a unit refuses it", arguments.output),
+                   Tone::warning);
+  });
+}
+
+bool ModelController::has_unit() {
+  if (busy()) return false;
+  if (!unit_)
+    message_.say("no link to a unit", Tone::bad);
+  else if (map_file_.empty())
+    message_.say("there is no map to send yet: m builds it from the model", Tone::warning);
+  else
+    return true;
+  return false;
+}
+
+void ModelController::prepare_sending() {
+  if (!has_unit()) return;
+  message_.clear();
+  ready_.reset();
+  const auto check = [files = files_of_map(map_file_), unit = unit_](JobControl& control) {
+    return ready_map(*unit, control, files);
+  };
+  task_.start("checking the map", check, [this](Result<ReadyMap> ready) {
+    if (task_.cancelled()) return;
+    if (!ready) return message_.say(ready.error());
+    ready_ = std::move(*ready);
+  });
+}
+
+Question ModelController::sending_question() const {
+  return question_before_sending(*ready_, unit_->snapshot(), remarks_);
+}
+
+void ModelController::send() {
+  if (!has_unit() || !ready_) return;
+  message_.clear();
+  const auto work = [ready = *ready_, unit = unit_](JobControl& control) { return sent_map(*unit, control, ready); };
+  ready_.reset();
+  task_.start("sending the map", work, [this](SendAttempt attempt) {
+    if (!attempt.sent)
+      return message_.say(fmt::format("not sent: {}{}", to_text(attempt.sent.error()),
+                                      attempt.begun ? ". The unit keeps the map it had until a new one is whole." : ""),
+                          Tone::bad);
+    sent_ = std::move(*attempt.sent);
+    message_.say(sent_text(*sent_) + "; c switches the unit to compensation");
+  });
+}
+
+void ModelController::compensate() {
+  if (!has_unit()) return;
+  if (!sent_) return message_.say("the map was not sent yet: t sends it", Tone::warning);
+  const auto work = [expected = ExpectedMap{sent_, std::nullopt}, unit = unit_](JobControl& control) {
+    return switch_to_compensation(*unit, control, expected);
+  };
+  task_.start("switching to compensation", work, [this](const Result<void>& done) {
+    if (!done) return message_.say(done.error());
+    message_.say(
+        "the unit tests its memory and compensates: reference every axis at the control, measure the same lines again; "
+        "o opens those files");
   });
 }
 
@@ -214,15 +398,22 @@ void ModelController::cancel() {
 
 void ModelController::take(Result<Fitted> fitted) {
   if (!fitted) return message_.say(fitted.error());
-  model_ = std::move(fitted->model);
-  fit_ = std::move(fitted->fit);
-  comparison_ = std::move(fitted->comparison);
+  past_.push_back({fitted->done, model_});
+  future_.clear();
+  show(std::move(*fitted));
+}
+
+void ModelController::show(Fitted fitted) {
+  model_ = std::move(fitted.model);
+  fit_ = std::move(fitted.fit);
+  comparison_ = std::move(fitted.comparison);
   diagnosis_.reset();
   next_.reset();
   after_.clear();
+  planned_.reset();
   changed_ = true;
   ++generation_;
-  message_.say(fitted->said);
+  message_.say(fitted.said);
   if (const auto kept = keep_draft(draft_name(), to_toml(model_)); !kept) message_.say(kept.error());
 }
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "commissioning/investigation/controller.hpp"
+#include "commissioning/laser_session/unit_work.hpp"
+#include "commissioning/maps/from_model.hpp"
 #include "commissioning/models/lines.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/plot/picture_export.hpp"
@@ -21,12 +23,21 @@
 
 namespace ecs::commissioning {
 
+/// The map of the model as it would be written.
+struct PlannedMap {
+  FromModelArguments arguments;
+  std::vector<Component> missing;  ///< to be declared zero with a reason
+  std::vector<std::string> exist;  ///< files that would be overwritten
+};
+
 class ModelController {
  public:
-  /// Reads and fits; takes up to seconds for large sets.
-  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(const ModelArguments& files);
+  /// Reads and fits; takes up to seconds for large sets. @param unit  for maps to be sent; null: none
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> open(const ModelArguments& files,
+                                                                     std::shared_ptr<UnitConnection> unit = {});
   /// The same with a model that is begun in a new file (begun_model()). The file is there only if this succeeds.
-  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files);
+  [[nodiscard]] static Result<std::unique_ptr<ModelController>> begin_new(const ModelArguments& files,
+                                                                          std::shared_ptr<UnitConnection> unit = {});
 
   [[nodiscard]] const model::Model& model() const { return model_; }
   [[nodiscard]] const model::Observations& data() const { return work_->data; }
@@ -53,12 +64,40 @@ class ModelController {
   void start_diagnosis();
   /// The candidate of the diagnosis, in the place and with the values found.
   void start_adding(std::size_t candidate);
+  /// "cyclic:X:EX" and what its place leaves open, from the best fit.
+  void start_adding(const std::string& effect);
+  /// @param effect  place in the model
+  void start_removing(std::size_t effect);
+  /// What was done last here; then the steps of the ladder that the file has.
   void undo();
+  void redo();
+  /// The model with its fitted values.
   void save();
+  /// The values of this fit are in the file.
+  [[nodiscard]] bool is_kept() const { return !changed_ && values_kept_; }
   /// What compensation would leave; with files measured again, what it left.
   void start_after(const std::vector<std::string>& measured_again);
-  /// The map that the saved model compiles to, and parameters with its squareness beside it.
-  void start_map(const std::string& output);
+  /// The map that the saved model compiles to. Writes nothing: planned_map() says what is missing and what exists.
+  /// @param params  parameters of the unit; empty: received from it where there is a link, else those of the machine
+  void plan_map(const std::string& output, const std::string& params);
+  [[nodiscard]] const std::optional<PlannedMap>& planned_map() const { return planned_; }
+  void drop_plan() { planned_.reset(); }
+  /// Writes it, its parameters beside it. @param zero_reason  for the missing components; empty: they stay missing
+  void write_map(const std::string& zero_reason);
+  /// File of the map written last; empty: none.
+  [[nodiscard]] const std::string& map_file() const { return map_file_; }
+  [[nodiscard]] static std::string params_beside(const std::string& machine_file);
+  [[nodiscard]] std::string params_proposed() const { return params_beside(files_.machine); }
+
+  // the map to the unit, as in the laser session
+  void prepare_sending();
+  [[nodiscard]] const std::optional<ReadyMap>& ready() const { return ready_; }
+  [[nodiscard]] Question sending_question() const;
+  void send();
+  void not_now() { ready_.reset(); }
+  [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
+  /// Refused unless the unit holds the map that was sent.
+  void compensate();
   /// The picture of the figure that `ecs model fit --plot` draws.
   void export_picture(FigureWriter write);
   void cancel();
@@ -83,17 +122,27 @@ class ModelController {
     model::Fit fit;
     std::vector<std::string> comparison;
     std::string said;
+    std::string done{};  ///< what undo calls it
   };
+  struct Step {
+    std::string done;
+    model::Model model;
+  };
+  using Steps = std::vector<Step>;
   struct Diagnosed {
     Result<model::Diagnosis> diagnosis;
     model::NextMeasurement next;
   };
   using Lines = std::vector<std::string>;
   ModelController() = default;
+  void step_over(Steps& from, Steps& to, const char* label);
+  void start_adding(const model::AddRequest& request, const std::string& name);
   /// Starts a task that ends in a fit.
   void start_fit(const std::string& label, std::function<Result<Fitted>()> work);
   [[nodiscard]] static Result<Fitted> fitted(model::Model model, const model::Observations& data, std::string said);
   void take(Result<Fitted> fitted);
+  void show(Fitted fitted);
+  [[nodiscard]] bool has_unit();
   void take(Diagnosed found);
   [[nodiscard]] std::string draft_name() const;
 
@@ -107,6 +156,14 @@ class ModelController {
   std::optional<model::Diagnosis> diagnosis_;
   std::optional<model::NextMeasurement> next_;
   Lines after_;
+  Steps past_, future_;
+  std::shared_ptr<UnitConnection> unit_;
+  std::optional<PlannedMap> planned_;
+  std::string map_file_;
+  std::vector<std::string> remarks_;  ///< on that map
+  std::optional<ReadyMap> ready_;
+  std::optional<SentMap> sent_;
+  bool values_kept_ = false;
   bool changed_ = false;
   bool saved_ = false;  ///< since it was opened
   int generation_ = 0;

@@ -1,5 +1,6 @@
 #include "commissioning/models/work.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -72,6 +73,17 @@ Problem in_file(Problem why, const std::string& file) {
   if (why.kind == ProblemKind::bad_input && why.file.empty()) why.file = file;
   for (Problem& other : why.also) other = in_file(std::move(other), file);
   return why;
+}
+
+model::Model model_to_keep(const model::Model& model, const model::Fit& fit, const model::Observations& data,
+                           const std::string& data_name) {
+  model::Model kept = with_values(model, fit);
+  if (!kept.history.empty()) return kept;
+  double square = 0.0;
+  for (const double reading : data.reading) square += reading * reading;
+  const double rms_before_um = std::sqrt(square / static_cast<double>(data.size()));
+  kept.history.push_back({"", data_name, rms_before_um, fit.rms_um, fit.peak_um, fit.noise.noise_um, {}});
+  return kept;
 }
 
 Result<void> keep_model(const std::string& output, const model::Model& model, const std::string& read_from) {

@@ -8,6 +8,7 @@
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/session/message.hpp"
 #include "model/data/observations.hpp"
+#include "model/fit/fit.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
 
@@ -44,6 +45,10 @@ struct ModelWork {
 
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);
+
+/// The model with the values of its fit, as a file keeps it; its ladder begins here, if it has none.
+[[nodiscard]] model::Model model_to_keep(const model::Model& model, const model::Fit& fit,
+                                         const model::Observations& data, const std::string& data_name);
 
 /// Writes a model. A `usage` problem if that would destroy something else: an existing file that is neither the model
 /// that was read, nor empty, nor equal to what would be written.

@@ -207,7 +207,7 @@ TEST_CASE("the model screen fits any size and any terminal") {
 
 TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {
   const ModelCase one;
-  const auto form_made = model_form();
+  const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   type(form, one.files.model);
   (void)press(form, Key::Name::enter);
@@ -223,7 +223,7 @@ TEST_CASE("the form of the model screen says what is wrong with a file and keeps
 TEST_CASE("a model file that does not exist yet is begun after a question, and the error falls without any verb") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
-  const auto form_made = model_form();
+  const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   type(form, fresh);
   (void)press(form, Key::Name::enter);
@@ -250,7 +250,7 @@ TEST_CASE("a model file that does not exist yet is begun after a question, and t
 
 TEST_CASE("without any model file one is proposed beside the measurements, and no asks for another name") {
   const ModelCase one;
-  const auto form_made = model_form();
+  const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   (void)press(form, Key::Name::enter);
   type(form, one.files.data.front());
@@ -266,7 +266,7 @@ TEST_CASE("without any model file one is proposed beside the measurements, and n
 TEST_CASE("measurements that cannot be read leave no new model file") {
   const ModelCase one;
   const std::string fresh = (one.path / "fresh.toml").string();
-  const auto form_made = model_form();
+  const auto form_made = model_form(no_link());
   Screen& form = *form_made;
   type(form, fresh);
   (void)press(form, Key::Name::enter);

@@ -39,9 +39,9 @@ FolderEntry looked_at(const fs::path& path) {
     return entry;
   }
   const LaserFile file = read_laser_file({path.string(), {}});
-  entry.readable = file.set != nullptr || file.wants_answers;
+  entry.readable = file.set != nullptr || file.wants_answers || file.is_map;
   entry.why_not = file.problem;
-  if (file.set)
+  if (file.set || file.is_map)
     entry.what = fmt::format("{}  {}", file.summary, file.format);
   else if (!file.format.empty())
     entry.what = file.format + ": no readings";
@@ -57,7 +57,7 @@ fs::path home() {
 
 }  // namespace
 
-LaserChooser::LaserChooser(fs::path folder) { go(folder); }
+LaserChooser::LaserChooser(const fs::path& folder) { go(folder); }
 
 void LaserChooser::go(const fs::path& folder) {
   std::error_code fault;

@@ -24,7 +24,7 @@ struct FolderEntry {
 
 class LaserChooser {
  public:
-  explicit LaserChooser(std::filesystem::path folder);
+  explicit LaserChooser(const std::filesystem::path& folder);
 
   enum class Answer { open, chosen, given_up };
   /// Space marks, Enter opens a folder or takes what is marked, Backspace goes up, letters type a path.

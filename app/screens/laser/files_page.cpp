@@ -27,9 +27,18 @@ class FilesPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     if (chooser_) return chooser_->draw(canvas, area);
     const LaserWork& work = controller().work();
+    if (const std::string& map = controller().choices().opened_map; !map.empty()) {
+      canvas.paragraph(
+          area.between_margins(), 0,
+          fmt::format("The map {} is taken as it is. Step 6 shows its components, step 8 sends it. a opens "
+                      "measured files in its place.",
+                      map));
+      return;
+    }
     if (controller().choices().files.empty()) {
       const std::string begin =
-          "No measured files yet: a opens a folder to choose from. Then, step by step (digits go to a step, n to the "
+          "No measured files yet: a opens a folder to choose from (an error map is taken as it is). Then, step by step "
+          "(digits go to a step, n to the "
           "next one, and back at any time):";
       draw_nothing_yet(canvas, area, begin);
       int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
@@ -89,7 +98,8 @@ class FilesPage final : public LaserPage {
   }
   std::string help() const override {
     return "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
-           "named. A file that does not say its axis or sense, or a table of columns, is asked for with Enter. p "
+           "named. An error map is taken as it is, with the parameters saved beside it. A file that does not say its "
+           "axis or sense, or a table of columns, is asked for with Enter. p "
            "chooses the parameters of the unit: with them the screen knows which components the map needs.";
   }
 
@@ -145,8 +155,14 @@ class FilesPage final : public LaserPage {
         answer == LaserChooser::Answer::chosen ? chooser_->taken() : std::vector<std::string>{};
     chooser_.reset();
     if (taken.empty()) return true;
+    if (taken.size() == 1 && read_laser_file({taken.front(), {}}).is_map) {
+      controller().open_map(taken.front());
+      return true;
+    }
     controller().change(
         fmt::format("{} file{} added", taken.size(), taken.size() == 1 ? "" : "s"), [&](LaserChoices& c) {
+          if (!c.opened_map.empty()) c.map_file = LaserChoices{}.map_file;
+          c.opened_map.clear();
           for (const std::string& path : taken)
             if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
               c.files.push_back({path, {}});

@@ -7,7 +7,6 @@
 #include "app/screens/laser/page.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "laser/map/coverage.hpp"
 #include "params/diff.hpp"
 
 namespace ecs::app {
@@ -15,12 +14,6 @@ namespace {
 
 std::string check_text(const std::optional<std::uint32_t>& check) {
   return check ? fmt::format("block check {:08X}", *check) : std::string("none");
-}
-
-std::string unit_text(const WatchedUnit& unit) {
-  if (!unit.open) return "no link to a unit: " + (unit.problem.empty() ? "it is being opened" : unit.problem);
-  return fmt::format("{}, serial number {}", unit.emulator ? "EMULATOR" : unit.link,
-                     unit.identity ? unit.identity->serial_number : "?");
 }
 
 /// Lines of "name   text", wrapped under the text.
@@ -106,19 +99,9 @@ class SendPage final : public LaserPage {
     if (!controller().ready() || controller().busy()) asked_ = false;
     if (!controller().ready() || controller().busy() || asked_) return false;
     asked_ = true;
-    const ReadyMap& ready = *controller().ready();
-    host().ask(
-        {fmt::format("Send the map to {}?", unit_text(controller().unit().snapshot())),
-         fmt::format(
-             "{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.",
-             doubts_of(controller().work().map), ready.map->image.bytes.size(), ready.check,
-             ready.active
-                 ? fmt::format(
-                       "They replace what the unit holds ({}), which it keeps until the new map is whole and checked",
-                       check_text(ready.active))
-                 : std::string("The unit holds no map yet, and takes this one whole or not at all")),
-         "send", "not now"},
-        [this] { controller().send(); });
+    host().ask(question_before_sending(*controller().ready(), controller().unit().snapshot(),
+                                       remarks_in(controller().work().map.findings)),
+               [this] { controller().send(); });
     return true;
   }
 
@@ -144,16 +127,6 @@ class SendPage final : public LaserPage {
       if (one.state == ComponentState::missing || one.state == ComponentState::refused)
         names.emplace_back(name_of(one.component));
     return names.empty() ? "see the findings of step 6" : fmt::format("{} (step 6)", fmt::join(names, ", "));
-  }
-  /// What speaks against sending and does not forbid it, before the question covers it.
-  static std::string doubts_of(const LaserMapWork& map) {
-    std::string text;
-    if (const auto remarks = remarks_in(map.findings); !remarks.empty())
-      text = fmt::format("{}{} {}. ", remarks_counted(remarks.size()),
-                         remarks.size() == 1 ? ":" : ", the first:", remarks.front());
-    if (!map.built) return text;
-    const auto missing = laser::missing_in(map.built->map.header);
-    return missing.empty() ? text : text + fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
   }
   /// As many as leave room for the rest of the page.
   static std::vector<std::string> remarks_shown(const LaserMapWork& map) {

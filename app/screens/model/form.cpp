@@ -34,6 +34,7 @@ int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).
 
 class ModelForm final : public Screen {
  public:
+  explicit ModelForm(std::shared_ptr<UnitConnection> unit) : unit_(std::move(unit)) {}
   [[nodiscard]] std::string title() const override { return "open"; }
   void draw(Canvas& canvas, const Area& area) const override {
     const Area inside = area.between_margins();
@@ -122,8 +123,8 @@ class ModelForm final : public Screen {
   }
 
   void start(bool anew) {
-    const auto open = [files = files(), anew](JobControl&) {
-      return anew ? ModelController::begin_new(files) : ModelController::open(files);
+    const auto open = [files = files(), unit = unit_, anew](JobControl&) {
+      return anew ? ModelController::begin_new(files, unit) : ModelController::open(files, unit);
     };
     opening_.start("opening", open, [this](Result<std::unique_ptr<ModelController>> controller) {
       if (controller) {
@@ -166,6 +167,7 @@ class ModelForm final : public Screen {
     }
   }
 
+  std::shared_ptr<UnitConnection> unit_;
   std::array<TextLine, 3> fields_;
   int field_ = 0;
   std::string hint_;
@@ -178,6 +180,8 @@ class ModelForm final : public Screen {
 
 }  // namespace
 
-std::unique_ptr<Screen> model_form() { return std::make_unique<ModelForm>(); }
+std::unique_ptr<Screen> model_form(std::shared_ptr<UnitConnection> unit) {
+  return std::make_unique<ModelForm>(std::move(unit));
+}
 
 }  // namespace ecs::app

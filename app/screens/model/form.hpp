@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "app/ui/screen.hpp"
+#include "commissioning/link/unit_connection.hpp"
 
 namespace ecs::app {
 
-[[nodiscard]] std::unique_ptr<Screen> model_form();
+/// @param unit  to which maps of the model are sent
+[[nodiscard]] std::unique_ptr<Screen> model_form(std::shared_ptr<UnitConnection> unit);
 
 }  // namespace ecs::app

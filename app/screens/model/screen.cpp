@@ -4,12 +4,32 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/cli/catalogue.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/ui/talk.hpp"
+#include "model/effects/definition.hpp"
 
 namespace ecs::app {
+namespace {
+
+/// As far as the names of the library decide it.
+std::string completed_effect(const std::string& typed) {
+  std::optional<std::string> completed;
+  for (const model::EffectDefinition& effect : model::effect_library()) {
+    if (!effect.id.starts_with(typed)) continue;
+    if (!completed) {
+      completed = std::string(effect.id);
+      continue;
+    }
+    const auto differ = std::mismatch(completed->begin(), completed->end(), effect.id.begin(), effect.id.end());
+    completed->erase(differ.first, completed->end());
+  }
+  return completed.value_or(typed);
+}
+
+}  // namespace
 
 ModelScreen::ModelScreen(std::unique_ptr<ModelController> controller)
     : controller_(std::move(controller)), draft_(controller_->draft()) {}
@@ -65,6 +85,9 @@ Step ModelScreen::on_question(const Key& key) {
 void ModelScreen::on_asked(const Key& key) {
   if (key.name == Key::Name::escape) {
     asked_.reset();
+    controller_->drop_plan();
+  } else if (key.name == Key::Name::tab && asked_->purpose == Asked::For::effect) {
+    asked_->line.set(completed_effect(asked_->line.text()));
   } else if (key.name == Key::Name::tab) {
     const std::string text = asked_->line.text();
     const bool several = asked_->purpose == Asked::For::measured_again;
@@ -72,7 +95,8 @@ void ModelScreen::on_asked(const Key& key) {
   } else if (key.name == Key::Name::enter) {
     const Asked asked = *asked_;
     asked_.reset();
-    if (!asked.line.text().empty()) on_answer(asked);
+    const bool may_be_empty = asked.purpose == Asked::For::params || asked.purpose == Asked::For::zero_reason;
+    if (may_be_empty || !asked.line.text().empty()) on_answer(asked);
   } else {
     (void)asked_->line.on_key(key);
   }
@@ -83,7 +107,17 @@ void ModelScreen::on_answer(const Asked& asked) {
   const auto& before = controller_->investigation().request();
   switch (asked.purpose) {
     case Asked::For::map:
-      return controller_->start_map(text);
+      map_file_ = text;
+      asked_ = {Asked::For::params, "parameters of the unit (empty: received from it, else those of the machine):",
+                TextLine(controller_->params_proposed())};
+      return;
+    case Asked::For::params:
+      return controller_->plan_map(map_file_, text);
+    case Asked::For::zero_reason:
+      return write_map(text);
+    case Asked::For::effect:
+      page_ = Page::ladder;
+      return controller_->start_adding(text);
     case Asked::For::measured_again:
       return controller_->start_after(split_words(text));
     case Asked::For::workshop:
@@ -112,13 +146,79 @@ bool ModelScreen::on_investigation_key(const Key& key) {
   return true;
 }
 
+/// The model's file is named in the map, so it must hold what is shown.
+void ModelScreen::begin_map() {
+  const auto ask = [this] {
+    const std::string proposed =
+        std::filesystem::path(controller_->model_file()).replace_extension(".map.csv").string();
+    asked_ = {Asked::For::map, "write the map to:", TextLine(proposed)};
+  };
+  if (controller_->is_kept()) return ask();
+  asking_.ask({"Save the model first?",
+               fmt::format("The map names the model that it was made from. {} is written with the fitted values.",
+                           controller_->model_file()),
+               "save it", "no map now"},
+              [this, ask] {
+                controller_->save();
+                if (controller_->is_kept()) ask();
+              });
+}
+
+void ModelScreen::write_map(const std::string& zero_reason) {
+  if (!controller_->planned_map()) return;
+  const auto& exist = controller_->planned_map()->exist;
+  if (exist.empty()) return controller_->write_map(zero_reason);
+  asking_.ask(
+      {fmt::format("Overwrite {}?", exist.front()),
+       fmt::format("{} exist{} already. The contents will be overwritten.", fmt::join(exist, " and "),
+                   exist.size() == 1 ? "s" : ""),
+       "overwrite", "keep"},
+      [this, zero_reason] { controller_->write_map(zero_reason); }, [this] { controller_->drop_plan(); });
+}
+
+bool ModelScreen::advance() {
+  const bool changed = controller_->advance();
+  if (controller_->busy() || asked_ || asking_.active()) return changed;
+  if (const auto& planned = controller_->planned_map()) {
+    if (planned->missing.empty())
+      write_map("");
+    else
+      asked_ = {Asked::For::zero_reason,
+                "declared zero because (empty: leave them missing):", TextLine("not measured, no effect in the model")};
+    return true;
+  }
+  if (controller_->ready()) {
+    asking_.ask(
+        controller_->sending_question(), [this] { controller_->send(); }, [this] { controller_->not_now(); });
+    return true;
+  }
+  return changed;
+}
+
+bool ModelScreen::on_ladder_key(const Key& key) {
+  const int count = static_cast<int>(controller_->model().effects.size());
+  if (is_letter(key, U'x') || key.name == Key::Name::erase)
+    controller_->start_removing(static_cast<std::size_t>(std::clamp(effect_.selected, 0, count - 1)));
+  else
+    return effect_.on_key(key, count);
+  return true;
+}
+
 bool ModelScreen::on_after_key(const Key& key) {
   if (is_letter(key, U'w')) {
     controller_->start_after({});
   } else if (is_letter(key, U'o')) {
     asked_ = {Asked::For::measured_again, "measured again with compensation, files:", {}};
   } else if (is_letter(key, U'm')) {
-    asked_ = {Asked::For::map, "write the map to:", TextLine(controller_->model_file() + ".map.csv")};
+    begin_map();
+  } else if (is_letter(key, U't')) {
+    controller_->prepare_sending();
+  } else if (is_letter(key, U'c')) {
+    asking_.ask({"Switch the unit to compensation?",
+                 "The unit is asked once more whether it holds the map that was sent. It then tests its memory, closes "
+                 "the relays once every axis is referenced, and from then on moves the axes by the values of that map.",
+                 "switch", "not now"},
+                [this] { controller_->compensate(); });
   } else {
     return false;
   }
@@ -136,6 +236,7 @@ CellPosition ModelScreen::cursor(const Area& area) const {
 
 Step ModelScreen::on_key(const Key& key) {
   if (draft_ || leaving_) return on_question(key);
+  if (answers(asking_, key)) return stay();
   if (asked_) {
     on_asked(key);
     return stay();
@@ -167,6 +268,10 @@ Step ModelScreen::on_key(const Key& key) {
     controller_->start_adding(static_cast<std::size_t>(std::max(0, cause_.selected)));
   } else if (is_letter(key, U'u')) {
     controller_->undo();
+  } else if (is_letter(key, U'y')) {
+    controller_->redo();
+  } else if (is_letter(key, U'n')) {
+    asked_ = {Asked::For::effect, "effect to add:", {}};
   } else if (is_letter(key, U's')) {
     controller_->save();
   } else if (is_letter(key, U'e')) {
@@ -175,6 +280,8 @@ Step ModelScreen::on_key(const Key& key) {
     return stay();
   } else if (page_ == Page::curves) {
     (void)on_curve_key(key);
+  } else if (page_ == Page::ladder) {
+    if (!on_ladder_key(key)) (void)scroll_.on_key(key);
   } else if (page_ == Page::causes) {
     const int count = controller_->diagnosis() ? static_cast<int>(controller_->diagnosis()->candidates.size()) : 0;
     if (const auto clicked = cause_.clicked(key); clicked && *clicked < count)
@@ -188,25 +295,31 @@ Step ModelScreen::on_key(const Key& key) {
 }
 
 std::vector<KeyHelp> ModelScreen::keys() const {
-  if (asked_) return {{"Enter", "go on"}, {"Tab", "complete a path"}, {"Esc", "leave it"}};
+  if (const auto& question = asking_.question()) return {{"y", question->yes}, {"n", question->no}};
+  if (asked_) return {{"Enter", "go on"}, {"Tab", "complete"}, {"Esc", "leave it"}};
   std::vector<KeyHelp> keys;
   if (page_ == Page::curves)
     keys = {{"d", "diagnose"},        {"Tab", "page"},   {"up/down", "line"},
             {"left/right", "cursor"}, {"+ - 0", "zoom"}, {"r", "run"}};
   else if (page_ == Page::after)
-    keys = {{"w", "what if"}, {"o", "measured again"}, {"m", "map"}, {"Tab", "page"}};
+    keys = {{"w", "what if"},        {"m", "map"},   {"t", "to the unit"}, {"c", "compensation"},
+            {"o", "measured again"}, {"Tab", "page"}};
   else if (page_ == Page::causes)
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "choose"}};
   else if (page_ == Page::next)
     keys = {{"i", "investigate"}, {"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}};
+  else if (page_ == Page::ladder)
+    keys = {{"d", "diagnose"}, {"x", "remove"}, {"up/down", "effect"}, {"Tab", "page"}};
   else
     keys = {{"d", "diagnose"}, {"Tab", "page"}, {"up/down", "read"}, {"left/right", "sideways"}};
   if (page_ == Page::next && controller_->investigation().found())
     keys.insert(keys.begin(), {"f", "write what was found"});
   if (controller_->diagnosis() && !controller_->diagnosis()->candidates.empty())
     keys.insert(keys.begin(), {"a", "add"});
-  keys.push_back({"u", "undo"});
   keys.push_back({"s", "save"});
+  keys.push_back({"u", "undo"});
+  keys.push_back({"y", "redo"});
+  keys.push_back({"n", "name an effect"});
   keys.push_back({"e", "picture"});
   return keys;
 }
@@ -215,8 +328,11 @@ std::string ModelScreen::help() const {
   return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
          "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
          "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
-         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise. After "
-         "tells what compensation would leave (w), what it left when measured again (o), and writes the map (m). r "
+         "exclude; a adds the one under the cursor; the Ladder shows how far the error fell towards the noise, and the "
+         "effects of the model, of which x removes one. n adds an effect by its name, as in cyclic:X:EX. u takes the "
+         "last change back, y does it again. After tells what compensation would leave (w), builds the map (m), sends "
+         "it to the unit after the same checks and question as PROCESS LASER DATA (t), switches the unit to "
+         "compensation (c) and shows what it left when measured again (o). r "
          "shows one run after the other. On the page Next i investigates: a workshop is asked for one run after the "
          "other "
          "until one cause is left; the ledger shows minutes, error and the causes still possible. Esc stops it, i goes "

@@ -18,9 +18,9 @@ class ModelScreen final : public Screen {
   [[nodiscard]] Step on_key(const Key& key) override;
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
-  [[nodiscard]] bool advance() override { return controller_->advance(); }
+  [[nodiscard]] bool advance() override;
   [[nodiscard]] std::string unsaved() const override;
-  [[nodiscard]] bool typing() const override { return asked_.has_value(); }
+  [[nodiscard]] bool typing() const override { return asked_.has_value() && !asking_.active(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
 
  private:
@@ -28,7 +28,7 @@ class ModelScreen final : public Screen {
   static constexpr int kPages = 6;
   /// A line that is being typed at the bottom.
   struct Asked {
-    enum class For { measured_again, map, workshop, minutes, investigated } purpose;
+    enum class For { measured_again, map, params, zero_reason, workshop, minutes, investigated, effect } purpose;
     std::string label;
     TextLine line;
   };
@@ -59,6 +59,10 @@ class ModelScreen final : public Screen {
   void on_asked(const Key& key);
   void on_answer(const Asked& asked);
   [[nodiscard]] bool on_after_key(const Key& key);
+  [[nodiscard]] bool on_ladder_key(const Key& key);
+  void begin_map();
+  void write_map(const std::string& zero_reason);
+  [[nodiscard]] std::vector<std::string> after_lines(int columns) const;
   [[nodiscard]] bool on_investigation_key(const Key& key);
   void next_run();
 
@@ -73,6 +77,9 @@ class ModelScreen final : public Screen {
   std::optional<Draft> draft_;  ///< found at the start, not yet decided upon
   bool leaving_ = false;        ///< asked whether the model may stay unsaved
   std::optional<Asked> asked_;
+  Asking asking_;         ///< before the model is saved, files are overwritten, the map is sent
+  ListPlace effect_;      ///< in the list of the page Ladder
+  std::string map_file_;  ///< as typed; the parameters are asked next
   std::string workshop_;  ///< socket or folder, as typed; the minutes are asked next
 };
 

@@ -13,6 +13,7 @@
 #include "commissioning/models/diagnosis_view.hpp"
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
+#include "laser/map/error_map.hpp"
 
 namespace ecs::app {
 namespace {
@@ -30,6 +31,11 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
                       in_columns(place_text(candidate.effect), name_columns), diagnosis.rms_um, candidate.rms_after_um,
                       100.0 * candidate.explainable_share, chance_text(candidate, diagnosis), rivals),
           candidate.named ? Tone::strong : Tone::plain};
+}
+
+std::string rung_text(const model::LadderStep& step) {
+  if (step.effect.empty()) return "start";
+  return step.effect.starts_with("without ") ? step.effect : "+ " + step.effect;
 }
 
 /// A bar of `value` on a scale that ends at `most`.
@@ -74,6 +80,8 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
     draw_question(
         canvas, area,
         {"Leave without saving the model?", controller_->model_file() + " stays as it was.", "leave", "stay"});
+  else
+    draw_question(canvas, area, asking_);
 }
 
 void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
@@ -196,8 +204,7 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   std::vector<std::pair<std::string, double>> rungs;
   if (history.empty()) rungs.emplace_back("the model as it is", controller_->fit().rms_um);
   if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
-  for (const model::LadderStep& step : history)
-    rungs.emplace_back(step.effect.empty() ? std::string("start") : "+ " + step.effect, step.rms_um);
+  for (const model::LadderStep& step : history) rungs.emplace_back(rung_text(step), step.rms_um);
   double most = controller_->fit().rms_um;
   for (const auto& [name, rms_um] : rungs) most = std::max(most, rms_um);
 
@@ -216,10 +223,14 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   for (std::size_t k = rungs.size() > room ? rungs.size() - room : 0; k < rungs.size(); ++k)
     rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
   rung("noise of one reading", controller_->fit().noise.noise_um, Tone::faint, Tone::faint);
-  draw_scrolled(canvas, area.below(row + 1),
-                history.empty() ? wrapped(" No effect was added yet: d finds one, a adds it.", area.columns - 1)
-                                : sentences_wrapped(owned_lines_of(ladder_text(history)), area.columns),
-                scroll_);
+  const Area below = area.below(row + 1);
+  std::vector<ListRow> effects;
+  for (const model::EffectFit& effect : controller_->fit().effects)
+    effects.push_back({fmt::format("{}  {}", in_columns(place_text(effect.effect), std::min(30, below.columns / 3)),
+                                   parameters_text(effect.parameters)),
+                       Tone::plain});
+  canvas.text(below.between_margins(), 0, 1, "effects of the model and their values; x removes one", Tone::faint);
+  draw_list(canvas, below.between_margins().below(1), effects, effect_);
 }
 
 /// A row a run, a bar as long as causes are still possible; below it the set, the run under way, what was said.
@@ -255,16 +266,29 @@ void ModelScreen::draw_ledger(Canvas& canvas, const Area& area) const {
   draw_scrolled(canvas, text.below(row + 1), below, scroll_);
 }
 
+std::vector<std::string> ModelScreen::after_lines(int columns) const {
+  if (const auto& planned = controller_->planned_map(); planned && !planned->missing.empty()) {
+    std::vector<std::string> lines =
+        wrapped(fmt::format("The unit needs {} components that the model has no effect for. They can be declared zero, "
+                            "with a reason that the map keeps:",
+                            planned->missing.size()),
+                columns);
+    for (const Component c : planned->missing)
+      lines.push_back(fmt::format("  {}  {}", name_of(c), laser::description_of(c)));
+    return lines;
+  }
+  if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
+  return wrapped(
+      "w computes what compensation by the unit would leave of these errors, effect by effect. m builds the map of the "
+      "model; what it lacks is shown and can be declared zero. t sends the map to the unit, c switches the unit to "
+      "compensation. o opens files measured again with the unit compensating and puts what was achieved beside what "
+      "was predicted.",
+      columns);
+}
+
 std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   if (page_ == Page::fails) return sentences_wrapped(controller_->comparison(), columns + 1);
-  if (page_ == Page::after) {
-    if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
-    return wrapped(
-        "w computes what compensation by the unit would leave of these errors, effect by effect. o opens files "
-        "measured again with the unit compensating and puts what was achieved beside it. m compiles the model to a map "
-        "for the unit (PROCESS LASER DATA sends it).",
-        columns);
-  }
+  if (page_ == Page::after) return after_lines(columns);
   if (!controller_->next())
     return wrapped(
         "Press d first: the next measurement depends on what is in doubt. Or i: measure, diagnose and take the next "

@@ -36,6 +36,8 @@ struct BuildArguments : VerbArguments {
   const std::string& output = text("-o,--output", "map CSV to write");
   const std::string& params_out = text("--params-out", "parameters to write, with the squareness that was measured");
   const std::vector<std::string>& zero = texts("--zero", "declare a component zero: EBY=\"too small to measure\"");
+  const std::string& zero_missing =
+      text("--zero-missing", "with --from-model: declare every component that the model lacks zero, for this reason");
   const std::string& customer = text("--customer", "for the header");
   const std::string& engineer = text("--engineer", "for the header");
   const std::string& date = text("--date", "for the header, as in 2026-03-12");
@@ -217,8 +219,8 @@ Problem nothing_built(const Built& b) {
 Result<Outcome> from_model(VerbContext& context, const BuildArguments& a) {
   if (!a.files.empty())
     return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
-  const FromModelArguments arguments{a.from_model, a.machine, a.increment_mm, a.params,   a.output,
-                                     a.params_out, a.zero,    a.customer,     a.engineer, a.date};
+  const FromModelArguments arguments{a.from_model, a.machine,      a.increment_mm, a.params,   a.output, a.params_out,
+                                     a.zero,       a.zero_missing, a.customer,     a.engineer, a.date,   {}};
   const auto map = map_from_model(context.console, arguments);
   if (!map) return tl::unexpected(map.error());
   return outcome_of(from_model_cell(*map, arguments));
@@ -229,6 +231,8 @@ Result<void> enough_given(const BuildArguments& arguments) {
     return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
   if (arguments.params.empty())
     return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
+  if (!arguments.zero_missing.empty())
+    return problem(ProblemKind::usage, "--zero-missing needs --from-model; without a model give --zero for each");
   if (arguments.increment_mm)
     return problem(ProblemKind::usage,
                    "--increment needs --from-model; a recipe gives increment_mm for each component");

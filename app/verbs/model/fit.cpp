@@ -111,25 +111,12 @@ Cell fit_cell(const Fit& fit, std::size_t readings, const std::string& output) {
        {"model", text_cell(output)}});
 }
 
-/// The model with what was fitted; its ladder begins here, if it has none.
-model::Model with_start(const ModelWork& work, const Fit& fit) {
-  model::Model fitted = with_values(work.model, fit);
-  if (!fitted.history.empty()) return fitted;
-  double square = 0.0;
-  for (const double reading : work.data.reading) square += reading * reading;
-  fitted.history.push_back({"",
-                            work.data_name,
-                            std::sqrt(square / static_cast<double>(work.data.size())),
-                            fit.rms_um,
-                            fit.peak_um,
-                            fit.noise.noise_um,
-                            {}});
-  return fitted;
-}
-
 Result<void> write(const ModelWork& work, const Fit& fit, const FitArguments& arguments) {
   if (!arguments.output.empty())
-    if (auto kept = keep_model(arguments.output, with_start(work, fit), arguments.common.model); !kept) return kept;
+    if (auto kept = keep_model(arguments.output, model_to_keep(work.model, fit, work.data, work.data_name),
+                               arguments.common.model);
+        !kept)
+      return kept;
   if (arguments.plot.empty()) return {};
   return write_plot(
       arguments.plot,

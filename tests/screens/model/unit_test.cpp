@@ -1,0 +1,142 @@
+// From a model to the unit on the MODEL screen: the map with what is missing, the question, sent; and the map opened
+// on the laser screen.
+#include "app/screens/model/screen.hpp"
+#include "tests/support/laser_unit.hpp"
+#include "tests/support/screen_driver.hpp"
+
+namespace ecs::app {
+namespace {
+
+using namespace screen_test;
+
+constexpr const char* kScaleOfX = "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\n";
+
+/// A line of X of the mill, and a model of it.
+struct MillModel {
+  explicit MillModel(const StateFolder& folder)
+      : files{folder.with("model.toml", kScaleOfX),
+              {folder.with("EXX.csv", measured_csv(kPositioning, [](double p) { return 0.02 * p; }))},
+              "samples/mill/machine.toml",
+              {}} {}
+  [[nodiscard]] ModelScreen screen(const std::string& link) const {
+    auto controller = ModelController::open(files, std::make_shared<UnitConnection>(link));
+    REQUIRE(controller);
+    return ModelScreen(std::move(*controller));
+  }
+  ModelArguments files;
+};
+
+/// Through all questions but the last, with the proposed answers.
+void build_map(ModelScreen& screen, const std::string& map) {
+  (void)letter(screen, 'm');
+  if (contains(picture(screen), "Save the model first?")) (void)letter(screen, 'y');
+  REQUIRE(contains(picture(screen), "write the map to:"));
+  replace_line(screen, map);
+  REQUIRE(reads(picture(screen), "parameters of the unit"));
+  REQUIRE(contains(picture(screen), "samples/mill/parameters.toml"));
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(shows(screen, "declared zero because"));
+}
+
+TEST_CASE("a model goes to the unit by keys alone: what it lacks is shown, declared zero, and the map is sent") {
+  const StateFolder folder;
+  PacedUnit unit(folder, "115200");
+  const MillModel mill(folder);
+  const std::string map = folder / "x.csv";
+  {
+    ModelScreen screen = mill.screen(unit.link());
+    build_map(screen, map);
+    CHECK(contains(picture(screen), "EYX  "));
+    CHECK_FALSE(std::filesystem::exists(map));
+    (void)press(screen, Key::Name::enter);
+    REQUIRE(shows(screen, "map written to"));
+    CHECK(contains(ecs::read_file(map).value(), "not measured, no effect in the model"));
+    CHECK(std::filesystem::exists(folder / "x-parameters.toml"));
+    (void)letter(screen, 't');
+    REQUIRE(shows(screen, "Send the map to"));
+    (void)letter(screen, 'y');
+    REQUIRE(shows(screen, "and verified"));
+    (void)letter(screen, 'c');
+    CHECK(contains(picture(screen), "Switch the unit to compensation?"));
+    (void)letter(screen, 'n');
+  }
+  CHECK(ran_text({"map", "verify", map, "--params", folder / "x-parameters.toml", "--link", unit.link()})
+            .starts_with("0 "));
+}
+
+TEST_CASE("a map that exists is overwritten only after a question") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  const std::string map = folder.with("x.csv", "mine");
+  ModelScreen screen = mill.screen(kNoUnit);
+  build_map(screen, map);
+  (void)press(screen, Key::Name::enter);
+  REQUIRE(contains(picture(screen), "Overwrite "));
+  (void)letter(screen, 'n');
+  CHECK(ecs::read_file(map).value() == "mine");
+  build_map(screen, map);
+  (void)press(screen, Key::Name::enter);
+  (void)letter(screen, 'y');
+  REQUIRE(shows(screen, "map written to"));
+}
+
+TEST_CASE("the laser screen opens a map with the parameters beside it, ready to be sent") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  const std::string map = folder / "x.csv";
+  {
+    ModelScreen screen = mill.screen(kNoUnit);
+    build_map(screen, map);
+    (void)press(screen, Key::Name::enter);
+    REQUIRE(shows(screen, "map written to"));
+  }
+  LaserScreenDriver driver;
+  driver.controller().open_map(map);
+  REQUIRE(driver.settled());
+  CHECK(driver.controller().work().map.complete());
+  CHECK_FALSE(driver.controller().would_overwrite());
+  driver.type("6");
+  CHECK(driver.seen().find("nothing is missing") != std::string::npos);
+  driver.type("u");
+  REQUIRE(driver.settled());
+  CHECK_FALSE(driver.controller().work().map.built);
+}
+
+TEST_CASE("any effect is removed, put back and done again, and one is added by its name") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  ModelScreen screen = mill.screen(kNoUnit);
+  const auto wait = [&] {
+    while (screen.advance()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  };
+  (void)letter(screen, 'n');
+  enter(screen, "backlash:X");
+  wait();
+  CHECK(reads(picture(screen), "added backlash:X"));
+  (void)letter(screen, '4');
+  (void)letter(screen, 'x');
+  wait();
+  CHECK(reads(picture(screen), "removed scale:X:EX"));
+  CHECK(reads(picture(screen), "without scale:X:EX"));
+  (void)letter(screen, 'u');
+  wait();
+  CHECK(reads(picture(screen), "taken back: removed scale:X:EX"));
+  (void)letter(screen, 'y');
+  wait();
+  CHECK(reads(picture(screen), "done again: removed scale:X:EX"));
+  (void)letter(screen, 's');
+  const std::string kept = ecs::read_file(mill.files.model).value();
+  CHECK(contains(kept, "backlash"));
+  CHECK_FALSE(contains(kept, "id = \"scale\""));
+}
+
+TEST_CASE("a model that needs nothing keeps its fitted values") {
+  const StateFolder folder;
+  const MillModel mill(folder);
+  ModelScreen screen = mill.screen(kNoUnit);
+  (void)letter(screen, 's');
+  CHECK(contains(ecs::read_file(mill.files.model).value(), "fitted"));
+}
+
+}  // namespace
+}  // namespace ecs::app
